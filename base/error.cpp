@@ -1,0 +1,86 @@
+#include "base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <cstdlib>
+#include <numeric>
+#include <vector>
+
+namespace tessera {
+
+std::string SourcePlace::str() const {
+  if (line <= 0) return file;
+  if (column <= 0) return fmt::format("{}:{}", file, line);
+  return fmt::format("{}:{}:{}", file, line, column);
+}
+
+Error scene_error(const SourcePlace& place, std::string_view found, std::string_view expected) {
+  return Error(ExitCode::bad_scene, fmt::format("{}: {}{}{}", place.str(), found,
+                                                expected.empty() ? "" : "; expected ", expected));
+}
+
+Error scene_error(std::string_view message) {
+  return Error(ExitCode::bad_scene, std::string(message));
+}
+
+Error usage_error(std::string_view message) {
+  return Error(ExitCode::bad_usage, std::string(message));
+}
+
+Error render_error(std::string_view message) {
+  return Error(ExitCode::render_failed, std::string(message));
+}
+
+namespace {
+
+char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+
+/// Levenshtein distance without regard to case, one row at a time.
+size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 0; i < a.size(); ++i) {
+    size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (size_t j = 0; j < b.size(); ++j) {
+      const size_t substituted = diagonal + (lower(a[i]) == lower(b[j]) ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({substituted, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::optional<std::string> nearest_name(std::string_view name,
+                                        std::span<const std::string> candidates) {
+  constexpr size_t kLongestName = 256;
+  if (name.size() > kLongestName) return std::nullopt;
+  const std::string* best = nullptr;
+  size_t best_distance = std::max<size_t>(1, (name.size() + 1) / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    if (candidate.size() > kLongestName) continue;
+    const size_t distance = edit_distance(name, candidate);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = &candidate;
+    }
+  }
+  return best ? std::optional(*best) : std::nullopt;
+}
+
+std::string suggestion(std::string_view name, std::span<const std::string> candidates) {
+  const auto nearest = nearest_name(name, candidates);
+  return nearest ? fmt::format("; did you mean '{}'?", *nearest) : "";
+}
+
+void check_failed(const char* file, int line, const char* condition, const std::string& values) {
+  std::fprintf(stderr, "%s:%d: broken promise: %s (%s)\n", file, line, condition, values.c_str());
+  std::abort();
+}
+
+}  // namespace tessera

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <spdlog/spdlog.h>
+
+#include <string_view>
+
+namespace tessera {
+
+/// Logging goes to standard error through spdlog's default logger. `level` is one of
+/// trace, debug, info, warn, error, off. Call once, before any thread starts.
+void configure_logging(std::string_view level, std::string_view process_name);
+
+}  // namespace tessera

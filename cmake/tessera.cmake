@@ -1,0 +1,78 @@
+# Compiler settings and the one function by which every folder becomes a target.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+option(TESSERA_WERROR "Treat warnings as errors" OFF)
+option(TESSERA_FUZZ "Build the libFuzzer targets (needs Clang)" OFF)
+set(TESSERA_SANITIZE "" CACHE STRING "Comma-separated sanitizers for the whole build")
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE}")
+endif()
+
+add_library(tessera_flags INTERFACE)
+target_include_directories(tessera_flags INTERFACE "${CMAKE_SOURCE_DIR}")
+# Contraction would let the compiler choose where a multiply-add rounds once, so that two builds
+# would render different bits. Errno and FP traps are never read; giving them up changes no result.
+target_compile_options(tessera_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wvla
+  -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-omit-frame-pointer)
+set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
+set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1")
+if(TESSERA_WERROR)
+  target_compile_options(tessera_flags INTERFACE -Werror)
+endif()
+if(TESSERA_SANITIZE)
+  target_compile_options(tessera_flags INTERFACE -fsanitize=${TESSERA_SANITIZE}
+                         -fno-sanitize-recover=all)
+  target_link_options(tessera_flags INTERFACE -fsanitize=${TESSERA_SANITIZE})
+endif()
+if(TESSERA_FUZZ)
+  target_compile_options(tessera_flags INTERFACE -fsanitize=fuzzer-no-link)
+endif()
+
+# tessera_room(PATH [USES room...] [LINKS target...])
+#   Makes the folder PATH (from the repository's root) a library of every .cpp file in it; with no
+#   .cpp it is header-only. USES names the rooms whose headers it may include: its allowed arrows,
+#   written to rooms.txt and held against the #include lines by tests/architecture. LINKS names
+#   libraries from outside.
+function(tessera_room path)
+  cmake_parse_arguments(ROOM "" "" "USES;LINKS" ${ARGN})
+  string(REPLACE "/" "_" target "${path}")
+  file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/${path}/*.cpp")
+  list(FILTER sources EXCLUDE REGEX "_main\\.cpp$")
+  if(sources)
+    set(scope PUBLIC)
+    add_library(${target} STATIC ${sources})
+  else()
+    set(scope INTERFACE)
+    add_library(${target} INTERFACE)
+  endif()
+  string(REPLACE "/" "_" uses "${ROOM_USES}")
+  target_link_libraries(${target} ${scope} tessera_flags ${uses} ${ROOM_LINKS})
+  string(REPLACE ";" " " uses "${ROOM_USES}")
+  set_property(GLOBAL APPEND PROPERTY TESSERA_ROOMS "${path}: ${uses}")
+endfunction()
+
+# tessera_program(NAME MAIN [USES room...] [LINKS target...]): one executable from one _main.cpp.
+function(tessera_program name main)
+  cmake_parse_arguments(PROGRAM "" "" "USES;LINKS" ${ARGN})
+  add_executable(${name} "${main}")
+  string(REPLACE "/" "_" uses "${PROGRAM_USES}")
+  target_link_libraries(${name} PRIVATE tessera_flags ${uses} ${PROGRAM_LINKS})
+endfunction()
+
+function(tessera_write_rooms file)
+  get_property(rooms GLOBAL PROPERTY TESSERA_ROOMS)
+  string(REPLACE ";" "\n" text "${rooms}")
+  file(WRITE "${file}" "${text}\n")
+endfunction()

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "base/digest.h"
+
+namespace tessera {
+
+/// Immutable bytes, shared by whoever holds them; the bytes never move.
+using BlobData = std::shared_ptr<const std::vector<std::byte>>;
+
+/// The blobs of a scene in memory, by digest. Not thread-safe while it is being filled.
+class BlobStore {
+ public:
+  /// Keeps `bytes` and returns their name.
+  Digest put(std::vector<std::byte> bytes);
+  /// Keeps `bytes` under a name that the caller has verified.
+  void put(const Digest& digest, BlobData bytes);
+  /// The blob of that name, or null.
+  BlobData find(const Digest& digest) const;
+  size_t size() const { return blobs_.size(); }
+  const std::unordered_map<Digest, BlobData>& all() const { return blobs_; }
+
+ private:
+  std::unordered_map<Digest, BlobData> blobs_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "renderer/math/bounds.h"
+#include "renderer/shapes/ray.h"
+#include "renderer/shapes/shape.h"
+
+namespace tessera {
+
+enum class AcceleratorKind { bvh, octree, nonuniform_octree, embree, linear };
+
+std::optional<AcceleratorKind> parse_accelerator(std::string_view name);
+
+struct AcceleratorStatistics {
+  size_t primitives = 0, nodes = 0, leaves = 0, references = 0, bytes = 0;
+  int depth = 0;
+  double build_seconds = 0;
+};
+
+/// Finds hits among many primitives. Every kind returns the same bits, those of a linear scan.
+/// Immutable after construction; all calls may run on many threads and none allocates.
+class Accelerator {
+ public:
+  virtual ~Accelerator() = default;
+  virtual Bounds3 bounds() const = 0;
+  /// As Shape::closest_hit.
+  virtual bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const = 0;
+  /// As Shape::any_hit.
+  virtual bool any_hit(const Ray& ray, TraversalCounters& counters) const = 0;
+  virtual AcceleratorStatistics statistics() const = 0;
+};
+
+}  // namespace tessera

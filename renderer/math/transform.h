@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+
+#include "renderer/math/bounds.h"
+#include "renderer/math/vec.h"
+
+namespace tessera {
+
+/// A 3x4 matrix acting on columns: the fourth row is (0, 0, 0, 1).
+struct Affine {
+  std::array<std::array<double, 4>, 3> m{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+
+  Point3 operator()(const Point3& p) const;
+  Vec3 operator()(const Vec3& v) const;
+  double determinant() const;   ///< of the 3x3 part
+  friend bool operator==(const Affine&, const Affine&) = default;
+};
+
+/// a(b(p)).
+Affine operator*(const Affine& a, const Affine& b);
+/// By cofactors; the caller makes sure that the determinant is neither zero nor not finite.
+Affine inverse(const Affine& a);
+
+Affine translation(const Vec3& by);
+Affine scaling(const Vec3& by);
+/// Right-handed turn by `angle` radians about `axis` (any length but 0), by Rodrigues' formula with
+/// portable sine and cosine.
+Affine rotation(const Vec3& axis, double angle);
+/// The frame at `eye` whose -z axis points at `target` and whose +y is as near to `up` as can be.
+/// Where the view is along `up`, +x takes its place, then +z.
+Affine look_at(const Point3& eye, const Point3& target, const Vec3& up);
+
+/// An invertible affine map with its inverse at hand.
+class Transform {
+ public:
+  Transform() = default;
+  explicit Transform(const Affine& to) : to_(to), from_(inverse(to)) {}
+
+  const Affine& matrix() const { return to_; }
+  const Affine& inverse_matrix() const { return from_; }
+  bool mirrors() const { return to_.determinant() < 0; }
+
+  Point3 point(const Point3& p) const { return to_(p); }
+  Vec3 vector(const Vec3& v) const { return to_(v); }
+  /// By the inverse transpose; not of unit length.
+  Normal3 normal(const Normal3& n) const;
+  Point3 inverse_point(const Point3& p) const { return from_(p); }
+  Vec3 inverse_vector(const Vec3& v) const { return from_(v); }
+  /// The box of the eight mapped corners, grown outward by the rounding error.
+  Bounds3 bounds(const Bounds3& b) const;
+  /// Bound on the absolute error of point(p) where p is known to within `error` (PBRT 4ed, 6.8.1).
+  Vec3 point_error(const Point3& p, const Vec3& error) const;
+
+ private:
+  Affine to_, from_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "renderer/math/bounds.h"
+#include "renderer/math/color.h"
+#include "renderer/shapes/ray.h"
+
+namespace tessera {
+
+/// Work done while following rays; one per thread, added up per tile.
+struct TraversalCounters {
+  uint64_t node_visits = 0;
+  uint64_t primitive_tests = 0;
+};
+
+/// A point of a surface in its shape's frame. `point_error` bounds the distance of `point` from the
+/// true surface on each axis (PBRT 4ed, 6.8).
+struct LocalSurface {
+  Point3 point;
+  Vec3 point_error;
+  Normal3 geometric_normal;   ///< unit; out of a solid, or by counter-clockwise winding
+  Normal3 shading_normal;     ///< unit; equals geometric_normal where nothing smooths it
+  Vec2 uv;
+  Vec3 dpdu, dpdv;            ///< derivatives of the point by uv; zero where there is no uv
+  Color vertex_color = kWhite;
+  double vertex_alpha = 1;
+  bool has_vertex_color = false;
+  uint32_t material = 0;      ///< index into the shape's materials
+};
+
+/// A surface in its own frame. Immutable after construction; all calls may run on many threads.
+class Shape {
+ public:
+  virtual ~Shape() = default;
+  virtual Bounds3 bounds() const = 0;
+  /// Replaces `hit` by a hit of this shape that is nearer, or equally near with a smaller primitive
+  /// number, inside (ray.t_min, min(ray.t_max, hit.t)]; says whether it did. Leaves hit.instance.
+  virtual bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const = 0;
+  /// Whether anything is hit inside (ray.t_min, ray.t_max).
+  virtual bool any_hit(const Ray& ray, TraversalCounters& counters) const = 0;
+  /// What lies at a hit that closest_hit reported for this ray.
+  virtual LocalSurface surface(const Ray& ray, const Hit& hit) const = 0;
+  virtual size_t primitive_count() const { return 1; }
+};
+
+}  // namespace tessera
