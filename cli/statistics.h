@@ -1,0 +1,31 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "coordinator/job.h"
+#include "proto/tessera/v1/farm.pb.h"
+
+namespace tessera {
+
+/// Wall-clock seconds of the phases that this process goes through by itself.
+struct PhaseSeconds {
+  double parse = 0;
+  double write = 0;
+  double total = 0;
+};
+
+/// All that --stats tells about one frame.
+struct FrameStatistics {
+  std::string scene_digest;
+  v1::FrameSettings frame;
+  PhaseSeconds seconds;
+  JobReport report;
+  std::string pixels_sha256;
+};
+
+/// The JSON object of --stats; docs/statistics names its fields. Counters of the report whose name
+/// begins with "skip_" appear under "skips".
+nlohmann::json statistics_json(const FrameStatistics& statistics);
+
+}  // namespace tessera

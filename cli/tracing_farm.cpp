@@ -1,0 +1,101 @@
+#include "cli/tracing_farm.h"
+
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "coordinator/job_client.h"
+#include "coordinator/local_workers.h"
+#include "coordinator/render_loop.h"
+#include "proto/transport/memory_transport.h"
+#include "proto/transport/zmq_transport.h"
+#include "renderer/render/tile_renderer.h"
+#include "worker/run_worker.h"
+
+namespace tessera {
+namespace {
+
+constexpr char kFrameIsDone[] = "the frame is done";
+/// What a worker gets to end by itself before it is told by signal.
+constexpr std::chrono::milliseconds kGrace{500};
+
+class LocalFarm : public TracingFarm {
+ public:
+  LocalFarm(int workers, int threads)
+      : workers_({.count = workers, .threads = threads}),
+        loop_(bind_server(workers_.endpoint()), CoordinatorOptions{}) {
+    loop_.watch(&workers_);
+    workers_.start();
+  }
+  ~LocalFarm() override {
+    dismiss();
+    workers_.stop(kGrace);
+  }
+
+  JobResult run(JobSpec job, const ProgressCallback& progress,
+                const std::atomic<bool>& stop) override {
+    return loop_.run(std::move(job), progress, stop);
+  }
+  void dismiss() override {
+    if (!std::exchange(dismissed_, true)) loop_.shut_down(kFrameIsDone);
+  }
+
+ private:
+  LocalWorkers workers_;
+  RenderLoop loop_;
+  bool dismissed_ = false;
+};
+
+class InProcessFarm : public TracingFarm {
+ public:
+  explicit InProcessFarm(int threads)
+      : loop_(network_.server(), CoordinatorOptions{}),
+        worker_([this, threads, client = network_.client()] {
+          run_worker(*client, {.threads = threads, .make_renderer = make_tile_renderer}, stop_);
+        }) {}
+  ~InProcessFarm() override {
+    stop_ = true;
+    loop_.shut_down(kFrameIsDone);
+    worker_.join();
+  }
+
+  JobResult run(JobSpec job, const ProgressCallback& progress,
+                const std::atomic<bool>& stop) override {
+    return loop_.run(std::move(job), progress, stop);
+  }
+
+ private:
+  MemoryNetwork network_;
+  RenderLoop loop_;
+  std::atomic<bool> stop_{false};
+  std::thread worker_;
+};
+
+class RemoteFarm : public TracingFarm {
+ public:
+  explicit RemoteFarm(const std::string& endpoint) : transport_(connect_client(endpoint)) {}
+
+  JobResult run(JobSpec job, const ProgressCallback& progress,
+                const std::atomic<bool>& stop) override {
+    return run_remote_job(*transport_, job, progress, stop);
+  }
+
+ private:
+  std::unique_ptr<ClientTransport> transport_;
+};
+
+}  // namespace
+
+std::unique_ptr<TracingFarm> start_local_workers(int workers, int threads) {
+  return std::make_unique<LocalFarm>(workers, threads);
+}
+
+std::unique_ptr<TracingFarm> start_in_process(int threads) {
+  return std::make_unique<InProcessFarm>(threads);
+}
+
+std::unique_ptr<TracingFarm> connect_to_farm(const std::string& endpoint) {
+  return std::make_unique<RemoteFarm>(endpoint);
+}
+
+}  // namespace tessera
