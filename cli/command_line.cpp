@@ -18,7 +18,8 @@ constexpr char kDescription[] =
     "for any number of them.";
 constexpr char kFooter[] =
     "Examples:\n"
-    "  tessera render bunny.obj                           bunny.png, on every core of this machine\n"
+    "  tessera render bunny.obj                           bunny.png, on every core of this "
+    "machine\n"
     "  tessera render room.x3d -o room.exr --size 1920x1080 --spp 64\n"
     "  tessera info room.x3d                              what a scene holds, without rendering\n"
     "  tessera compare room.png room-before.png           do two pictures differ, and where\n"
@@ -51,15 +52,15 @@ void check_command_name(const CLI::App& app, int argc, const char* const* argv) 
   for (const std::string& known : names) {
     if (name == known) return;
   }
-  throw usage_error(fmt::format("'{}' is no command{}; try 'tessera --help'", name,
-                                suggestion(name, names)));
+  throw usage_error(
+      fmt::format("'{}' is no command{}; try 'tessera --help'", name, suggestion(name, names)));
 }
 
 /// One clear line for what CLI11 found wrong.
 Error usage_error_from(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-  const std::string help = fmt::format("; try 'tessera {}--help'",
-                                       command == &app ? "" : command->get_name() + " ");
+  const std::string help =
+      fmt::format("; try 'tessera {}--help'", command == &app ? "" : command->get_name() + " ");
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
     const std::vector<std::string> extras = command->remaining();
     const std::string extra = extras.empty() ? app.remaining(true).front() : extras.front();
@@ -67,8 +68,8 @@ Error usage_error_from(const CLI::App& app, const CLI::ParseError& error) {
     if (!name.starts_with("-")) {
       return usage_error(fmt::format("'{}' is one argument too many{}", extra, help));
     }
-    return usage_error(fmt::format("'{}' is no option{}{}", name,
-                                   suggestion(name, option_names(*command)), help));
+    return usage_error(
+        fmt::format("'{}' is no option{}{}", name, suggestion(name, option_names(*command)), help));
   }
   return usage_error(error.what() + help);
 }

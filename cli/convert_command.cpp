@@ -17,9 +17,9 @@ struct ConvertOptions {
 
 ExitCode convert(const ConvertOptions& options) {
   if (!scene_encoding_of(options.output)) {
-    throw usage_error(fmt::format(
-        "'{}': no format to write; expected an ending of .tessera, .tesserab or .json",
-        options.output));
+    throw usage_error(
+        fmt::format("'{}': no format to write; expected an ending of .tessera, .tesserab or .json",
+                    options.output));
   }
   check_output_file("OUT", options.output);
   const LoadedScene loaded = read_scene(options.input);

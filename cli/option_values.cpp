@@ -66,9 +66,9 @@ void check_frame_size(std::string_view what, int64_t width, int64_t height) {
 FrameSize parse_size(std::string_view option, std::string_view text) {
   const auto sides = split_numbers(text, 'x');
   if (!sides || sides->size() != 2) {
-    throw bad_value(option, text,
-                    fmt::format("WIDTHxHEIGHT, whole numbers from 1 to {}, such as 1920x1080",
-                                kMaxFrameSide));
+    throw bad_value(
+        option, text,
+        fmt::format("WIDTHxHEIGHT, whole numbers from 1 to {}, such as 1920x1080", kMaxFrameSide));
   }
   check_frame_size(option, (*sides)[0], (*sides)[1]);
   return {(*sides)[0], (*sides)[1]};
@@ -80,7 +80,8 @@ PixelRect parse_crop(std::string_view option, std::string_view text) {
     const PixelRect rect{(*corners)[0], (*corners)[1], (*corners)[2], (*corners)[3]};
     if (rect.x0 >= 0 && rect.y0 >= 0 && rect.x0 < rect.x1 && rect.y0 < rect.y1) return rect;
   }
-  throw bad_value(option, text, "X0,Y0,X1,Y1 with 0 <= X0 < X1 and 0 <= Y0 < Y1, such as 0,0,64,64");
+  throw bad_value(option, text,
+                  "X0,Y0,X1,Y1 with 0 <= X0 < X1 and 0 <= Y0 < Y1, such as 0,0,64,64");
 }
 
 FrameRange parse_frames(std::string_view option, std::string_view text) {

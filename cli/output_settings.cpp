@@ -9,19 +9,27 @@ namespace {
 
 ToneCurve tone_curve(v1::Output::ToneMap tone_map) {
   switch (tone_map) {
-    case v1::Output::REINHARD: return ToneCurve::reinhard;
-    case v1::Output::REINHARD_LUMINANCE: return ToneCurve::reinhard_luminance;
-    case v1::Output::FILMIC: return ToneCurve::filmic;
-    case v1::Output::LINEAR: return ToneCurve::linear;
-    default: return ToneCurve::clamp;
+    case v1::Output::REINHARD:
+      return ToneCurve::reinhard;
+    case v1::Output::REINHARD_LUMINANCE:
+      return ToneCurve::reinhard_luminance;
+    case v1::Output::FILMIC:
+      return ToneCurve::filmic;
+    case v1::Output::LINEAR:
+      return ToneCurve::linear;
+    default:
+      return ToneCurve::clamp;
   }
 }
 
 TransferCurve transfer_curve(v1::Output::Transfer transfer) {
   switch (transfer) {
-    case v1::Output::DISPLAY: return TransferCurve::display;
-    case v1::Output::GAMMA: return TransferCurve::gamma;
-    default: return TransferCurve::srgb;
+    case v1::Output::DISPLAY:
+      return TransferCurve::display;
+    case v1::Output::GAMMA:
+      return TransferCurve::gamma;
+    default:
+      return TransferCurve::srgb;
   }
 }
 

@@ -25,7 +25,7 @@ ProgressStyle progress_style(std::FILE* stream, bool quiet) {
 }
 
 std::string duration_text(double seconds) {
-  if (seconds < 60) return fmt::format(seconds < 10 ? "{:.2f} s" : "{:.1f} s", seconds);
+  if (seconds < 60) return fmt::format("{:.{}f} s", seconds, seconds < 10 ? 2 : 1);
   const auto whole = static_cast<int64_t>(seconds + 0.5);
   if (whole < 3600) return fmt::format("{}:{:02}", whole / 60, whole % 60);
   return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
@@ -40,8 +40,8 @@ std::string progress_text(const JobProgress& progress, bool with_bar) {
     text = fmt::format("[{:=<{}}{}{: <{}}] ", "", filled, filled < kBarWidth ? ">" : "", "",
                        filled < kBarWidth ? kBarWidth - filled - 1 : 0);
   }
-  text += fmt::format("{:3.0f} %  {}/{} tiles", share * 100, progress.tiles_done,
-                      progress.tiles_total);
+  text +=
+      fmt::format("{:3.0f} %  {}/{} tiles", share * 100, progress.tiles_done, progress.tiles_total);
   if (progress.workers > 0) {
     text += fmt::format("  {} worker{}", progress.workers, progress.workers == 1 ? "" : "s");
   }

@@ -41,7 +41,8 @@ class ProgressDisplay {
 /// What to do on `stream`: nothing if `quiet`, a bar on a terminal, lines elsewhere.
 ProgressStyle progress_style(std::FILE* stream, bool quiet);
 
-/// One progress line without its end, such as "[=====>     ]  42%  21/50 tiles  4 workers  ETA 0:07".
+/// One progress line without its end, such as "[=====>     ]  42%  21/50 tiles  4 workers  ETA
+/// 0:07".
 std::string progress_text(const JobProgress& progress, bool with_bar);
 
 /// "0.42 s", "12.3 s", "2:05", "1:02:05".

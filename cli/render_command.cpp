@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -58,14 +59,16 @@ class RenderRun {
   }
 
  private:
-  std::filesystem::path path_for(const std::filesystem::path& path, std::optional<int> frame) const {
+  std::filesystem::path path_for(const std::filesystem::path& path,
+                                 std::optional<int> frame) const {
     return frame ? numbered_path(path, *frame) : path;
   }
 
   /// What cannot be written in the end is better known before.
   void check_outputs() const {
     if (options_.resume) {
-      throw usage_error("--resume: does not exist yet in this version, which keeps no finished tiles");
+      throw usage_error(
+          "--resume: does not exist yet in this version, which keeps no finished tiles");
     }
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
     for (const auto& path : picture_paths(options_)) check_writable(path_for(path, first));

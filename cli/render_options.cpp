@@ -23,7 +23,8 @@ const std::array<std::string, 2> kBuiltAccelerators{"bvh", "linear"};
 const std::array<std::string, 3> kIntegrators{"auto", "whitted", "path"};
 const std::array<std::string, 2> kBuiltIntegrators{"auto", "whitted"};
 
-/// A name of the contract that this version does not build yet is told apart from a slip of the pen.
+/// A name of the contract that this version does not build yet is told apart from a slip of the
+/// pen.
 std::string built_choice(std::string_view option, const std::string& text,
                          std::span<const std::string> names, std::span<const std::string> built) {
   parse_choice(option, text, names);
@@ -78,10 +79,9 @@ void add_tracing_options(CLI::App& command, RenderOptions& options) {
       [&options](const std::string& text) {
         options.accelerator = built_choice("--accel", text, kAccelerators, kBuiltAccelerators);
       });
-  add("--integrator", "KIND", "auto, whitted or path [auto]",
-      [&options](const std::string& text) {
-        options.integrator = built_choice("--integrator", text, kIntegrators, kBuiltIntegrators);
-      });
+  add("--integrator", "KIND", "auto, whitted or path [auto]", [&options](const std::string& text) {
+    options.integrator = built_choice("--integrator", text, kIntegrators, kBuiltIntegrators);
+  });
 }
 
 void add_farm_options(CLI::App& command, RenderOptions& options) {
@@ -105,8 +105,7 @@ void add_farm_options(CLI::App& command, RenderOptions& options) {
       });
   add("--connect", "ENDPOINT", "Let the farm of a running 'tessera serve' do it, tcp://HOST:PORT",
       [&options](const std::string& text) { options.connect = text; });
-  command
-      .add_flag("--resume", options.resume, "Take up an interrupted render of the same picture")
+  command.add_flag("--resume", options.resume, "Take up an interrupted render of the same picture")
       ->group("Who does the work");
 }
 
@@ -136,18 +135,18 @@ void check_camera(const std::string& name, const v1::Scene& scene) {
     if (camera.name() == name) return;
     if (!camera.name().empty()) names.push_back(camera.name());
   }
-  throw usage_error(fmt::format("--camera: '{}' is not in the scene, which has {}{}", name,
-                                names.empty() ? "no named camera"
-                                              : fmt::format("{}", fmt::join(names, ", ")),
-                                suggestion(name, names)));
+  throw usage_error(
+      fmt::format("--camera: '{}' is not in the scene, which has {}{}", name,
+                  names.empty() ? "no named camera" : fmt::format("{}", fmt::join(names, ", ")),
+                  suggestion(name, names)));
 }
 
 double frame_time(const RenderOptions& options, const v1::Settings& settings,
                   std::optional<int> frame) {
   if (options.time) return *options.time;
   if (!frame) return settings.time();
-  const double rate = settings.frames().has_per_second() ? settings.frames().per_second()
-                                                         : kDefaultFramesPerSecond;
+  const double rate =
+      settings.frames().has_per_second() ? settings.frames().per_second() : kDefaultFramesPerSecond;
   if (!(rate > 0)) throw scene_error(fmt::format("settings: {} frames per second", rate));
   return *frame / rate;
 }
@@ -188,15 +187,15 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
     const int64_t height = ranged_setting("height", settings.has_height(), settings.height(),
                                           kDefaultHeight, kMaxFrameSide);
     if (width * height > kMaxFramePixels) {
-      throw scene_error(fmt::format("settings: {}x{} are more than {} pixels", width, height,
-                                    kMaxFramePixels));
+      throw scene_error(
+          fmt::format("settings: {}x{} are more than {} pixels", width, height, kMaxFramePixels));
     }
     result.set_width(static_cast<uint32_t>(width));
     result.set_height(static_cast<uint32_t>(height));
   }
-  result.set_samples_per_pixel(options.samples_per_pixel.value_or(static_cast<uint32_t>(
-      ranged_setting("samples_per_pixel", sampling.has_samples_per_pixel(),
-                     sampling.samples_per_pixel(), 1, kMaxSamplesPerPixel))));
+  result.set_samples_per_pixel(options.samples_per_pixel.value_or(
+      static_cast<uint32_t>(ranged_setting("samples_per_pixel", sampling.has_samples_per_pixel(),
+                                           sampling.samples_per_pixel(), 1, kMaxSamplesPerPixel))));
   result.set_seed(options.seed.value_or(sampling.seed()));
   const v1::IntegratorSettings& integrator = settings.integrator();
   result.set_integrator(

@@ -43,7 +43,8 @@ struct RenderOptions {
 /// Adds the options of `render` to its command; `options` must outlive the parsing.
 void add_render_options(CLI::App& command, RenderOptions& options);
 
-/// Where the pictures go: the outputs asked for, or the scene's name with .png in the current folder.
+/// Where the pictures go: the outputs asked for, or the scene's name with .png in the current
+/// folder.
 std::vector<std::filesystem::path> picture_paths(const RenderOptions& options);
 
 /// "dir/name.png" for frame 7 is "dir/name.0007.png".

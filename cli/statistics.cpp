@@ -61,17 +61,17 @@ json statistics_json(const FrameStatistics& statistics) {
   result["seed"] = frame.seed();
   result["integrator"] = frame.integrator();
   result["accelerator"] = frame.accelerator();
-  result["seconds"] = {{"parse", statistics.seconds.parse},   {"build", report.build_seconds},
-                       {"trace", report.trace_seconds},       {"assemble", report.assemble_seconds},
-                       {"write", statistics.seconds.write},   {"total", statistics.seconds.total}};
+  result["seconds"] = {{"parse", statistics.seconds.parse}, {"build", report.build_seconds},
+                       {"trace", report.trace_seconds},     {"assemble", report.assemble_seconds},
+                       {"write", statistics.seconds.write}, {"total", statistics.seconds.total}};
   result["rays"] = rays_json(report.counters);
   for (const char* name : {"hits", "node_visits", "primitive_tests"}) {
     result[name] = counter(report.counters, name);
   }
   result["skips"] = skips_json(report.counters);
-  result["tiles"] = {{"total", report.tiles_total},          {"done", report.tiles_done},
-                     {"failed", report.holes.size()},        {"retries", report.retries},
-                     {"speculative", report.speculative},    {"duplicates", report.duplicates},
+  result["tiles"] = {{"total", report.tiles_total},       {"done", report.tiles_done},
+                     {"failed", report.holes.size()},     {"retries", report.retries},
+                     {"speculative", report.speculative}, {"duplicates", report.duplicates},
                      {"mismatches", report.mismatches}};
   result["workers"] = {{"seen", report.workers_seen}, {"lost", report.workers_lost}};
   result["bytes_shipped"] = report.bytes_scene + report.bytes_results;

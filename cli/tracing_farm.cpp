@@ -19,11 +19,24 @@ constexpr char kFrameIsDone[] = "the frame is done";
 /// What a worker gets to end by itself before it is told by signal.
 constexpr std::chrono::milliseconds kGrace{500};
 
+LocalWorkerOptions worker_options(int workers, int threads) {
+  LocalWorkerOptions options;
+  options.count = workers;
+  options.threads = threads;
+  return options;
+}
+
+CoordinatorOptions coordinator_options(int expected_workers) {
+  CoordinatorOptions options;
+  options.expected_workers = expected_workers;
+  return options;
+}
+
 class LocalFarm : public TracingFarm {
  public:
   LocalFarm(int workers, int threads)
-      : workers_({.count = workers, .threads = threads}),
-        loop_(bind_server(workers_.endpoint()), CoordinatorOptions{}) {
+      : workers_(worker_options(workers, threads)),
+        loop_(bind_server(workers_.endpoint()), coordinator_options(workers * threads)) {
     loop_.watch(&workers_);
     workers_.start();
   }
@@ -49,9 +62,12 @@ class LocalFarm : public TracingFarm {
 class InProcessFarm : public TracingFarm {
  public:
   explicit InProcessFarm(int threads)
-      : loop_(network_.server(), CoordinatorOptions{}),
+      : loop_(network_.server(), coordinator_options(threads)),
         worker_([this, threads, client = network_.client()] {
-          run_worker(*client, {.threads = threads, .make_renderer = make_tile_renderer}, stop_);
+          WorkerOptions options;
+          options.threads = threads;
+          options.make_renderer = make_tile_renderer;
+          run_worker(*client, options, stop_);
         }) {}
   ~InProcessFarm() override {
     stop_ = true;

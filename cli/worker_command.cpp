@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <memory>
 #include <thread>
@@ -30,13 +31,13 @@ ExitCode work(const WorkerCommandOptions& options) {
   if (options.parent > 0) std::signal(SIGINT, SIG_IGN);
   configure_logging(options.parent > 0 ? "warn" : "info", "worker");
   const auto transport = connect_client(options.endpoint);
-  const WorkerOptions worker{
-      .threads = options.threads > 0
-                     ? options.threads
-                     : static_cast<int>(std::max(1u, std::thread::hardware_concurrency())),
-      .parent = options.parent,
-      .make_renderer = make_tile_renderer,
-      .protocol_major = options.protocol_major};
+  WorkerOptions worker;
+  worker.threads = options.threads > 0
+                       ? options.threads
+                       : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  worker.parent = options.parent;
+  worker.make_renderer = make_tile_renderer;
+  worker.protocol_major = options.protocol_major;
   const WorkerEnd end = run_worker(*transport, worker, interrupted());
   if (end.exit_code != ExitCode::done) throw Error(end.exit_code, end.reason);
   return end.exit_code;
@@ -51,7 +52,8 @@ void add_worker_command(CLI::App& app, Action& action) {
       "Connects again whenever the connection is lost. Give every machine of a farm one worker.\n"
       "Example:\n"
       "  tessera worker --connect tcp://127.0.0.1:7117 --threads 8");
-  command->add_option("--connect", options->endpoint, "The coordinator, tcp://HOST:PORT or ipc://PATH")
+  command
+      ->add_option("--connect", options->endpoint, "The coordinator, tcp://HOST:PORT or ipc://PATH")
       ->required()
       ->type_name("ENDPOINT");
   command
