@@ -160,7 +160,8 @@ double exponential(DoubleDouble x) {
   const DoubleDouble square = two_product(h, h);
   const DoubleDouble s = fast_two_sum(1, h);
   const DoubleDouble u = fast_two_sum(s.high, 0.5 * square.high);
-  const double tail = h * square.high * p + 0.5 * square.low + low * (1 + h);
+  const double cubic = h * square.high * p;
+  const double tail = cubic + 0.5 * square.low + low * (u.high + cubic);
   return std::ldexp(u.high + (u.low + (s.low + tail)), static_cast<int>(k));
 }
 
