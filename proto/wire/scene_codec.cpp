@@ -72,8 +72,11 @@ v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const st
         pb::util::JsonStringToMessage(pb::StringPiece(text.data(), text.size()), &scene, options);
     if (!status.ok()) throw scene_json_error(name, text, std::string(status.message()));
   }
-  if (const auto field = find_infinite(scene, nullptr))
+  if (const auto field = find_infinite(scene, nullptr)) {
+    if (encoding == SceneEncoding::json)
+      throw scene_json_error(name, text, fmt::format("({}): not finite", field->path));
     throw scene_error({name}, fmt::format("{} is not finite", field->path), "a finite number");
+  }
   return scene;
 }
 

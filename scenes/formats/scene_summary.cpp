@@ -1,7 +1,5 @@
 #include "scenes/formats/scene_summary.h"
 
 namespace tessera {
-SceneSummary summarize(const v1::Scene&, const BlobStore&) {
-  return {};
-}
+SceneSummary summarize(const v1::Scene&, const BlobStore&) { return {}; }
 }  // namespace tessera
