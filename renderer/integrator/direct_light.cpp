@@ -26,8 +26,7 @@ Color clear_transmittance(const Scene& scene, Ray ray, TraceCounters& counters) 
   while (!is_black(left)) {
     Hit hit;
     if (!scene.clear_occluders->closest_hit(ray, hit, counters.traversal)) break;
-    const SurfacePoint point =
-        surface_point(scene, scene.clear_instances[hit.instance], ray, hit);
+    const SurfacePoint point = surface_point(scene, scene.clear_instances[hit.instance], ray, hit);
     const Coverage coverage = straight_coverage(point);
     const bool bends = point.material->transmission == Transmission::refract && !point.is_hidden &&
                        point.surface.vertex_alpha >= 1;
@@ -94,7 +93,8 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
       continue;
     }
     if constexpr (kShadows) {
-      if (light.casts_shadow) arriving = arriving * visibility(scene, point, light, sample, counters);
+      if (light.casts_shadow)
+        arriving = arriving * visibility(scene, point, light, sample, counters);
     }
     sum += arriving * share;
   }

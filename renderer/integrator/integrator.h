@@ -14,23 +14,23 @@ namespace tessera {
 struct TraceCounters {
   TraversalCounters traversal;
   uint64_t rays_primary = 0, rays_shadow = 0, rays_reflection = 0, rays_refraction = 0;
-  uint64_t hits = 0;                  ///< of all but shadow rays
-  uint64_t shadow_rays_skipped = 0;   ///< lights whose share is zero whatever is in the way
+  uint64_t hits = 0;                 ///< of all but shadow rays
+  uint64_t shadow_rays_skipped = 0;  ///< lights whose share is zero whatever is in the way
   uint64_t samples = 0;
-  uint64_t nan_samples = 0;           ///< results that were no finite colour, counted as black
+  uint64_t nan_samples = 0;  ///< results that were no finite colour, counted as black
 
   void add_to(CounterMap& map) const;
 };
 
 /// A stretch of a path that is still to be followed.
 struct PathSegment {
-  Ray ray;                            ///< its direction is of unit length
+  Ray ray;  ///< its direction is of unit length
   Color throughput = kWhite;
-  Color medium = kBlack;              ///< absorption per metre along it
-  double path_length = 0;             ///< metres from the camera to its origin
-  double view_distance = 0;           ///< metres back to the viewer or the last bend, for fog
-  uint32_t depth = 0;                 ///< reflections and refractions so far
-  uint32_t passes = 0;                ///< surfaces passed unbent so far
+  Color medium = kBlack;     ///< absorption per metre along it
+  double path_length = 0;    ///< metres from the camera to its origin
+  double view_distance = 0;  ///< metres back to the viewer or the last bend, for fog
+  uint32_t depth = 0;        ///< reflections and refractions so far
+  uint32_t passes = 0;       ///< surfaces passed unbent so far
 };
 
 /// The key of a sample's numbers.

@@ -10,10 +10,10 @@ namespace tessera {
 struct SurfacePoint {
   SurfaceInteraction surface;
   const Material* material = nullptr;
-  Vec3 geometric_normal;    ///< unit, towards the viewer
-  Vec3 normal;              ///< unit, for shading
-  bool is_back = false;     ///< the ray met the back of the surface: it was inside
-  bool is_hidden = false;   ///< a back face that is not there
+  Vec3 geometric_normal;   ///< unit, towards the viewer
+  Vec3 normal;             ///< unit, for shading
+  bool is_back = false;    ///< the ray met the back of the surface: it was inside
+  bool is_hidden = false;  ///< a back face that is not there
 };
 
 SurfacePoint surface_point(const Scene& scene, uint32_t instance_index, const Ray& ray,

@@ -13,9 +13,9 @@ namespace tessera {
 /// A place in the description, as a chain on the stack: spelt out only when an error needs it.
 struct Where {
   const Where* parent = nullptr;
-  const char* kind = "";          ///< "material", "node" ...
+  const char* kind = "";  ///< "material", "node" ...
   std::string_view name{};
-  int index = -1;                 ///< counts from 0; shown where there is no name
+  int index = -1;  ///< counts from 0; shown where there is no name
 
   /// "node 'hall' > node 3 > shape".
   std::string str() const;
@@ -31,8 +31,8 @@ struct Where {
 struct Range {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  bool above_min = false;         ///< min itself is not allowed
-  bool below_max = false;         ///< max itself is not allowed
+  bool above_min = false;  ///< min itself is not allowed
+  bool below_max = false;  ///< max itself is not allowed
 };
 inline constexpr Range kAnyNumber{};
 inline constexpr Range kNotNegative{.min = 0};

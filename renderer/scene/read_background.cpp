@@ -38,7 +38,7 @@ std::array<Vec3, 3> rotation_rows(const Affine& m) {
   const Vec3 z_raw{m.m[0][2], m.m[1][2], m.m[2][2]};
   Vec3 z = cross(x, y);
   if (dot(z, z_raw) < 0) z = -z;
-  return {x, y, z};   // the columns of world from background are the rows of its inverse
+  return {x, y, z};  // the columns of world from background are the rows of its inverse
 }
 
 }  // namespace
@@ -47,23 +47,30 @@ Background read_background(const v1::Background& in) {
   const Where where{.kind = "background"};
   Background out;
   switch (in.kind_case()) {
-    case v1::Background::kSolid: out.sky = checked(where, "solid", in.solid()); break;
+    case v1::Background::kSolid:
+      out.sky = checked(where, "solid", in.solid());
+      break;
     case v1::Background::kGradient:
       out.kind = in.gradient().model() == v1::Background::Gradient::ABSOLUTE_Y
-                     ? BackgroundKind::gradient_absolute : BackgroundKind::gradient_linear;
+                     ? BackgroundKind::gradient_absolute
+                     : BackgroundKind::gradient_linear;
       out.sky = checked(where, "gradient.sky", in.gradient().sky());
       out.ground = checked(where, "gradient.ground", in.gradient().ground());
       break;
     case v1::Background::kRings:
       out.kind = BackgroundKind::rings;
-      out.sky_rings =
-          read_rings(where, "sky", in.rings().sky(), in.rings().sky_angles(), 180);
+      out.sky_rings = read_rings(where, "sky", in.rings().sky(), in.rings().sky_angles(), 180);
       out.ground_rings =
           read_rings(where, "ground", in.rings().ground(), in.rings().ground_angles(), 90);
       break;
-    case v1::Background::kPanorama: fail_unsupported(where, "a panorama"); break;
-    case v1::Background::kSunAndSky: fail_unsupported(where, "sun_and_sky"); break;
-    case v1::Background::KIND_NOT_SET: break;
+    case v1::Background::kPanorama:
+      fail_unsupported(where, "a panorama");
+      break;
+    case v1::Background::kSunAndSky:
+      fail_unsupported(where, "sun_and_sky");
+      break;
+    case v1::Background::KIND_NOT_SET:
+      break;
   }
   if (in.has_cube()) fail_unsupported(where, "a cube of pictures");
   out.glow = checked(where, "glow", in.glow(), kNotNegative);

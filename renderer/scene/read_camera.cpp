@@ -1,5 +1,5 @@
-#include <charconv>
 #include <fmt/format.h>
+#include <charconv>
 
 #include <vector>
 
@@ -37,15 +37,23 @@ const v1::Camera& choose_camera(const v1::Scene& scene, const std::string& name)
 
 void read_perspective(const Where& where, const v1::Perspective& in, CameraSettings& out) {
   if (in.has_field_of_view()) {
-    out.field_of_view = portable::radians(
-        checked(where, "perspective.field_of_view", in.field_of_view(),
-                {.min = 0, .max = 180, .above_min = true, .below_max = true}));
+    out.field_of_view =
+        portable::radians(checked(where, "perspective.field_of_view", in.field_of_view(),
+                                  {.min = 0, .max = 180, .above_min = true, .below_max = true}));
   }
   switch (in.axis()) {
-    case v1::Perspective::VERTICAL: out.axis = CameraSettings::Axis::vertical; break;
-    case v1::Perspective::HORIZONTAL: out.axis = CameraSettings::Axis::horizontal; break;
-    case v1::Perspective::LARGER: out.axis = CameraSettings::Axis::larger; break;
-    default: out.axis = CameraSettings::Axis::smaller; break;
+    case v1::Perspective::VERTICAL:
+      out.axis = CameraSettings::Axis::vertical;
+      break;
+    case v1::Perspective::HORIZONTAL:
+      out.axis = CameraSettings::Axis::horizontal;
+      break;
+    case v1::Perspective::LARGER:
+      out.axis = CameraSettings::Axis::larger;
+      break;
+    default:
+      out.axis = CameraSettings::Axis::smaller;
+      break;
   }
 }
 
@@ -72,8 +80,7 @@ void read_panoramic(const Where& where, const v1::Panoramic& in, Projection proj
 
 Affine read_frame(const Where& where, const v1::Camera& camera, bool is_default, double time) {
   if (is_default) return translation({0, 0, 10});
-  const Affine frame =
-      read_transform(where, camera.world_from_camera(), camera.keys(), time);
+  const Affine frame = read_transform(where, camera.world_from_camera(), camera.keys(), time);
   if (!is_invertible(frame)) {
     fail_value(where, "world_from_camera", "flat", "a transform that can be inverted");
   }
@@ -89,15 +96,20 @@ CameraChoice read_camera(const v1::Scene& scene, const std::string& name, double
   CameraSettings& out = choice.settings;
   out.world_from_camera = read_frame(where, camera, scene.cameras_size() == 0, time);
   switch (camera.projection_case()) {
-    case v1::Camera::kPerspective: read_perspective(where, camera.perspective(), out); break;
-    case v1::Camera::kOrthographic: read_orthographic(where, camera.orthographic(), out); break;
+    case v1::Camera::kPerspective:
+      read_perspective(where, camera.perspective(), out);
+      break;
+    case v1::Camera::kOrthographic:
+      read_orthographic(where, camera.orthographic(), out);
+      break;
     case v1::Camera::kSpherical:
       read_panoramic(where, camera.spherical(), Projection::spherical, out);
       break;
     case v1::Camera::kCylindrical:
       read_panoramic(where, camera.cylindrical(), Projection::cylindrical, out);
       break;
-    case v1::Camera::PROJECTION_NOT_SET: break;
+    case v1::Camera::PROJECTION_NOT_SET:
+      break;
   }
   if (camera.lens().radius_x() != 0 || camera.lens().radius_y() != 0) {
     fail_unsupported(where, "a lens");

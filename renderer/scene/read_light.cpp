@@ -38,16 +38,19 @@ void read_kind(const Where& where, const v1::Light& in, Light& out) {
   switch (in.kind_case()) {
     case v1::Light::kDirectional:
       out.kind = LightKind::directional;
-      out.direction = checked_direction(where, "directional.direction",
-                                        in.directional().direction());
+      out.direction =
+          checked_direction(where, "directional.direction", in.directional().direction());
       return;
     case v1::Light::kPoint:
       out.kind = LightKind::point;
       out.position = checked_point(where, "point.position", in.point().position());
       return;
-    case v1::Light::kSpot: return read_spot(where, in.spot(), out);
-    case v1::Light::kCylinder: return read_cylinder(where, in.cylinder(), out);
-    case v1::Light::KIND_NOT_SET: break;
+    case v1::Light::kSpot:
+      return read_spot(where, in.spot(), out);
+    case v1::Light::kCylinder:
+      return read_cylinder(where, in.cylinder(), out);
+    case v1::Light::KIND_NOT_SET:
+      break;
   }
   fail_value(where, "its kind", "missing", "directional, point, spot or cylinder");
 }

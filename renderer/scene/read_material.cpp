@@ -26,10 +26,14 @@ double read_number(const Where& where, std::string_view field, const v1::FloatIn
 
 DiffuseModel read_diffuse_model(const Where& where, v1::Classic::DiffuseModel model) {
   switch (model) {
-    case v1::Classic::LAMBERT: return DiffuseModel::lambert;
-    case v1::Classic::HALF_LAMBERT: return DiffuseModel::half_lambert;
-    case v1::Classic::SIGNED: return DiffuseModel::signed_lambert;
-    default: break;
+    case v1::Classic::LAMBERT:
+      return DiffuseModel::lambert;
+    case v1::Classic::HALF_LAMBERT:
+      return DiffuseModel::half_lambert;
+    case v1::Classic::SIGNED:
+      return DiffuseModel::signed_lambert;
+    default:
+      break;
   }
   fail_value(where, "diffuse_model", std::to_string(model), "LAMBERT, HALF_LAMBERT or SIGNED");
 }
@@ -52,10 +56,10 @@ void read_classic(const Where& where, const v1::Classic& in, Material& out) {
   }
   out.grain = checked(where, "grain", in.grain(), kNotNegative);
   out.diffuse_model = read_diffuse_model(where, in.diffuse_model());
-  out.specular_model = in.specular_model() == v1::Classic::PHONG ? SpecularModel::phong
-                                                                 : SpecularModel::blinn_phong;
-  out.transmission = in.transmission() == v1::Classic::STRAIGHT ? Transmission::straight
-                                                                : Transmission::refract;
+  out.specular_model =
+      in.specular_model() == v1::Classic::PHONG ? SpecularModel::phong : SpecularModel::blinn_phong;
+  out.transmission =
+      in.transmission() == v1::Classic::STRAIGHT ? Transmission::straight : Transmission::refract;
   out.flat = in.flat();
   out.vertex_color_replaces_diffuse = in.vertex_color_replaces_diffuse();
 }
@@ -82,19 +86,36 @@ void apply_alpha(const Where& where, const v1::Material& in, Material& out) {
 Material read_material(const Where& where, const v1::Material& in) {
   Material out;
   switch (in.kind_case()) {
-    case v1::Material::kClassic: read_classic(where, in.classic(), out); break;
-    case v1::Material::kUnlit: read_unlit(where, in.unlit(), out); break;
-    case v1::Material::kPhysical: fail_unsupported(where, "a physical material"); break;
-    case v1::Material::kConductor: fail_unsupported(where, "a conductor material"); break;
-    case v1::Material::kDielectric: fail_unsupported(where, "a dielectric material"); break;
-    case v1::Material::KIND_NOT_SET: break;
+    case v1::Material::kClassic:
+      read_classic(where, in.classic(), out);
+      break;
+    case v1::Material::kUnlit:
+      read_unlit(where, in.unlit(), out);
+      break;
+    case v1::Material::kPhysical:
+      fail_unsupported(where, "a physical material");
+      break;
+    case v1::Material::kConductor:
+      fail_unsupported(where, "a conductor material");
+      break;
+    case v1::Material::kDielectric:
+      fail_unsupported(where, "a dielectric material");
+      break;
+    case v1::Material::KIND_NOT_SET:
+      break;
   }
   if (!in.normal_map().empty()) fail_unsupported(where, "a normal map");
   if (in.has_bump()) fail_unsupported(where, "a bump map");
   switch (in.sides()) {
-    case v1::Material::FRONT_ONLY: out.sides = Sides::front_only; break;
-    case v1::Material::BACK_MATERIAL: out.sides = Sides::back_material; break;
-    default: out.sides = Sides::two_sided; break;
+    case v1::Material::FRONT_ONLY:
+      out.sides = Sides::front_only;
+      break;
+    case v1::Material::BACK_MATERIAL:
+      out.sides = Sides::back_material;
+      break;
+    default:
+      out.sides = Sides::two_sided;
+      break;
   }
   apply_alpha(where, in, out);
   return out;

@@ -34,14 +34,13 @@ std::vector<Value> read_blob(const Where& where, std::string_view field, const v
                fmt::format("a multiple of {}", sizeof(Value)));
   }
   std::vector<Value> values(data->size() / sizeof(Value));
-  if (!values.empty()) std::memcpy(values.data(), data->data(), data->size());
+  if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), data->data(), data->size());
   return values;
 }
 
 /// The in-line numbers as an array of `Value`.
 template <typename Value, typename Numbers>
-std::vector<Value> read_inline(const Where& where, std::string_view field,
-                               const Numbers& numbers) {
+std::vector<Value> read_inline(const Where& where, std::string_view field, const Numbers& numbers) {
   using Number = std::remove_cvref_t<decltype(numbers[0])>;
   constexpr int kWidth = sizeof(Value) / sizeof(Number);
   if (numbers.size() % kWidth != 0) {
@@ -49,7 +48,8 @@ std::vector<Value> read_inline(const Where& where, std::string_view field,
                fmt::format("a multiple of {}", kWidth));
   }
   std::vector<Value> values(static_cast<size_t>(numbers.size() / kWidth));
-  if (!values.empty()) std::memcpy(values.data(), numbers.data(), values.size() * sizeof(Value));
+  if (!values.empty())
+    std::memcpy(static_cast<void*>(values.data()), numbers.data(), values.size() * sizeof(Value));
   return values;
 }
 
@@ -92,7 +92,8 @@ void check_indices(const Where& where, const TriangleMesh& mesh) {
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (const uint32_t index : mesh.triangles[i]) {
       if (index >= vertices) {
-        fail_value(where, fmt::format("triangles[{}]", i), fmt::format("a reference to vertex {}", index),
+        fail_value(where, fmt::format("triangles[{}]", i),
+                   fmt::format("a reference to vertex {}", index),
                    fmt::format("an index below {}", vertices));
       }
     }
@@ -104,7 +105,8 @@ void check_indices(const Where& where, const TriangleMesh& mesh) {
 TriangleMesh read_mesh(const Where& where, const v1::TriangleMesh& in, const BlobStore& blobs,
                        size_t material_count) {
   TriangleMesh mesh;
-  mesh.positions = read_array<Float3>(where, "positions", in.positions(), in.inline_positions(), blobs);
+  mesh.positions =
+      read_array<Float3>(where, "positions", in.positions(), in.inline_positions(), blobs);
   mesh.triangles =
       read_array<TriangleIndices>(where, "triangles", in.triangles(), in.inline_triangles(), blobs);
   mesh.normals = read_array<Float3>(where, "normals", in.normals(), in.inline_normals(), blobs);
@@ -124,7 +126,8 @@ TriangleMesh read_mesh(const Where& where, const v1::TriangleMesh& in, const Blo
   check_indices(where, mesh);
   for (size_t i = 0; i < mesh.face_materials.size(); ++i) {
     if (mesh.face_materials[i] >= std::max<size_t>(material_count, 1)) {
-      fail_value(where, fmt::format("face_materials[{}]", i), std::to_string(mesh.face_materials[i]),
+      fail_value(where, fmt::format("face_materials[{}]", i),
+                 std::to_string(mesh.face_materials[i]),
                  fmt::format("an index below {}, the number of materials", material_count));
     }
   }

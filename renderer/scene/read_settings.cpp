@@ -25,19 +25,24 @@ IntegratorKind read_integrator(const std::string& name) {
 }
 
 int read_side(std::string_view name, uint32_t frame, bool in_scene, uint32_t scene, int fallback) {
-  const uint32_t side =
-      frame != 0 ? frame : in_scene ? scene : static_cast<uint32_t>(fallback);
+  const uint32_t side = frame != 0 ? frame : in_scene ? scene : static_cast<uint32_t>(fallback);
   return static_cast<int>(checked(kSettings, name, side, {.min = 1, .max = kMaxFrameSide}));
 }
 
 SamplePattern read_pattern(v1::Sampling::Pattern pattern, uint32_t samples) {
   switch (pattern) {
-    case v1::Sampling::CENTER: return SamplePattern::center;
-    case v1::Sampling::OWEN_SOBOL: return SamplePattern::owen_sobol;
-    case v1::Sampling::CENTERED_GRID: return SamplePattern::centered_grid;
-    case v1::Sampling::CORNER_GRID: return SamplePattern::corner_grid;
-    case v1::Sampling::INDEPENDENT: return SamplePattern::independent;
-    default: return samples == 1 ? SamplePattern::center : SamplePattern::owen_sobol;
+    case v1::Sampling::CENTER:
+      return SamplePattern::center;
+    case v1::Sampling::OWEN_SOBOL:
+      return SamplePattern::owen_sobol;
+    case v1::Sampling::CENTERED_GRID:
+      return SamplePattern::centered_grid;
+    case v1::Sampling::CORNER_GRID:
+      return SamplePattern::corner_grid;
+    case v1::Sampling::INDEPENDENT:
+      return SamplePattern::independent;
+    default:
+      return samples == 1 ? SamplePattern::center : SamplePattern::owen_sobol;
   }
 }
 
@@ -64,14 +69,16 @@ SamplerSettings read_sampling(const v1::Sampling& in, const v1::FrameSettings& f
     check_square(out.samples_per_pixel);
   }
   switch (in.filter()) {
-    case v1::Sampling::BOX: out.filter_radius = 0.5; break;
+    case v1::Sampling::BOX:
+      out.filter_radius = 0.5;
+      break;
     case v1::Sampling::TENT:
       out.filter = PixelFilter::tent;
       out.filter_radius = 1;
       break;
     default:
-      fail_unsupported(kSettings, fmt::format("pixel filter {}",
-                                              v1::Sampling::Filter_Name(in.filter())));
+      fail_unsupported(kSettings,
+                       fmt::format("pixel filter {}", v1::Sampling::Filter_Name(in.filter())));
   }
   if (in.has_filter_radius()) {
     out.filter_radius = checked(kSettings, "sampling.filter_radius", in.filter_radius(),
@@ -93,10 +100,11 @@ RenderSettings read_settings(const v1::Settings& in, const v1::FrameSettings& fr
   }
   out.time = checked(kSettings, "time", frame.time());
   const v1::IntegratorSettings& integrator = in.integrator();
-  out.integrator = read_integrator(frame.integrator().empty() ? integrator.kind()
-                                                              : frame.integrator());
+  out.integrator =
+      read_integrator(frame.integrator().empty() ? integrator.kind() : frame.integrator());
   if (integrator.has_max_depth()) {
-    checked(kSettings, "integrator.max_depth", integrator.max_depth(), {.min = 0, .max = kMaxDepth});
+    checked(kSettings, "integrator.max_depth", integrator.max_depth(),
+            {.min = 0, .max = kMaxDepth});
     out.max_depth = integrator.max_depth();
   }
   out.shadows = integrator.shadows();

@@ -15,13 +15,13 @@ namespace tessera {
 namespace {
 
 BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSource& source) {
-  auto mesh = std::make_shared<TriangleMesh>(read_mesh(
-      where, shape.mesh(), source.blobs, static_cast<size_t>(shape.materials_size())));
+  auto mesh = std::make_shared<TriangleMesh>(
+      read_mesh(where, shape.mesh(), source.blobs, static_cast<size_t>(shape.materials_size())));
   BuiltShape built;
   built.triangles_dropped = drop_degenerate(*mesh).total();
   built.triangles = mesh->triangles.size();
-  built.has_clear_vertices =
-      std::any_of(mesh->colors.begin(), mesh->colors.end(), [](const Float4& c) { return c.w < 1; });
+  built.has_clear_vertices = std::any_of(mesh->colors.begin(), mesh->colors.end(),
+                                         [](const Float4& c) { return c.w < 1; });
   if (mesh->triangles.empty()) return built;
   built.shape = make_mesh_shape(std::move(mesh), source.accelerator, source.threads);
   return built;
@@ -56,19 +56,32 @@ std::shared_ptr<const Shape> build_box(const Where& where, const v1::Box& in) {
 
 BuiltShape read_shape(const Where& where, const v1::Shape& shape, const ShapeSource& source) {
   switch (shape.kind_case()) {
-    case v1::Shape::kMesh: return build_mesh(where, shape, source);
-    case v1::Shape::kSphere: return {build_sphere(where, shape.sphere())};
-    case v1::Shape::kPlane: return {build_plane(where, shape.plane())};
-    case v1::Shape::kBox: return {build_box(where, shape.box())};
-    case v1::Shape::kHalfPlane: fail_unsupported(where, "a half_plane");
-    case v1::Shape::kDisc: fail_unsupported(where, "a disc");
-    case v1::Shape::kRectangle: fail_unsupported(where, "a rectangle");
-    case v1::Shape::kPolygon: fail_unsupported(where, "a polygon");
-    case v1::Shape::kCylinder: fail_unsupported(where, "a cylinder");
-    case v1::Shape::kCone: fail_unsupported(where, "a cone");
-    case v1::Shape::kTorus: fail_unsupported(where, "a torus");
-    case v1::Shape::kCsg: fail_unsupported(where, "csg");
-    case v1::Shape::KIND_NOT_SET: break;
+    case v1::Shape::kMesh:
+      return build_mesh(where, shape, source);
+    case v1::Shape::kSphere:
+      return {build_sphere(where, shape.sphere())};
+    case v1::Shape::kPlane:
+      return {build_plane(where, shape.plane())};
+    case v1::Shape::kBox:
+      return {build_box(where, shape.box())};
+    case v1::Shape::kHalfPlane:
+      fail_unsupported(where, "a half_plane");
+    case v1::Shape::kDisc:
+      fail_unsupported(where, "a disc");
+    case v1::Shape::kRectangle:
+      fail_unsupported(where, "a rectangle");
+    case v1::Shape::kPolygon:
+      fail_unsupported(where, "a polygon");
+    case v1::Shape::kCylinder:
+      fail_unsupported(where, "a cylinder");
+    case v1::Shape::kCone:
+      fail_unsupported(where, "a cone");
+    case v1::Shape::kTorus:
+      fail_unsupported(where, "a torus");
+    case v1::Shape::kCsg:
+      fail_unsupported(where, "csg");
+    case v1::Shape::KIND_NOT_SET:
+      break;
   }
   fail_value(where, "its kind", "missing", "mesh, sphere, plane, box ...");
 }

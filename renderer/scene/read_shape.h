@@ -18,10 +18,10 @@ struct ShapeSource {
 
 /// A built shape, and what building it left out.
 struct BuiltShape {
-  std::shared_ptr<const Shape> shape;   ///< null where nothing is left of it
+  std::shared_ptr<const Shape> shape;  ///< null where nothing is left of it
   size_t triangles = 0;
-  size_t triangles_dropped = 0;         ///< degenerate ones
-  bool has_clear_vertices = false;      ///< some vertex colour lets light through
+  size_t triangles_dropped = 0;     ///< degenerate ones
+  bool has_clear_vertices = false;  ///< some vertex colour lets light through
 };
 
 /// Checks the shape's numbers, sizes, counts and indices before anything is allocated for them, and

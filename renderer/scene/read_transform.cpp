@@ -43,12 +43,18 @@ Affine read_rotation(const Where& where, const v1::AxisAngle& rotate) {
 
 Affine read_step(const Where& where, const Step& step) {
   switch (step.kind_case()) {
-    case Step::kTranslate: return translation(checked(where, "translate", step.translate()));
-    case Step::kRotate: return read_rotation(where, step.rotate());
-    case Step::kScale: return scaling(checked(where, "scale", step.scale()));
-    case Step::kMatrix: return read_matrix(where, step.matrix());
-    case Step::kLookAt: return read_look_at(where, step.look_at());
-    case Step::KIND_NOT_SET: break;
+    case Step::kTranslate:
+      return translation(checked(where, "translate", step.translate()));
+    case Step::kRotate:
+      return read_rotation(where, step.rotate());
+    case Step::kScale:
+      return scaling(checked(where, "scale", step.scale()));
+    case Step::kMatrix:
+      return read_matrix(where, step.matrix());
+    case Step::kLookAt:
+      return read_look_at(where, step.look_at());
+    case Step::KIND_NOT_SET:
+      break;
   }
   fail_value(where, "a transform step", "empty", "translate, rotate, scale, matrix or look_at");
 }
@@ -96,11 +102,15 @@ Affine mix_rotations(const Where& where, const v1::AxisAngle& a, const v1::AxisA
 
 Affine mix_steps(const Where& where, const Step& a, const Step& b, double s) {
   if (a.kind_case() == Step::kRotate) return mix_rotations(where, a.rotate(), b.rotate(), s);
-  read_step(where, b);   // only for its checks
+  read_step(where, b);  // only for its checks
   Step mixed = a;
   switch (mixed.kind_case()) {
-    case Step::kTranslate: mix(*mixed.mutable_translate(), b.translate(), s); break;
-    case Step::kScale: mix(*mixed.mutable_scale(), b.scale(), s); break;
+    case Step::kTranslate:
+      mix(*mixed.mutable_translate(), b.translate(), s);
+      break;
+    case Step::kScale:
+      mix(*mixed.mutable_scale(), b.scale(), s);
+      break;
     case Step::kLookAt:
       mix(*mixed.mutable_look_at()->mutable_eye(), b.look_at().eye(), s);
       mix(*mixed.mutable_look_at()->mutable_target(), b.look_at().target(), s);
@@ -112,7 +122,8 @@ Affine mix_steps(const Where& where, const Step& a, const Step& b, double s) {
         mixed.mutable_matrix()->set_rows(i, value + s * (b.matrix().rows(i) - value));
       }
       break;
-    default: break;
+    default:
+      break;
   }
   return read_step(where, mixed);
 }
@@ -136,7 +147,8 @@ Affine mix_keys(const Where& where, const v1::TransformKey& a, const v1::Transfo
     alike = a.transform().steps(i).kind_case() == b.transform().steps(i).kind_case();
   }
   if (!alike) {
-    fail_value(where, "keys", fmt::format("of different steps at {} s and {} s", a.time(), b.time()),
+    fail_value(where, "keys",
+               fmt::format("of different steps at {} s and {} s", a.time(), b.time()),
                "the same kinds of steps in every key");
   }
   const double s = (time - a.time()) / (b.time() - a.time());

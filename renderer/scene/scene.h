@@ -22,40 +22,40 @@ namespace tessera {
 
 /// What shading needs to know of an instance.
 struct InstanceShading {
-  uint32_t first_material = 0;   ///< into Scene::material_slots
+  uint32_t first_material = 0;  ///< into Scene::material_slots
   uint32_t material_count = 1;
   uint32_t light_set = 0;
 };
 
 /// What tracing this scene may leave out.
 struct SceneFeatures {
-  bool shadows = false;          ///< some light casts shadows and something may
-  bool secondary = false;        ///< mirrors, transparency, absorption, surfaces without back faces
+  bool shadows = false;    ///< some light casts shadows and something may
+  bool secondary = false;  ///< mirrors, transparency, absorption, surfaces without back faces
 };
 
 /// One frame, ready to be traced: made of exactly what its picture depends on. Immutable once built
 /// and shared by threads.
 struct Scene {
   RenderSettings settings;
-  std::optional<Camera> camera;              ///< always there once built
-  std::optional<Sampler> sampler;            ///< always there once built
+  std::optional<Camera> camera;    ///< always there once built
+  std::optional<Sampler> sampler;  ///< always there once built
   Background background;
   Fog fog;
   SceneFeatures features;
 
   std::vector<Material> materials;
-  std::vector<uint32_t> material_slots;      ///< indices into materials
+  std::vector<uint32_t> material_slots;  ///< indices into materials
   std::vector<Instance> instances;
-  std::vector<InstanceShading> shading;      ///< one an instance
+  std::vector<InstanceShading> shading;  ///< one an instance
   std::vector<Light> lights;
-  std::vector<std::vector<uint32_t>> light_sets;   ///< ascending indices into lights
+  std::vector<std::vector<uint32_t>> light_sets;  ///< ascending indices into lights
 
-  std::shared_ptr<const Accelerator> surfaces;     ///< every instance
+  std::shared_ptr<const Accelerator> surfaces;  ///< every instance
   /// What throws shadows: instances that let nothing through, and the others. Null: there are none.
   std::shared_ptr<const Accelerator> opaque_occluders, clear_occluders;
-  std::vector<uint32_t> clear_instances;     ///< Scene::instances by Hit::instance of the latter
+  std::vector<uint32_t> clear_instances;  ///< Scene::instances by Hit::instance of the latter
 
-  CounterMap counters;                       ///< of building
+  CounterMap counters;  ///< of building
 
   const Material& material(uint32_t instance, uint32_t index) const {
     const InstanceShading& s = shading[instance];
