@@ -16,7 +16,7 @@ enum class BackgroundKind : uint8_t { solid, gradient_linear, gradient_absolute,
 /// What a ray sees that meets nothing. Immutable once built; thread-safe.
 struct Background {
   BackgroundKind kind = BackgroundKind::solid;
-  Color sky = kBlack;                  ///< the one colour of a solid background
+  Color sky = kBlack;  ///< the one colour of a solid background
   Color ground = kBlack;
   /// Rings: colours with the angle (radians, increasing, the first 0) from the zenith or the nadir.
   struct Ring {
@@ -37,7 +37,7 @@ enum class FogKind : uint8_t { none, linear, exponential };
 struct Fog {
   FogKind kind = FogKind::none;
   Color color = kWhite;
-  double visibility_range = 0;         ///< metres, > 0 unless none
+  double visibility_range = 0;  ///< metres, > 0 unless none
 
   /// The share of a surface's light that comes through `distance` metres; the rest is `color`.
   double clearness(double distance) const;
