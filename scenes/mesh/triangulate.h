@@ -25,7 +25,7 @@ bool is_convex(std::span<const Vec3> corners, const Vec3& normal);
 /// Cuts a polygon of at least 3 corners into corners.size() - 2 triangles of the same winding: a
 /// fan where it is convex, by ear clipping in the plane of its Newell normal where not (Meisters
 /// 1975). A polygon that crosses itself still gives that many triangles. Appends to `out`.
-void triangulate(std::span<const Vec3> corners, std::vector<CornerTriple>& out);
+bool triangulate(std::span<const Vec3> corners, std::vector<CornerTriple>& out);
 /// The fan about the first corner.
 void triangulate_fan(size_t corners, std::vector<CornerTriple>& out);
 
