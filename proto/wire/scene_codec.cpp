@@ -107,6 +107,24 @@ std::string_view as_text(const std::vector<std::byte>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+/// Protobuf writes a negative zero as -0 but reads that as the whole number 0; -0.0 keeps its sign.
+std::string with_negative_zeros(std::string_view json) {
+  std::string result;
+  result.reserve(json.size());
+  bool in_string = false;
+  for (size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    result += c;
+    if (c == '"') in_string = !in_string;
+    if (c == '\\') result += json[++i];  // within a string: never a quote of its own
+    const bool is_zero = !in_string && c == '0' && i > 0 && json[i - 1] == '-';
+    const bool ends = i + 1 == json.size() ||
+                      std::string_view(",]}\n ").find(json[i + 1]) != std::string_view::npos;
+    if (is_zero && ends) result += ".0";
+  }
+  return result;
+}
+
 void fetch_blobs(const std::string& path, SceneWithBlobs& read) {
   const auto refs = referenced_blobs(read.scene);
   if (!refs)
@@ -167,7 +185,7 @@ std::string encode_scene(const v1::Scene& scene, const BlobStore& blobs, SceneEn
   options.preserve_proto_field_names = true;
   const auto status = pb::util::MessageToJsonString(whole, &text, options);
   TESSERA_CHECK(status.ok(), std::string(status.message()));
-  return text;
+  return with_negative_zeros(text);
 }
 
 SceneWithBlobs read_scene_file(const std::string& path, SceneEncoding encoding) {
