@@ -47,7 +47,11 @@ bool parse_binary(std::string_view bytes, v1::Scene& scene) {
   pb::io::CodedInputStream input(reinterpret_cast<const uint8_t*>(bytes.data()),
                                  static_cast<int>(bytes.size()));
   input.SetRecursionLimit(kMaxSceneDepth);
-  return scene.ParseFromCodedStream(&input) && input.ConsumedEntireMessage();
+  if (!scene.ParseFromCodedStream(&input) || !input.ConsumedEntireMessage()) return false;
+  // A field of a later version may change the picture: better no scene than another one.
+  const size_t size = scene.ByteSizeLong();
+  scene.DiscardUnknownFields();
+  return scene.ByteSizeLong() == size;
 }
 
 v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const std::string& name) {
@@ -63,7 +67,7 @@ v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const st
   v1::Scene scene;
   if (encoding == SceneEncoding::binary) {
     if (!parse_binary(text, scene))
-      throw scene_error({name}, "the bytes are no scene, or only a part of one",
+      throw scene_error({name}, "the bytes are no scene, a part of one, or of a later version",
                         "a scene as `tessera convert` writes it");
   } else {
     check_scene_json(text, name);
