@@ -24,8 +24,9 @@ bool is_convex(std::span<const Vec3> corners, const Vec3& normal);
 
 /// Cuts a polygon of at least 3 corners into corners.size() - 2 triangles of the same winding: a
 /// fan where it is convex, by ear clipping in the plane of its Newell normal where not (Meisters
-/// 1975). A polygon that crosses itself still gives that many triangles. Appends to `out`.
-bool triangulate(std::span<const Vec3> corners, std::vector<CornerTriple>& out);
+/// 1975). A polygon that crosses itself still gives that many triangles. Appends to `out`; returns
+/// false, having done nothing, for one with over kMaxConcaveCorners that is not convex.
+[[nodiscard]] bool triangulate(std::span<const Vec3> corners, std::vector<CornerTriple>& out);
 /// The fan about the first corner.
 void triangulate_fan(size_t corners, std::vector<CornerTriple>& out);
 
