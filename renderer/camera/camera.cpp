@@ -73,6 +73,21 @@ Camera::Camera(const CameraSettings& settings, int frame_width, int frame_height
   offset_ = {center.x - half.x, center.y + half.y};
 }
 
+std::optional<Vec2> Camera::raster_of(const Point3& p) const {
+  const Vec3 offset = p - eye_;
+  double u = dot(offset, right_), v = dot(offset, up_);
+  if (projection_ == Projection::perspective) {
+    constexpr double kClearlyBefore = 1e-6;   // as a share of the distance
+    const double depth = dot(offset, view_);
+    if (!(depth > kClearlyBefore * length(offset))) return std::nullopt;
+    u /= depth;
+    v /= depth;
+  } else if (projection_ != Projection::orthographic) {
+    return std::nullopt;
+  }
+  return Vec2{(u - offset_.x) / scale_.x, (v - offset_.y) / scale_.y};
+}
+
 Ray Camera::ray(double x, double y) const {
   const double u = offset_.x + x * scale_.x;
   const double v = offset_.y + y * scale_.y;

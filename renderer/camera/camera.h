@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "renderer/math/transform.h"
 #include "renderer/math/vec.h"
@@ -33,6 +34,10 @@ class Camera {
   /// The ray through raster point (x, y), y downwards from the frame's top left corner. Its
   /// direction is of unit length.
   Ray ray(double x, double y) const;
+
+  /// The raster point whose ray passes through `p`; nothing where `p` is not clearly before the
+  /// camera, or the projection is no plane one.
+  std::optional<Vec2> raster_of(const Point3& p) const;
 
   const Point3& position() const { return eye_; }
   /// Unit; the way that the camera looks.

@@ -23,7 +23,7 @@ Ray shadow_ray(const SurfacePoint& point, const Light& light, const LightSample&
 Color clear_transmittance(const Scene& scene, Ray ray, TraceCounters& counters) {
   Color left = kWhite;
   const double metres = length(ray.direction);
-  while (!is_black(left)) {
+  for (uint32_t pass = 0; pass < kMaxPasses && !is_black(left); ++pass) {
     Hit hit;
     if (!scene.clear_occluders->closest_hit(ray, hit, counters.traversal)) break;
     const SurfacePoint point = surface_point(scene, scene.clear_instances[hit.instance], ray, hit);

@@ -15,6 +15,7 @@ void TraceCounters::add_to(CounterMap& map) const {
   map["hits"] += hits;
   map["shadow_rays_skipped"] += shadow_rays_skipped;
   map["samples"] += samples;
+  map["paths_cut"] += paths_cut;
   map["nan_samples"] += nan_samples;
 }
 

@@ -10,6 +10,11 @@
 
 namespace tessera {
 
+/// Stretches that one camera ray is followed for, so that no scene makes a pixel endless.
+inline constexpr uint32_t kMaxSegments = 1u << 18;
+/// Surfaces that a ray passes unbent on one way.
+inline constexpr uint32_t kMaxPasses = 1u << 16;
+
 /// Work done, by kind of ray; totals over pixels do not depend on how the frame is cut.
 struct TraceCounters {
   TraversalCounters traversal;
@@ -17,6 +22,7 @@ struct TraceCounters {
   uint64_t hits = 0;                 ///< of all but shadow rays
   uint64_t shadow_rays_skipped = 0;  ///< lights whose share is zero whatever is in the way
   uint64_t samples = 0;
+  uint64_t paths_cut = 0;             ///< camera rays whose tree was larger than kMaxSegments
   uint64_t nan_samples = 0;  ///< results that were no finite colour, counted as black
 
   void add_to(CounterMap& map) const;
@@ -50,6 +56,8 @@ class Integrator {
  public:
   virtual ~Integrator() = default;
   virtual Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const = 0;
+  /// What radiance() returns, to the last bit, for a camera ray that meets nothing.
+  virtual Color background(const Ray& ray) const = 0;
 };
 
 /// The integrator that the scene's settings name, in the variant that leaves out what it can.

@@ -17,7 +17,8 @@ std::optional<FirstSurface> first_surface(const Scene& scene, Ray ray, TraceStat
   ++state.counters.rays_primary;
   double start = 0;
   Hit hit;
-  while (scene.surfaces && scene.surfaces->closest_hit(ray, hit, state.counters.traversal)) {
+  for (uint32_t pass = 0; scene.surfaces && pass < kMaxPasses; ++pass) {
+    if (!scene.surfaces->closest_hit(ray, hit, state.counters.traversal)) break;
     const SurfacePoint point = surface_point(scene, hit.instance, ray, hit);
     ++state.counters.hits;
     if (!point.is_hidden) return FirstSurface{point, start + hit.t};
@@ -39,6 +40,7 @@ class NormalsView final : public Integrator {
     const Vec3& n = first->point.normal;
     return Color{n.x + 1, n.y + 1, n.z + 1} * 0.5;
   }
+  Color background(const Ray&) const override { return kBlack; }
 
  private:
   std::shared_ptr<const Scene> scene_;
@@ -51,6 +53,7 @@ class DepthView final : public Integrator {
     const auto first = first_surface(*scene_, ray, state);
     return first ? kWhite * first->distance : kBlack;
   }
+  Color background(const Ray&) const override { return kBlack; }
 
  private:
   std::shared_ptr<const Scene> scene_;

@@ -12,9 +12,6 @@ namespace {
 /// Branches whose whole weight is below this are not followed, so that two pieces of glass do not
 /// cost 2^depth rays. Far below what a float pixel resolves.
 constexpr double kNegligible = 1e-9;
-/// Surfaces passed unbent on one way; more means that something is wrong with the scene.
-constexpr uint32_t kMaxPasses = 65536;
-
 template <bool kShadows, bool kSecondary>
 class WhittedIntegrator final : public Integrator {
  public:
@@ -24,7 +21,12 @@ class WhittedIntegrator final : public Integrator {
     ++state.counters.rays_primary;
     Color sum = follow({.ray = ray}, key, state);
     if constexpr (kSecondary) {
-      while (!state.stack.empty()) {
+      for (uint32_t segments = 1; !state.stack.empty(); ++segments) {
+        if (segments >= kMaxSegments) {
+          ++state.counters.paths_cut;
+          state.stack.clear();
+          break;
+        }
         const PathSegment segment = state.stack.back();
         state.stack.pop_back();
         sum += follow(segment, key, state);
@@ -33,11 +35,11 @@ class WhittedIntegrator final : public Integrator {
     return sum;
   }
 
- private:
-  Color background(const Ray& ray) const {
+  Color background(const Ray& ray) const override {
     return scene_->background.radiance(ray.origin, ray.direction, scene_->lights);
   }
 
+ private:
   /// What the segment brings by itself; what is to be followed from its end goes on the stack.
   Color follow(const PathSegment& segment, const SampleKey& key, TraceState& state) const {
     Hit hit;
@@ -110,8 +112,8 @@ class WhittedIntegrator final : public Integrator {
     state.stack.push_back(next);
   }
 
-  /// Mirror and glass. The mirrored branch is followed first, so that no more than one segment a
-  /// level waits on the stack.
+  /// Mirror and glass. What is pushed last is followed first, so that no more than two segments a
+  /// level (what passed straight and what was refracted) wait on the stack.
   Color branch(const PathSegment& end, const SurfacePoint& point, double weight,
                TraceState& state) const {
     const Material& material = *point.material;

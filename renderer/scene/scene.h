@@ -57,6 +57,9 @@ struct Scene {
 
   CounterMap counters;  ///< of building
 
+  /// Pixels outside this rectangle of the frame look past everything: none of their samples can hit.
+  PixelRect seen;
+
   const Material& material(uint32_t instance, uint32_t index) const {
     const InstanceShading& s = shading[instance];
     const uint32_t slot = index < s.material_count ? index : s.material_count - 1;

@@ -28,6 +28,8 @@ struct Background {
   /// Rows of the rotation from world to background directions.
   std::array<Vec3, 3> rotation{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
+  /// Whether every ray sees the same.
+  bool is_constant() const { return kind == BackgroundKind::solid && glow == 0; }
   /// Radiance along unit direction `d`, for a ray from `origin`.
   Color radiance(const Point3& origin, const Vec3& d, std::span<const Light> lights) const;
 };
