@@ -41,13 +41,12 @@ json rays_json(const CounterMap& counters) {
 
 /// Work that was not done: every counter that does not count work.
 json skips_json(const CounterMap& counters) {
-  constexpr std::array<std::string_view, 5> kWork{"hits", "node_visits", "primitive_tests",
-                                                  "samples", "nan_samples"};
+  constexpr std::array<std::string_view, 9> kWork{
+      "rays_primary", "rays_shadow",     "rays_reflection", "rays_refraction", "hits",
+      "node_visits",  "primitive_tests", "samples",         "nan_samples"};
   json skips = json::object();
   for (const auto& [name, count] : counters) {
-    const bool is_work = name.starts_with("rays_") ||
-                         std::find(kWork.begin(), kWork.end(), name) != kWork.end();
-    if (!is_work) skips[name] = count;
+    if (std::find(kWork.begin(), kWork.end(), name) == kWork.end()) skips[name] = count;
   }
   return skips;
 }
