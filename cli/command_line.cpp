@@ -88,6 +88,7 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
   add_convert_command(app, action);
   add_info_command(app, action);
   add_compare_command(app, action);
+  add_bench_command(app, action);
   try {
     check_command_name(app, argc, argv);
     app.parse(argc, argv);

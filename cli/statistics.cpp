@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "base/version.h"
@@ -38,11 +39,14 @@ json rays_json(const CounterMap& counters) {
   return rays;
 }
 
+/// Work that was not done: every counter that does not count work.
 json skips_json(const CounterMap& counters) {
-  constexpr std::string_view kPrefix = "skip_";
+  constexpr std::array<std::string_view, 9> kWork{
+      "rays_primary", "rays_shadow",     "rays_reflection", "rays_refraction", "hits",
+      "node_visits",  "primitive_tests", "samples",         "nan_samples"};
   json skips = json::object();
   for (const auto& [name, count] : counters) {
-    if (name.starts_with(kPrefix)) skips[name.substr(kPrefix.size())] = count;
+    if (std::find(kWork.begin(), kWork.end(), name) == kWork.end()) skips[name] = count;
   }
   return skips;
 }
@@ -65,7 +69,7 @@ json statistics_json(const FrameStatistics& statistics) {
                        {"trace", report.trace_seconds},     {"assemble", report.assemble_seconds},
                        {"write", statistics.seconds.write}, {"total", statistics.seconds.total}};
   result["rays"] = rays_json(report.counters);
-  for (const char* name : {"hits", "node_visits", "primitive_tests"}) {
+  for (const char* name : {"hits", "node_visits", "primitive_tests", "samples", "nan_samples"}) {
     result[name] = counter(report.counters, name);
   }
   result["skips"] = skips_json(report.counters);

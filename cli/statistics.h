@@ -24,8 +24,7 @@ struct FrameStatistics {
   std::string pixels_sha256;
 };
 
-/// The JSON object of --stats; docs/statistics names its fields. Counters of the report whose name
-/// begins with "skip_" appear under "skips".
+/// The JSON object of --stats. Counters of the report that count no work appear under "skips".
 nlohmann::json statistics_json(const FrameStatistics& statistics);
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "renderer/math/transform.h"
 #include "renderer/math/vec.h"
@@ -14,13 +15,13 @@ enum class Projection : uint8_t { perspective, orthographic, spherical, cylindri
 struct CameraSettings {
   enum class Axis : uint8_t { smaller, vertical, horizontal, larger };
 
-  Affine world_from_camera;      ///< the axes' lengths do not matter; may mirror
+  Affine world_from_camera;  ///< the axes' lengths do not matter; may mirror
   Projection projection = Projection::perspective;
-  double field_of_view = 0.78539816339744830962;   ///< radians over `axis`; vertical if panoramic
+  double field_of_view = 0.78539816339744830962;  ///< radians over `axis`; vertical if panoramic
   Axis axis = Axis::smaller;
   /// The orthographic window in metres; its shorter side grows to the frame's shape.
   double min_x = -1, min_y = -1, max_x = 1, max_y = 1;
-  double near_distance = 0;      ///< metres along the ray; 0: no bound
+  double near_distance = 0;  ///< metres along the ray; 0: no bound
   double far_distance = std::numeric_limits<double>::infinity();
 };
 
@@ -34,6 +35,10 @@ class Camera {
   /// direction is of unit length.
   Ray ray(double x, double y) const;
 
+  /// The raster point whose ray passes through `p`; nothing where `p` is not clearly before the
+  /// camera, or the projection is no plane one.
+  std::optional<Vec2> raster_of(const Point3& p) const;
+
   const Point3& position() const { return eye_; }
   /// Unit; the way that the camera looks.
   const Vec3& view() const { return view_; }
@@ -41,7 +46,7 @@ class Camera {
  private:
   Projection projection_;
   Point3 eye_;
-  Vec3 view_, right_, up_;       ///< unit and square to each other
+  Vec3 view_, right_, up_;  ///< unit and square to each other
   /// A raster point's place on the image plane, or its angles, is offset + raster * scale.
   Vec2 offset_, scale_;
   double near_, far_;

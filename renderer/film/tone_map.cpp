@@ -12,9 +12,13 @@ namespace {
 
 using Rgb = std::array<double, 3>;
 
-double luminance(const Rgb& c) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
+double luminance(const Rgb& c) {
+  return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+}
 
-double reinhard(double x) { return x <= 0 ? x : x / (1 + x); }
+double reinhard(double x) {
+  return x <= 0 ? x : x / (1 + x);
+}
 
 double filmic(double x) {
   x = std::max(x, 0.0);
@@ -24,7 +28,8 @@ double filmic(double x) {
 Rgb apply_curve(ToneCurve curve, Rgb c) {
   switch (curve) {
     case ToneCurve::clamp:
-    case ToneCurve::linear: break;
+    case ToneCurve::linear:
+      break;
     case ToneCurve::reinhard:
       for (double& v : c) v = reinhard(v);
       break;
@@ -44,15 +49,19 @@ Rgb apply_curve(ToneCurve curve, Rgb c) {
 
 double apply_transfer(const OutputSettings& settings, double v) {
   switch (settings.transfer) {
-    case TransferCurve::display: return v;
-    case TransferCurve::gamma: return portable::pow(v, 1 / settings.gamma);
-    case TransferCurve::srgb: break;
+    case TransferCurve::display:
+      return v;
+    case TransferCurve::gamma:
+      return portable::pow(v, 1 / settings.gamma);
+    case TransferCurve::srgb:
+      break;
   }
   // IEC 61966-2-1
   return v <= 0.0031308 ? 12.92 * v : 1.055 * portable::pow(v, 1 / 2.4) - 0.055;
 }
 
-/// A finite stand-in, far above what any curve tells from its limit, so that no curve meets inf/inf.
+/// A finite stand-in, far above what any curve tells from its limit, so that no curve meets
+/// inf/inf.
 double finite(double v) {
   constexpr double kLargest = 1e30;
   return std::isnan(v) ? 0.0 : std::clamp(v, -kLargest, kLargest);

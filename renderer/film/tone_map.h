@@ -11,10 +11,10 @@ namespace tessera {
 
 enum class ToneCurve {
   clamp,
-  reinhard,             ///< x / (1 + x) per channel (Reinhard et al. 2002, equation 3)
-  reinhard_luminance,   ///< the same on Rec. 709 luminance, colours scaled alike
-  filmic,               ///< Narkowicz's fit of the ACES curve (2015)
-  linear                ///< as clamp for integers; values are left alone for floats
+  reinhard,            ///< x / (1 + x) per channel (Reinhard et al. 2002, equation 3)
+  reinhard_luminance,  ///< the same on Rec. 709 luminance, colours scaled alike
+  filmic,              ///< Narkowicz's fit of the ACES curve (2015)
+  linear               ///< as clamp for integers; values are left alone for floats
 };
 enum class TransferCurve { srgb, display, gamma };
 enum class Quantization { round, truncate };
@@ -23,8 +23,8 @@ enum class Quantization { round, truncate };
 struct OutputSettings {
   ToneCurve tone_curve = ToneCurve::clamp;
   TransferCurve transfer = TransferCurve::srgb;
-  double gamma = 2.2;                     ///< > 0
-  double exposure = 0;                    ///< stops
+  double gamma = 2.2;   ///< > 0
+  double exposure = 0;  ///< stops
   Quantization quantization = Quantization::round;
   /// a x^2 + b x + c per channel clamped to [0, 1], before the transfer curve.
   bool has_response = false;

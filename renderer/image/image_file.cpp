@@ -25,7 +25,7 @@ namespace {
 
 struct Format {
   const char* ending;
-  const char* name;     ///< as OpenImageIO calls it
+  const char* name;  ///< as OpenImageIO calls it
   bool is_float;
 };
 
@@ -53,9 +53,9 @@ const Format& format_of(const fs::path& path) {
     if (ending == format.ending) return format;
     known.emplace_back(format.ending);
   }
-  throw usage_error(fmt::format("{}: '{}' is no image format that can be written; expected one of {}{}",
-                                path.string(), ending, fmt::join(known, ", "),
-                                suggestion(ending, known)));
+  throw usage_error(
+      fmt::format("{}: '{}' is no image format that can be written; expected one of {}{}",
+                  path.string(), ending, fmt::join(known, ", "), suggestion(ending, known)));
 }
 
 // ------------------------------------------------------------------------------------- the module
@@ -87,7 +87,9 @@ std::shared_future<const ImageModule*> module_future() {
 
 // -------------------------------------------------------------------------------- safe appearance
 
-std::string system_cause() { return std::strerror(errno); }
+std::string system_cause() {
+  return std::strerror(errno);
+}
 
 /// Where the file will really lie: a link is written through, not replaced.
 fs::path destination(const fs::path& path) {
@@ -96,8 +98,8 @@ fs::path destination(const fs::path& path) {
 }
 
 fs::path temporary_beside(const fs::path& path) {
-  return path.parent_path() / fmt::format(".{}.{}.tmp{}", path.stem().string(), getpid(),
-                                          path.extension().string());
+  return path.parent_path() /
+         fmt::format(".{}.{}.tmp{}", path.stem().string(), getpid(), path.extension().string());
 }
 
 /// Removes its file unless it was renamed.
@@ -155,7 +157,9 @@ float* allocate_values(void* context, int width, int height) {
 
 }  // namespace
 
-void preload_image_module() { module_future(); }
+void preload_image_module() {
+  module_future();
+}
 
 void check_writable(const fs::path& path) {
   format_of(path);

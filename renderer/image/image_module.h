@@ -17,9 +17,9 @@ struct ImageModule {
     float real_value;
   };
   struct Picture {
-    const void* pixels;      ///< rows from the top, 3 channels
+    const void* pixels;  ///< rows from the top, 3 channels
     int width, height;
-    bool is_float;           ///< else 8-bit unsigned
+    bool is_float;  ///< else 8-bit unsigned
     const Attribute* attributes;
     size_t attribute_count;
   };

@@ -24,8 +24,8 @@ uint64_t mix(uint64_t v) {
   return v ^ (v >> 31);
 }
 
-/// Each bit of the result depends on `seed` and on the bits of `v` at and below it (Laine and Karras
-/// 2011, with the constants of Vegdahl 2021). On reversed bits this is an Owen scramble.
+/// Each bit of the result depends on `seed` and on the bits of `v` at and below it (Laine and
+/// Karras 2011, with the constants of Vegdahl 2021). On reversed bits this is an Owen scramble.
 uint32_t scramble_upwards(uint32_t v, uint32_t seed) {
   v ^= v * 0x3d20adeau;
   v += seed;
@@ -61,7 +61,7 @@ Vec2 owen_sobol_pair(uint64_t key, uint32_t sample) {
   // Shuffling the order by an Owen scramble of the index keeps the first 2^k points a net, and
   // unties this pair from the others.
   const uint32_t index = owen_scramble(sample, static_cast<uint32_t>(mix(key)));
-  const uint32_t u = scramble_upwards(index, low);   // reversing twice: van der Corput's sequence
+  const uint32_t u = scramble_upwards(index, low);  // reversing twice: van der Corput's sequence
   const uint32_t v = owen_scramble(sobol_second(index), high);
   return {reverse_bits(u) * kTwoToMinus32, v * kTwoToMinus32};
 }
@@ -85,14 +85,16 @@ Sampler::Sampler(const SamplerSettings& settings) : settings_(settings) {
 
 Vec2 Sampler::pixel_square(int x, int y, uint32_t sample) const {
   switch (settings_.pattern) {
-    case SamplePattern::center: return {0.5, 0.5};
+    case SamplePattern::center:
+      return {0.5, 0.5};
     case SamplePattern::centered_grid:
     case SamplePattern::corner_grid: {
       const double shift = settings_.pattern == SamplePattern::centered_grid ? 0.5 : 0.0;
       return {(sample % grid_ + shift) / grid_, (sample / grid_ + shift) / grid_};
     }
     case SamplePattern::owen_sobol:
-    case SamplePattern::independent: break;
+    case SamplePattern::independent:
+      break;
   }
   return pair(x, y, sample, SampleUse::pixel);
 }

@@ -7,16 +7,16 @@
 namespace tessera {
 
 enum class SamplePattern { center, owen_sobol, centered_grid, corner_grid, independent };
-/// How samples spread about a pixel's centre; each by inverting its cumulative distribution, so that
-/// every sample weighs the same and pixels share none.
+/// How samples spread about a pixel's centre; each by inverting its cumulative distribution, so
+/// that every sample weighs the same and pixels share none.
 enum class PixelFilter { box, tent };
 
 struct SamplerSettings {
   SamplePattern pattern = SamplePattern::center;
-  uint32_t samples_per_pixel = 1;   ///< 1 to 2^20; a square for the grids
+  uint32_t samples_per_pixel = 1;  ///< 1 to 2^20; a square for the grids
   uint32_t seed = 0;
   PixelFilter filter = PixelFilter::box;
-  double filter_radius = 0.5;       ///< pixels
+  double filter_radius = 0.5;  ///< pixels
 };
 
 /// What a sample's numbers are drawn for: pairs of Sobol dimensions, each scrambled by itself.
@@ -42,7 +42,7 @@ class Sampler {
   Vec2 pixel_square(int x, int y, uint32_t sample) const;
 
   SamplerSettings settings_;
-  uint32_t grid_ = 1;   ///< cells on a side, for the grids
+  uint32_t grid_ = 1;  ///< cells on a side, for the grids
 };
 
 }  // namespace tessera

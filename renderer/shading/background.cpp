@@ -50,11 +50,15 @@ Color Background::radiance(const Point3& origin, const Vec3& d,
   if (kind != BackgroundKind::solid) {
     const Vec3 turned{dot(rotation[0], d), dot(rotation[1], d), dot(rotation[2], d)};
     switch (kind) {
-      case BackgroundKind::gradient_linear: color = mix(ground, sky, (turned.y + 1) / 2); break;
+      case BackgroundKind::gradient_linear:
+        color = mix(ground, sky, (turned.y + 1) / 2);
+        break;
       case BackgroundKind::gradient_absolute:
         color = mix(ground, sky, std::min(std::abs(turned.y), 1.0));
         break;
-      default: color = rings_radiance(*this, turned); break;
+      default:
+        color = rings_radiance(*this, turned);
+        break;
     }
   }
   if (glow != 0) color += kWhite * (glow * glow_towards(origin, d, lights));

@@ -52,12 +52,12 @@ bool sample_light(const Light& light, const Point3& p, double path_length, Light
   }
   const double reach = sample.distance * light.frame_scale;
   if (reach > light.radius) return false;
-  const double way = light.attenuation.whole_path
-                         ? (sample.distance + path_length) * light.frame_scale : reach;
+  const double way =
+      light.attenuation.whole_path ? (sample.distance + path_length) * light.frame_scale : reach;
   sample.factor = attenuation_factor(light.attenuation, way);
   if (light.kind == LightKind::spot) {
-    sample.factor *= spot_factor(angle_between(-sample.wi, light.direction), light.beam_width,
-                                 light.cut_off);
+    sample.factor *=
+        spot_factor(angle_between(-sample.wi, light.direction), light.beam_width, light.cut_off);
   }
   return sample.factor > 0;
 }

@@ -11,9 +11,12 @@ namespace {
 
 double diffuse_factor(const Material& material, double n_dot_l) {
   switch (material.diffuse_model) {
-    case DiffuseModel::lambert: return std::max(n_dot_l, 0.0);
-    case DiffuseModel::signed_lambert: return n_dot_l;
-    case DiffuseModel::half_lambert: break;
+    case DiffuseModel::lambert:
+      return std::max(n_dot_l, 0.0);
+    case DiffuseModel::signed_lambert:
+      return n_dot_l;
+    case DiffuseModel::half_lambert:
+      break;
   }
   return portable::pow(std::clamp((n_dot_l + 1) / 2, 0.0, 1.0), material.diffuse_exponent);
 }

@@ -19,19 +19,19 @@ struct Material {
   Color specular = kBlack;
   Color emission = kBlack;
   Color reflectivity = kBlack;
-  Color absorption = kBlack;        ///< per metre inside
+  Color absorption = kBlack;  ///< per metre inside
   double shininess = 25.6;
   double transparency = 0;
-  double refractive_index = 1;      ///< inside over outside
+  double refractive_index = 1;  ///< inside over outside
   double diffuse_exponent = 3;
   double grain = 0;
-  uint32_t back = 0;                ///< the material of back faces, where sides say so
+  uint32_t back = 0;  ///< the material of back faces, where sides say so
   DiffuseModel diffuse_model = DiffuseModel::lambert;
   SpecularModel specular_model = SpecularModel::blinn_phong;
   Transmission transmission = Transmission::refract;
   Sides sides = Sides::two_sided;
   bool flat = false;
-  bool unlit = false;               ///< emission alone, which vertex colours multiply
+  bool unlit = false;  ///< emission alone, which vertex colours multiply
   bool vertex_color_replaces_diffuse = false;
 
   bool is_opaque() const { return transparency <= 0; }
@@ -44,7 +44,8 @@ struct Material {
 Color reflected_share(const Material& material, const Color& diffuse, const Vec3& n, const Vec3& wi,
                       const Vec3& wo);
 
-/// Whether reflected_share is zero for every light behind the surface, so that it needs no shadow ray.
+/// Whether reflected_share is zero for every light behind the surface, so that it needs no shadow
+/// ray.
 inline bool is_dark_behind(const Material& material) {
   return material.diffuse_model == DiffuseModel::lambert;
 }

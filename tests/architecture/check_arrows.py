@@ -12,7 +12,7 @@ import re
 import sys
 
 ENDINGS = {".h", ".cpp", ".cc", ".hpp", ".inl"}
-TOP_FOLDERS = ["base", "proto", "renderer", "scenes", "coordinator", "worker", "cli"]
+TOP_FOLDERS = ["base", "proto", "renderer", "scenes", "coordinator", "worker", "bench", "cli"]
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 # What a room may not reach, not even through others: (its prefix, the forbidden prefixes, why).
@@ -31,6 +31,7 @@ MONOPOLIES = [
      re.compile(r"TextFormat|JsonStringToMessage|\bParse(Partial)?From|google/protobuf/(text_format|"
                 r"util/json_util)"), ["proto/wire"]),
     ("OpenImageIO", re.compile(r'#\s*include\s*[<"]OpenImageIO'), ["renderer/image/oiio"]),
+    ("Embree", re.compile(r'#\s*include\s*[<"]embree'), ["renderer/accel/embree"]),
     ("pugixml", re.compile(r'#\s*include\s*[<"]pugixml'), ["scenes/formats"]),
 ]
 

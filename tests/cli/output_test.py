@@ -75,7 +75,9 @@ class Render(TesseraTest):
                          set(stats["seconds"]))
         self.assertGreater(stats["seconds"]["total"], stats["seconds"]["trace"])
         rays = stats["rays"]
-        self.assertEqual(48 * 32 * 4, rays["primary"])
+        self.assertEqual(48 * 32 * 4, stats["samples"])
+        self.assertEqual(stats["samples"],
+                         rays["primary"] + stats["skips"]["rays_background_skipped"])
         for kind in ("shadow", "reflection", "refraction"):
             self.assertGreater(rays[kind], 0, kind)
         self.assertEqual(rays["total"], sum(rays[k] for k in rays if k != "total"))

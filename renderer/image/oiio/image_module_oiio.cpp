@@ -21,9 +21,15 @@ OIIO::ImageSpec make_spec(const ImageModule::Picture& picture) {
   for (size_t i = 0; i < picture.attribute_count; ++i) {
     const ImageModule::Attribute& a = picture.attributes[i];
     switch (a.kind) {
-      case ImageModule::Attribute::text: spec.attribute(a.name, a.text_value); break;
-      case ImageModule::Attribute::integer: spec.attribute(a.name, a.integer_value); break;
-      case ImageModule::Attribute::real: spec.attribute(a.name, a.real_value); break;
+      case ImageModule::Attribute::text:
+        spec.attribute(a.name, a.text_value);
+        break;
+      case ImageModule::Attribute::integer:
+        spec.attribute(a.name, a.integer_value);
+        break;
+      case ImageModule::Attribute::real:
+        spec.attribute(a.name, a.real_value);
+        break;
     }
   }
   return spec;
@@ -45,8 +51,8 @@ bool write(const char* path, const char* format, const ImageModule::Picture& pic
   return true;
 }
 
-bool read(const char* path, float* (*allocate)(void* context, int width, int height),
-          void* context, char* error, size_t error_size) {
+bool read(const char* path, float* (*allocate)(void* context, int width, int height), void* context,
+          char* error, size_t error_size) {
   const auto input = OIIO::ImageInput::open(path);
   if (!input) {
     report(OIIO::geterror(), error, error_size);
@@ -60,7 +66,8 @@ bool read(const char* path, float* (*allocate)(void* context, int width, int hei
     return false;
   }
   const bool three = channels >= 3;
-  // One call reads a tiled or a scanline file alike; fewer channels are spread out in place after it.
+  // One call reads a tiled or a scanline file alike; fewer channels are spread out in place after
+  // it.
   const OIIO::stride_t pixel = 3 * sizeof(float);
   if (!input->read_image(0, 0, 0, three ? 3 : 1, OIIO::TypeDesc::FLOAT, values, pixel)) {
     report(input->geterror(), error, error_size);
