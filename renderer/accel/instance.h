@@ -20,6 +20,9 @@ struct Instance {
   bool flip_normals = false;  ///< front and back, and the normals, change places
 };
 
+/// False for a ray with a part that is not finite, or no direction: it hits nothing.
+bool can_hit(const Ray& ray);
+
 /// As Shape::closest_hit for instance `number` and a ray in world space; sets hit.instance.
 bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
                     TraversalCounters& counters);

@@ -46,6 +46,7 @@ InstanceLinearScan::InstanceLinearScan(std::vector<Instance> instances)
 }
 
 bool InstanceLinearScan::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
+  if (!can_hit(ray)) return false;
   bool found = false;
   for (size_t i = 0; i < instances_.size(); ++i)
     if (closest_hit_of(instances_[i], static_cast<uint32_t>(i), ray, hit, counters)) found = true;
@@ -53,6 +54,7 @@ bool InstanceLinearScan::closest_hit(const Ray& ray, Hit& hit, TraversalCounters
 }
 
 bool InstanceLinearScan::any_hit(const Ray& ray, TraversalCounters& counters) const {
+  if (!can_hit(ray)) return false;
   for (const Instance& instance : instances_)
     if (any_hit_of(instance, ray, counters)) return true;
   return false;

@@ -3,10 +3,15 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "renderer/accel/bvh.h"
 #include "renderer/accel/linear_scan.h"
 
 namespace tessera {
 namespace {
+
+// Below these a scan in order costs no more than a tree, and nothing to build.
+constexpr size_t kFewTriangles = 2;
+constexpr size_t kFewInstances = 2;
 
 void require_known(AcceleratorKind kind) {
   if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::linear) return;
@@ -18,10 +23,12 @@ void require_known(AcceleratorKind kind) {
 }  // namespace
 
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
-                                                         AcceleratorKind kind, int) {
+                                                         AcceleratorKind kind, int threads) {
   require_known(kind);
   TESSERA_CHECK(mesh->triangles.size() <= kMaxPrimitives,
                 fmt::format("{} > {}", mesh->triangles.size(), kMaxPrimitives));
+  if (kind == AcceleratorKind::bvh && mesh->triangles.size() > kFewTriangles)
+    return std::make_unique<MeshBvh>(*mesh, threads);
   return std::make_unique<MeshLinearScan>(std::move(mesh));
 }
 
@@ -32,8 +39,13 @@ std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleM
 }
 
 std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,
-                                                             AcceleratorKind kind, int) {
+                                                             AcceleratorKind kind, int threads) {
   require_known(kind);
+  size_t bounded = 0;
+  for (const Instance& instance : instances)
+    if (const Bounds3 b = bounds_of(instance); is_bounded(b) && !b.empty()) ++bounded;
+  if (kind == AcceleratorKind::bvh && bounded > kFewInstances)
+    return std::make_unique<InstanceBvh>(std::move(instances), threads);
   return std::make_unique<InstanceLinearScan>(std::move(instances));
 }
 
