@@ -104,7 +104,9 @@ class RenderRun {
       throw Error(ExitCode::interrupted,
                   "interrupted; no picture was written and no tile was kept");
     }
-    if (report.exit_code == ExitCode::bad_scene) throw scene_error(report.failure);
+    if (report.exit_code == ExitCode::bad_scene) {
+      throw scene_error({options_.scene}, report.failure, "");
+    }
     write(result, settings, output, frame);
     if (report.end == JobReport::End::failed) throw Error(report.exit_code, report.failure);
     return ExitCode::done;

@@ -11,7 +11,7 @@
 namespace tessera {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 
 uint64_t counter(const CounterMap& counters, const char* name) {
   const auto found = counters.find(name);

@@ -25,6 +25,6 @@ struct FrameStatistics {
 };
 
 /// The JSON object of --stats. Counters of the report that count no work appear under "skips".
-nlohmann::json statistics_json(const FrameStatistics& statistics);
+nlohmann::ordered_json statistics_json(const FrameStatistics& statistics);
 
 }  // namespace tessera

@@ -22,12 +22,12 @@ struct LightAttenuation {
 /// A light without extent, in world coordinates. A value.
 struct Light {
   LightKind kind = LightKind::directional;
-  Point3 position;
+  Point3 position{};
   Vec3 direction{0, 0, -1};  ///< unit; the way light travels
   Color intensity = kWhite;  ///< color * intensity
   Color ambient = kBlack;    ///< color * ambient intensity
   bool ambient_attenuated = false;
-  LightAttenuation attenuation;
+  LightAttenuation attenuation{};
   /// Metres of the light's frame per metre of the world: one over the mean length of its axes.
   double frame_scale = 1;
   double radius = std::numeric_limits<double>::infinity();  ///< in the light's frame
