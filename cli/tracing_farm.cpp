@@ -1,9 +1,13 @@
 #include "cli/tracing_farm.h"
 
+#include <chrono>
+#include <cstring>
+#include <filesystem>
 #include <string>
 #include <thread>
 #include <utility>
 
+#include "cli/interrupt.h"
 #include "coordinator/job_client.h"
 #include "coordinator/local_workers.h"
 #include "coordinator/render_loop.h"
@@ -37,6 +41,8 @@ class LocalFarm : public TracingFarm {
   LocalFarm(int workers, int threads)
       : workers_(worker_options(workers, threads)),
         loop_(bind_server(workers_.endpoint()), coordinator_options(workers * threads)) {
+    const std::filesystem::path socket = workers_.endpoint().substr(std::strlen("ipc://"));
+    remove_when_interrupted(socket.parent_path(), {socket.string(), socket.string() + ".bulk"});
     loop_.watch(&workers_);
     workers_.start();
   }
