@@ -151,7 +151,12 @@ v1::Material X3dTranslator::make_material(const X3dNode* node, bool vertex_color
     classic.mutable_transparency()->set_value(transparency);
     classic.set_transmission(v1::Classic::STRAIGHT);
   }
-  if (mirror > 0) put({mirror, mirror, mirror}, classic.mutable_reflectivity()->mutable_value());
+  if (mirror > 0) {
+    v1::Color& share = *classic.mutable_reflectivity()->mutable_value();
+    share.set_r(mirror);
+    share.set_g(mirror);
+    share.set_b(mirror);
+  }
   classic.set_vertex_color_replaces_diffuse(vertex_colors);
   return material;
 }
