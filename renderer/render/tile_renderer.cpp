@@ -13,8 +13,10 @@ namespace tessera {
 
 namespace {
 
-bool is_finite(const Color& c) {
-  return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
+/// Whether a pixel can hold it: no NaN, and nothing beyond the range of float.
+bool is_representable(const Color& c) {
+  return std::isfinite(static_cast<float>(c.r)) && std::isfinite(static_cast<float>(c.g)) &&
+         std::isfinite(static_cast<float>(c.b));
 }
 
 class SceneTileRenderer final : public TileRenderer {
@@ -89,7 +91,7 @@ class SceneTileRenderer final : public TileRenderer {
     for (uint32_t i = 0; i < task.sample_count; ++i) {
       const Color color = (this->*sample_function)({x, y, task.first_sample + i}, state);
       ++state.counters.samples;
-      if (is_finite(color)) {
+      if (is_representable(color)) {
         sum += color;
       } else {
         ++state.counters.nan_samples;
