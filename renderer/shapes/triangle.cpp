@@ -22,6 +22,17 @@ double clamp_to_box(const TriangleRay& ray, const Point3& a, const Point3& b, co
   return std::max(enter, std::min(leave, t));
 }
 
+/// Whether every corner is in front of the origin by far more than any rounding: then so is the hit,
+/// however badly t is known. A ray that starts on the triangle never sees it so. Without this the
+/// bound on t would open a crack where a closed mesh has a triangle of almost no area.
+bool clearly_ahead(const TriangleRay& ray, const ShearedTriangle& s) {
+  const double nearest = std::min(std::min(s.az, s.bz), s.cz);
+  const double farthest = std::max(std::max(s.az, s.bz), s.cz);
+  const double origin = std::max(std::max(std::abs(ray.origin.x), std::abs(ray.origin.y)),
+                                 std::abs(ray.origin.z));
+  return nearest > 0x1p-30 * (origin * std::abs(ray.sz) + farthest);
+}
+
 }  // namespace
 
 bool finish_triangle(const TriangleRay& ray, const Point3& a, const Point3& b, const Point3& c,
@@ -41,7 +52,7 @@ bool finish_triangle(const TriangleRay& ray, const Point3& a, const Point3& b, c
   const double inverse_det = 1 / det;
   double t = (s.u * s.az + s.v * s.bz + s.w * s.cz) * inverse_det;
   const double error = t_error(s, inverse_det);
-  if (!(t > error)) return false;
+  if (!(t > error) && !clearly_ahead(ray, s)) return false;
   if (error > t * 0x1p-30) [[unlikely]] {
     t = clamp_to_box(ray, a, b, c, t);
     if (!(t > 0)) return false;
