@@ -214,6 +214,29 @@ TEST(ClosedForm, glass_follows_fresnel_and_snell) {
   EXPECT_NEAR(render_pixel(replaced)[1], (1 - r) * (1 - r) * tau / (1 - r * r * tau * tau), 1e-7);
 }
 
+// A ray leaves a tilted slab as it came, but moved aside: a small ball is seen where Snell's law puts
+// it, and nowhere else.
+TEST(ClosedForm, a_tilted_slab_moves_the_view_aside) {
+  const double tilt = 40 * kDegree, n = 1.5, thickness = 2;
+  const double cos_i = std::cos(tilt), cos_t = std::sqrt(1 - std::pow(std::sin(tilt) / n, 2));
+  const double aside = thickness / cos_t * std::sin(tilt) * (cos_t - cos_i / n);
+  const double parallel = (n * cos_i - cos_t) / (n * cos_i + cos_t);
+  const double across = (cos_i - n * cos_t) / (cos_i + n * cos_t);
+  const double fresnel = (parallel * parallel + across * across) / 2;
+  const auto seen = [&](double y) {
+    return render_pixel(
+        "materials { name: 'm' classic { diffuse { value {} } transparency { value: 1 } "
+        "refractive_index: 1.5 } } materials { name: 'glow' unlit {} } "
+        "nodes { transform { steps { rotate { axis { x: 1 } angle: 40 } } } shape { materials: 'm' "
+        "box { min { x: -20 y: -20 z: -1 } max { x: 20 y: 20 z: 1 } } } } "
+        "nodes { shape { materials: 'glow' sphere { radius: .01 center { z: -30 y: " +
+        std::to_string(y) + " } } } }")[0];
+  };
+  EXPECT_NEAR(seen(aside), (1 - fresnel) * (1 - fresnel), 1e-6);
+  EXPECT_EQ(seen(0), 0);
+  EXPECT_EQ(seen(-aside), 0);
+}
+
 TEST(ClosedForm, sides) {
   // The camera sees the back of a wall whose normal points away from it.
   const std::string wall_back =
