@@ -214,8 +214,8 @@ TEST(ClosedForm, glass_follows_fresnel_and_snell) {
   EXPECT_NEAR(render_pixel(replaced)[1], (1 - r) * (1 - r) * tau / (1 - r * r * tau * tau), 1e-7);
 }
 
-// A ray leaves a tilted slab as it came, but moved aside: a small ball is seen where Snell's law puts
-// it, and nowhere else.
+// A ray leaves a tilted slab as it came, but moved aside: a small ball is seen where Snell's law
+// puts it, and nowhere else.
 TEST(ClosedForm, a_tilted_slab_moves_the_view_aside) {
   const double tilt = 40 * kDegree, n = 1.5, thickness = 2;
   const double cos_i = std::cos(tilt), cos_t = std::sqrt(1 - std::pow(std::sin(tilt) / n, 2));
