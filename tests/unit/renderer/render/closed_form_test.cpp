@@ -99,6 +99,31 @@ TEST(ClosedForm, light_distances_are_of_its_own_frame) {
               0.25);
 }
 
+TEST(ClosedForm, ambient_light_is_attenuated_on_demand) {
+  const std::string lit = wall("diffuse { value {} } ambient { value { r: 1 g: 1 b: 1 } }");
+  const std::string lamp =
+      "point { position { z: 2 } } ambient_intensity: .8 radius: 3 "
+      "attenuation { quadratic: 1 } ";
+  expect_grey(lit + light(lamp), .8);
+  expect_grey(lit + light(lamp + "ambient_attenuated: true"), .2);
+  expect_grey(lit + light("point { position { z: 4 } } ambient_intensity: .8 radius: 3 "), .8);
+  expect_grey(lit + light("point { position { z: 4 } } ambient_intensity: .8 radius: 3 "
+                          "ambient_attenuated: true"),
+              0);
+}
+
+TEST(ClosedForm, flat_materials_use_the_face_normal) {
+  // Every vertex normal is 60 degrees off the face's.
+  const auto lit = [](const char* more) {
+    return std::string("materials { name: 'm' classic { ") + more + " } } " + head_on() +
+           "nodes { shape { materials: 'm' mesh { inline_positions: [-9,-9,0, 9,-9,0, 0,9,0] "
+           "inline_triangles: [0,1,2] inline_normals: [1.7320508,0,1, 1.7320508,0,1, "
+           "1.7320508,0,1] } } }";
+  };
+  EXPECT_NEAR(render_pixel(lit(""))[0], 0.4, 1e-6);
+  EXPECT_NEAR(render_pixel(lit("flat: true"))[0], 0.8, 1e-6);
+}
+
 TEST(ClosedForm, x3d_spot_light_is_linear_in_angle) {
   // The spot is 1 above the wall and turned by `degrees` from the point that the camera sees.
   const auto turned = [](double degrees) {
