@@ -21,6 +21,7 @@ struct FrameStatistics {
   v1::FrameSettings frame;
   PhaseSeconds seconds;
   JobReport report;
+  uint64_t peak_worker_bytes = 0;
   std::string pixels_sha256;
 };
 

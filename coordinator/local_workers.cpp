@@ -142,9 +142,10 @@ std::vector<EndedProcess> LocalWorkers::replace_ended() {
   for (const EndedProcess& process : ended) {
     if (replacements_left_-- <= 0) {
       throw render_error(fmt::format(
-          "worker processes end as soon as they are started; the last {}", process.how));
+          "worker processes end as soon as they are started; expected them to work; the last, {}",
+          process.how));
     }
-    spdlog::warn("a worker {}; starting another", process.how);
+    spdlog::warn("worker {}; starting another", process.how);
     spawn();
   }
   return ended;

@@ -26,6 +26,10 @@ TileScheduler::TileScheduler(size_t tiles, const CoordinatorOptions& options)
 
 void TileScheduler::join(WorkerId worker) {
   holders_.try_emplace(worker);
+  const auto it = vanished_with_.find(worker);
+  if (it == vanished_with_.end()) return;
+  for (const uint32_t tile : it->second) --tiles_[tile].vanished;
+  vanished_with_.erase(it);
 }
 
 void TileScheduler::set_suspect(WorkerId worker, bool suspect) {
@@ -46,9 +50,9 @@ SchedulerEvents TileScheduler::leave(WorkerId worker, LossCause cause, Time now)
   for (const LeaseId id : leases) {
     const Lease lease = drop(id);
     if (cause == LossCause::crashed) blame(lease.tile, worker, now, events);
-    if (cause == LossCause::vanished && ++tiles_[lease.tile].vanished >= kMaxVanished) {
-      give_up(lease.tile, events);
-    }
+    if (cause != LossCause::vanished) continue;
+    vanished_with_[worker].push_back(lease.tile);
+    if (++tiles_[lease.tile].vanished >= kMaxVanished) give_up(lease.tile, events);
   }
   holders_.erase(worker);
   return events;

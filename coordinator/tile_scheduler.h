@@ -57,7 +57,7 @@ class TileScheduler {
  public:
   TileScheduler(size_t tiles, const CoordinatorOptions& options);
 
-  /// From now on the worker may hold tiles.
+  /// From now on the worker may hold tiles. If it had vanished, no tile was the cause of it.
   void join(WorkerId worker);
   /// It may no more; what it held is pending again.
   SchedulerEvents leave(WorkerId worker, LossCause cause, Time now);
@@ -93,7 +93,7 @@ class TileScheduler {
     State state = State::pending;
     uint32_t attempts = 0;
     std::vector<LeaseId> leases;  ///< live ones
-    uint8_t vanished = 0;         ///< workers that did so with it
+    uint8_t vanished = 0;         ///< workers that did so with it, and did not come back
     std::vector<WorkerId> failed_by;
     Time failed_at{};
   };
@@ -117,6 +117,7 @@ class TileScheduler {
   std::deque<uint32_t> pending_;
   std::map<LeaseId, Lease> live_;
   std::map<WorkerId, Holder> holders_;
+  std::map<WorkerId, std::vector<uint32_t>> vanished_with_;
   std::vector<Time> durations_;  ///< of completed leases
   size_t open_tiles_;
   uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0;

@@ -34,8 +34,7 @@ class FakeRenderer : public TileRenderer {
       }
       ++progress.work_done;
     }
-    pixels.counters["rays_primary"] =
-        static_cast<uint64_t>(task.rect.area()) * task.sample_count;
+    pixels.counters["rays_primary"] = static_cast<uint64_t>(task.rect.area()) * task.sample_count;
     return pixels;
   }
   CounterMap build_counters() const override { return {}; }
@@ -67,8 +66,8 @@ inline JobSpec make_job(int width, int height, int tile_size, size_t blob_bytes 
 inline std::string expected_sha256(const JobSpec& job) {
   Film film(job.crop);
   TileProgress progress;
-  const auto pixels = FakeRenderer(job.frame.seed())
-                          .render({job.crop, 0, job.frame.samples_per_pixel()}, progress);
+  const auto pixels =
+      FakeRenderer(job.frame.seed()).render({job.crop, 0, job.frame.samples_per_pixel()}, progress);
   film.write(job.crop, job.crop.y0, job.crop.height(), pixels->values);
   return film.pixels_sha256();
 }

@@ -63,7 +63,8 @@ TEST(RenderLoop, InMemoryWorkerTracesTheFrame) {
   workers.add(network.client(), worker_options(3));
   const JobSpec job = make_job(100, 60, 16);
   uint64_t told = 0;
-  const JobResult result = loop.run(job, [&](const JobProgress& p) { told = p.tiles_total; }, kNever);
+  const JobResult result = loop.run(
+      job, [&](const JobProgress& p) { told = p.tiles_total; }, kNever);
   loop.shut_down("done");
   EXPECT_EQ(result.report.end, JobReport::End::done);
   EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));

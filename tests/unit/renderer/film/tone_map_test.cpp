@@ -37,6 +37,7 @@ TEST(ToneMap, truncation_and_rounding_part_at_the_half) {
   settings.quantization = Quantization::truncate;
   EXPECT_EQ(byte_of(settings, 100.6f / 255), 100);
   EXPECT_EQ(byte_of(settings, 1), 255);
+  EXPECT_EQ(quantize(tone_map({}, {1, 1, 1})[0], 255, Quantization::truncate), 255u);
 }
 
 TEST(ToneMap, srgb_and_gamma) {
@@ -46,6 +47,26 @@ TEST(ToneMap, srgb_and_gamma) {
   EXPECT_EQ(byte_of({}, 1), 255);
   EXPECT_EQ(byte_of({.transfer = TransferCurve::gamma, .gamma = 2}, 0.25f), 128);
   EXPECT_EQ(byte_of({.transfer = TransferCurve::gamma, .gamma = 2}, 0), 0);
+}
+
+TEST(ToneMap, bytes_are_the_quantized_values_of_each_pixel) {
+  Film film({0, 0, 5000, 1});
+  for (size_t i = 0; i < film.values().size(); ++i) {
+    film.values()[i] = static_cast<float>(i) * 1.3f / static_cast<float>(film.values().size());
+  }
+  for (const TransferCurve transfer :
+       {TransferCurve::srgb, TransferCurve::gamma, TransferCurve::display}) {
+    for (const Quantization how : {Quantization::round, Quantization::truncate}) {
+      const OutputSettings settings{
+          .tone_curve = ToneCurve::filmic, .transfer = transfer, .quantization = how};
+      const std::vector<uint8_t> bytes = to_8_bit(film, settings);
+      for (size_t i = 0; i < bytes.size(); i += 3) {
+        const float* v = &film.values()[i];
+        const auto exact = tone_map(settings, {v[0], v[1], v[2]});
+        for (size_t c = 0; c < 3; ++c) ASSERT_EQ(bytes[i + c], quantize(exact[c], 255, how));
+      }
+    }
+  }
 }
 
 TEST(ToneMap, exposure_is_in_stops) {

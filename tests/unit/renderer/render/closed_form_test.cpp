@@ -99,6 +99,31 @@ TEST(ClosedForm, light_distances_are_of_its_own_frame) {
               0.25);
 }
 
+TEST(ClosedForm, ambient_light_is_attenuated_on_demand) {
+  const std::string lit = wall("diffuse { value {} } ambient { value { r: 1 g: 1 b: 1 } }");
+  const std::string lamp =
+      "point { position { z: 2 } } ambient_intensity: .8 radius: 3 "
+      "attenuation { quadratic: 1 } ";
+  expect_grey(lit + light(lamp), .8);
+  expect_grey(lit + light(lamp + "ambient_attenuated: true"), .2);
+  expect_grey(lit + light("point { position { z: 4 } } ambient_intensity: .8 radius: 3 "), .8);
+  expect_grey(lit + light("point { position { z: 4 } } ambient_intensity: .8 radius: 3 "
+                          "ambient_attenuated: true"),
+              0);
+}
+
+TEST(ClosedForm, flat_materials_use_the_face_normal) {
+  // Every vertex normal is 60 degrees off the face's.
+  const auto lit = [](const char* more) {
+    return std::string("materials { name: 'm' classic { ") + more + " } } " + head_on() +
+           "nodes { shape { materials: 'm' mesh { inline_positions: [-9,-9,0, 9,-9,0, 0,9,0] "
+           "inline_triangles: [0,1,2] inline_normals: [1.7320508,0,1, 1.7320508,0,1, "
+           "1.7320508,0,1] } } }";
+  };
+  EXPECT_NEAR(render_pixel(lit(""))[0], 0.4, 1e-6);
+  EXPECT_NEAR(render_pixel(lit("flat: true"))[0], 0.8, 1e-6);
+}
+
 TEST(ClosedForm, x3d_spot_light_is_linear_in_angle) {
   // The spot is 1 above the wall and turned by `degrees` from the point that the camera sees.
   const auto turned = [](double degrees) {
@@ -212,6 +237,29 @@ TEST(ClosedForm, glass_follows_fresnel_and_snell) {
   std::string replaced = absorbing;
   replaced.replace(replaced.find("materials: 'm'"), 14, "materials: 'a'");
   EXPECT_NEAR(render_pixel(replaced)[1], (1 - r) * (1 - r) * tau / (1 - r * r * tau * tau), 1e-7);
+}
+
+// A ray leaves a tilted slab as it came, but moved aside: a small ball is seen where Snell's law
+// puts it, and nowhere else.
+TEST(ClosedForm, a_tilted_slab_moves_the_view_aside) {
+  const double tilt = 40 * kDegree, n = 1.5, thickness = 2;
+  const double cos_i = std::cos(tilt), cos_t = std::sqrt(1 - std::pow(std::sin(tilt) / n, 2));
+  const double aside = thickness / cos_t * std::sin(tilt) * (cos_t - cos_i / n);
+  const double parallel = (n * cos_i - cos_t) / (n * cos_i + cos_t);
+  const double across = (cos_i - n * cos_t) / (cos_i + n * cos_t);
+  const double fresnel = (parallel * parallel + across * across) / 2;
+  const auto seen = [&](double y) {
+    return render_pixel(
+        "materials { name: 'm' classic { diffuse { value {} } transparency { value: 1 } "
+        "refractive_index: 1.5 } } materials { name: 'glow' unlit {} } "
+        "nodes { transform { steps { rotate { axis { x: 1 } angle: 40 } } } shape { materials: 'm' "
+        "box { min { x: -20 y: -20 z: -1 } max { x: 20 y: 20 z: 1 } } } } "
+        "nodes { shape { materials: 'glow' sphere { radius: .01 center { z: -30 y: " +
+        std::to_string(y) + " } } } }")[0];
+  };
+  EXPECT_NEAR(seen(aside), (1 - fresnel) * (1 - fresnel), 1e-6);
+  EXPECT_EQ(seen(0), 0);
+  EXPECT_EQ(seen(-aside), 0);
 }
 
 TEST(ClosedForm, sides) {

@@ -79,6 +79,22 @@ TEST(Light, spot_factor_is_linear_in_angle) {
   EXPECT_EQ(spot_factor(.6, .7, .6), 0);
 }
 
+TEST(Light, spot_shortcuts_change_nothing) {
+  for (const double beam : {0.0, 0.2, 0.6, 1.5, 3.0}) {
+    Light plain{.kind = LightKind::spot, .beam_width = beam, .cut_off = 0.6};
+    Light quick = plain;
+    set_spot_cosines(quick);
+    for (int i = 0; i <= 1000; ++i) {
+      const double angle = i * std::numbers::pi / 1000;
+      const Point3 p{std::sin(angle), 0, -std::cos(angle)};
+      LightSample a, b;
+      ASSERT_EQ(sample_light(plain, p, 0, a), sample_light(quick, p, 0, b)) << beam << " " << angle;
+      ASSERT_EQ(a.factor, b.factor);
+      ASSERT_EQ(sample_light(plain, p, 0, a), angle < 0.6) << angle;
+    }
+  }
+}
+
 TEST(Light, cylinder_is_a_round_beam) {
   Light light{.kind = LightKind::cylinder, .direction = {0, -1, 0}, .beam_radius = 1};
   LightSample sample;
