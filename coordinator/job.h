@@ -44,6 +44,11 @@ struct JobReport {
   double assemble_seconds = 0;
 };
 
+struct JobResult {
+  JobReport report;
+  Film film;                                 ///< of the crop; holes are marked
+};
+
 /// Told to whoever watches; called on the thread that runs the job.
 struct JobProgress {
   uint64_t tiles_done = 0, tiles_total = 0;

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "proto/tessera/v1/scene.pb.h"
+#include "proto/wire/blob_store.h"
+
+namespace tessera {
+
+/// What an importer makes of a file. A value.
+struct LoadedScene {
+  v1::Scene scene;  ///< without blobs and includes in it
+  BlobStore blobs;
+  std::vector<std::string> warnings;  ///< what was read otherwise than a user might expect
+};
+
+/// How a file is read. The defaults are what a user expects who gives no option.
+struct ReadOptions {
+  enum class Color { display, linear };
+  enum class Shadows { on, file, off };
+
+  std::string format;                 ///< obj, x3d, tessera, tesserab, json; empty: by the ending
+  Color x3d_color = Color::display;   ///< how the numbers of X3D colours are meant
+  Shadows x3d_shadows = Shadows::on;  ///< `file`: as the lights' own fields say
+};
+
+}  // namespace tessera
