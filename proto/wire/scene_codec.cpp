@@ -47,7 +47,11 @@ bool parse_binary(std::string_view bytes, v1::Scene& scene) {
   pb::io::CodedInputStream input(reinterpret_cast<const uint8_t*>(bytes.data()),
                                  static_cast<int>(bytes.size()));
   input.SetRecursionLimit(kMaxSceneDepth);
-  return scene.ParseFromCodedStream(&input) && input.ConsumedEntireMessage();
+  if (!scene.ParseFromCodedStream(&input) || !input.ConsumedEntireMessage()) return false;
+  // A field of a later version may change the picture: better no scene than another one.
+  const size_t size = scene.ByteSizeLong();
+  scene.DiscardUnknownFields();
+  return scene.ByteSizeLong() == size;
 }
 
 v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const std::string& name) {
@@ -63,7 +67,7 @@ v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const st
   v1::Scene scene;
   if (encoding == SceneEncoding::binary) {
     if (!parse_binary(text, scene))
-      throw scene_error({name}, "the bytes are no scene, or only a part of one",
+      throw scene_error({name}, "the bytes are no scene, a part of one, or of a later version",
                         "a scene as `tessera convert` writes it");
   } else {
     check_scene_json(text, name);
@@ -72,8 +76,11 @@ v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const st
         pb::util::JsonStringToMessage(pb::StringPiece(text.data(), text.size()), &scene, options);
     if (!status.ok()) throw scene_json_error(name, text, std::string(status.message()));
   }
-  if (const auto field = find_infinite(scene, nullptr))
+  if (const auto field = find_infinite(scene, nullptr)) {
+    if (encoding == SceneEncoding::json)
+      throw scene_json_error(name, text, fmt::format("({}): not finite", field->path));
     throw scene_error({name}, fmt::format("{} is not finite", field->path), "a finite number");
+  }
   return scene;
 }
 
@@ -102,6 +109,24 @@ std::vector<v1::BlobRef> present_blobs(const v1::Scene& scene, const BlobStore& 
 
 std::string_view as_text(const std::vector<std::byte>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// Protobuf writes a negative zero as -0 but reads that as the whole number 0; -0.0 keeps its sign.
+std::string with_negative_zeros(std::string_view json) {
+  std::string result;
+  result.reserve(json.size());
+  bool in_string = false;
+  for (size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    result += c;
+    if (c == '"') in_string = !in_string;
+    if (c == '\\') result += json[++i];  // within a string: never a quote of its own
+    const bool is_zero = !in_string && c == '0' && i > 0 && json[i - 1] == '-';
+    const bool ends = i + 1 == json.size() ||
+                      std::string_view(",]}\n ").find(json[i + 1]) != std::string_view::npos;
+    if (is_zero && ends) result += ".0";
+  }
+  return result;
 }
 
 void fetch_blobs(const std::string& path, SceneWithBlobs& read) {
@@ -164,7 +189,7 @@ std::string encode_scene(const v1::Scene& scene, const BlobStore& blobs, SceneEn
   options.preserve_proto_field_names = true;
   const auto status = pb::util::MessageToJsonString(whole, &text, options);
   TESSERA_CHECK(status.ok(), std::string(status.message()));
-  return text;
+  return with_negative_zeros(text);
 }
 
 SceneWithBlobs read_scene_file(const std::string& path, SceneEncoding encoding) {

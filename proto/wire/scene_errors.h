@@ -19,6 +19,9 @@ SourcePlace place_of(const std::string& file, std::string_view text, size_t offs
 std::vector<std::string> field_names(const google::protobuf::Descriptor& type);
 std::vector<std::string> value_names(const google::protobuf::EnumDescriptor& type);
 
+/// "one of a, b, c; did you mean 'b'?" where `written` is none of them.
+std::string one_of(const std::vector<std::string>& names, const std::string& written);
+
 /// Takes the first complaint of protobuf's text parser and says it in our words.
 class TextErrors : public google::protobuf::io::ErrorCollector {
  public:
@@ -38,6 +41,7 @@ class TextErrors : public google::protobuf::io::ErrorCollector {
 /// that a scene does not have.
 void check_scene_json(std::string_view text, const std::string& file);
 /// What protobuf's JSON parser complains of in JSON that passed check_scene_json, with its place.
+/// Messages begin with the path in parentheses: "(nodes[0].shape): ...".
 Error scene_json_error(const std::string& file, std::string_view text, const std::string& message);
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/scene_codec.h"
@@ -76,6 +77,10 @@ class SceneJson {
                                   std::string_view("+-.").find(text_[at_]) != text_.npos))
       ++at_;
     if (start == at_) fail_here("a value");
+    double number = 0;
+    const auto parsed = std::from_chars(text_.data() + start, text_.data() + at_, number);
+    if (parsed.ec == std::errc::result_out_of_range)
+      fail_at(start, text_.substr(start, at_ - start), "a number that double precision can hold");
   }
 
   void value(const pb::FieldDescriptor* field, const std::string& path, int depth) {
@@ -87,13 +92,15 @@ class SceneJson {
     if (at_ < text_.size() && text_[at_] == '[') return array(field, path, depth + 1);
     const size_t start = at_;
     scalar();
+    const std::string_view written = text_.substr(start, at_ - start);
+    if (field && field->cpp_type() == pb::FieldDescriptor::CPPTYPE_BOOL && !field->is_map() &&
+        written != "true" && written != "false" && written != "null")
+      fail_at(start, written, "true or false");
     if (!field || !field->enum_type() || text_[start] != '"') return;
     const std::string name(text_.substr(start + 1, at_ - start - 2));
     if (field->enum_type()->FindValueByName(name)) return;
     const auto names = value_names(*field->enum_type());
-    fail_at(start,
-            fmt::format("'{}' is no value of {}{}", name, field->name(), suggestion(name, names)),
-            fmt::format("one of {}", fmt::join(names, ", ")));
+    fail_at(start, fmt::format("'{}' is no value of {}", name, field->name()), one_of(names, name));
   }
 
   void array(const pb::FieldDescriptor* field, const std::string& path, int depth) {
@@ -113,8 +120,7 @@ class SceneJson {
     for (int i = 0; i < type->field_count(); ++i)
       if (type->field(i)->json_name() == key) return type->field(i);
     const auto names = field_names(*type);
-    fail_at(at, fmt::format("'{}' is no field of {}{}", key, type->name(), suggestion(key, names)),
-            fmt::format("one of {}", fmt::join(names, ", ")));
+    fail_at(at, fmt::format("'{}' is no field of {}", key, type->name()), one_of(names, key));
   }
 
   void object(const pb::Descriptor* type, const std::string& path, int depth) {

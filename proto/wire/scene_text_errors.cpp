@@ -52,10 +52,6 @@ const pb::EnumDescriptor* enum_of_field(const std::string& field) {
   return nullptr;
 }
 
-std::string join(const std::vector<std::string>& names) {
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
 struct Complaint {
   std::string found, expected;
   std::string culprit;  ///< what stands at the place meant, where the parser is already past it
@@ -84,16 +80,14 @@ Complaint reword(const std::string& message) {
     const auto* type = v1::Scene::descriptor()->file()->pool()->FindMessageTypeByName(quoted[0]);
     const auto names = type ? field_names(*type) : std::vector<std::string>{};
     const size_t dot = quoted[0].rfind('.');
-    return {fmt::format("'{}' is no field of {}{}", quoted[1], quoted[0].substr(dot + 1),
-                        suggestion(quoted[1], names)),
-            "one of " + join(names), quoted[1]};
+    return {fmt::format("'{}' is no field of {}", quoted[1], quoted[0].substr(dot + 1)),
+            one_of(names, quoted[1]), quoted[1]};
   }
   if (message.starts_with("Unknown enumeration") && quoted.size() == 2) {
     const auto* type = enum_of_field(quoted[1]);
     const auto names = type ? value_names(*type) : std::vector<std::string>{};
-    return {
-        fmt::format("'{}' is no value of {}{}", quoted[0], quoted[1], suggestion(quoted[0], names)),
-        names.empty() ? "" : "one of " + join(names), quoted[0]};
+    return {fmt::format("'{}' is no value of {}", quoted[0], quoted[1]), one_of(names, quoted[0]),
+            quoted[0]};
   }
   if (message.starts_with("Field") && quoted.size() == 3)
     return {fmt::format("'{}' beside '{}'", quoted[0], quoted[1]),
@@ -129,6 +123,11 @@ std::vector<std::string> value_names(const pb::EnumDescriptor& type) {
   std::vector<std::string> names;
   for (int i = 0; i < type.value_count(); ++i) names.push_back(type.value(i)->name());
   return names;
+}
+
+std::string one_of(const std::vector<std::string>& names, const std::string& written) {
+  if (names.empty()) return "";
+  return fmt::format("one of {}{}", fmt::join(names, ", "), suggestion(written, names));
 }
 
 void TextErrors::AddError(int line, int column, const std::string& message) {

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "renderer/math/transform.h"
+#include "renderer/math/vec.h"
+#include "renderer/shapes/ray.h"
+
+namespace tessera {
+
+enum class Projection : uint8_t { perspective, orthographic, spherical, cylindrical };
+
+struct CameraSettings {
+  enum class Axis : uint8_t { smaller, vertical, horizontal, larger };
+
+  Affine world_from_camera{};  ///< the axes' lengths do not matter; may mirror
+  Projection projection = Projection::perspective;
+  double field_of_view = 0.78539816339744830962;  ///< radians over `axis`; vertical if panoramic
+  Axis axis = Axis::smaller;
+  /// The orthographic window in metres; its shorter side grows to the frame's shape.
+  double min_x = -1, min_y = -1, max_x = 1, max_y = 1;
+  double near_distance = 0;  ///< metres along the ray; 0: no bound
+  double far_distance = std::numeric_limits<double>::infinity();
+};
+
+/// A pinhole: from raster points of a whole frame to rays. A crop is a part of the same frame, so
+/// its rays have the same bits. Immutable; thread-safe.
+class Camera {
+ public:
+  Camera(const CameraSettings& settings, int frame_width, int frame_height);
+
+  /// The ray through raster point (x, y), y downwards from the frame's top left corner. Its
+  /// direction is of unit length.
+  Ray ray(double x, double y) const;
+
+  /// The raster point whose ray passes through `p`; nothing where `p` is not clearly before the
+  /// camera, or the projection is no plane one.
+  std::optional<Vec2> raster_of(const Point3& p) const;
+
+  const Point3& position() const { return eye_; }
+  /// Unit; the way that the camera looks.
+  const Vec3& view() const { return view_; }
+
+ private:
+  Projection projection_;
+  Point3 eye_;
+  Vec3 view_, right_, up_;  ///< unit and square to each other
+  /// A raster point's place on the image plane, or its angles, is offset + raster * scale.
+  Vec2 offset_, scale_;
+  double near_, far_;
+};
+
+}  // namespace tessera

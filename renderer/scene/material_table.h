@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "proto/tessera/v1/scene.pb.h"
+#include "renderer/scene/check.h"
+#include "renderer/shading/material.h"
+
+namespace tessera {
+
+/// The materials that shapes ask for, read when first asked: what nothing uses is not even looked
+/// at.
+class MaterialTable {
+ public:
+  /// Throws a scene error where a name comes twice.
+  explicit MaterialTable(const v1::Scene& scene);
+
+  /// The index of the material called `name`; the default one for an empty name. Throws a scene
+  /// error that begins with `where` for an unknown one.
+  uint32_t use(const Where& where, const std::string& name);
+
+  const std::vector<Material>& materials() const { return materials_; }
+  std::vector<Material> take() { return std::move(materials_); }
+
+ private:
+  const v1::Scene& scene_;
+  std::unordered_map<std::string_view, const v1::Material*> by_name_;
+  std::unordered_map<const v1::Material*, uint32_t> used_;
+  std::vector<Material> materials_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+
+#include "proto/tessera/v1/scene.pb.h"
+#include "proto/wire/blob_store.h"
+#include "renderer/accel/accelerator.h"
+#include "renderer/scene/check.h"
+#include "renderer/shapes/shape.h"
+
+namespace tessera {
+
+struct ShapeSource {
+  const BlobStore& blobs;
+  AcceleratorKind accelerator;
+  int threads;
+};
+
+/// A built shape, and what building it left out.
+struct BuiltShape {
+  std::shared_ptr<const Shape> shape;  ///< null where nothing is left of it
+  size_t triangles = 0;
+  size_t triangles_dropped = 0;     ///< degenerate ones
+  bool has_clear_vertices = false;  ///< some vertex colour lets light through
+};
+
+/// Checks the shape's numbers, sizes, counts and indices before anything is allocated for them, and
+/// builds it. Throws a scene error that begins with `where`.
+BuiltShape read_shape(const Where& where, const v1::Shape& shape, const ShapeSource& source);
+
+}  // namespace tessera

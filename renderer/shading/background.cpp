@@ -1,0 +1,75 @@
+#include "renderer/shading/background.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderer/math/elementary.h"
+
+namespace tessera {
+
+namespace {
+
+Color mix(const Color& a, const Color& b, double weight_of_b) {
+  return a * (1 - weight_of_b) + b * weight_of_b;
+}
+
+Color ring_color(const std::vector<Background::Ring>& rings, double angle) {
+  size_t next = 1;
+  while (next < rings.size() && rings[next].angle < angle) ++next;
+  if (next >= rings.size()) return rings.back().color;
+  const Background::Ring& a = rings[next - 1];
+  const Background::Ring& b = rings[next];
+  return mix(a.color, b.color, (angle - a.angle) / (b.angle - a.angle));
+}
+
+Color rings_radiance(const Background& background, const Vec3& d) {
+  const double from_zenith = portable::atan2(std::sqrt(d.x * d.x + d.z * d.z), d.y);
+  const auto& ground = background.ground_rings;
+  if (ground.size() > 1 && portable::kPi - from_zenith <= ground.back().angle) {
+    return ring_color(ground, portable::kPi - from_zenith);
+  }
+  return background.sky_rings.empty() ? kBlack : ring_color(background.sky_rings, from_zenith);
+}
+
+/// The share of light from every direction that a light is in: the sum over lights.
+double glow_towards(const Point3& origin, const Vec3& d, std::span<const Light> lights) {
+  double sum = 0;
+  for (const Light& light : lights) {
+    const bool placed = light.kind == LightKind::point || light.kind == LightKind::spot;
+    const Vec3 to_light = placed ? light.position - origin : -light.direction;
+    if (length_squared(to_light) > 0) sum += std::max(0.0, dot(d, normalize(to_light)));
+  }
+  return sum;
+}
+
+}  // namespace
+
+Color Background::radiance(const Point3& origin, const Vec3& d,
+                           std::span<const Light> lights) const {
+  Color color = sky;
+  if (kind != BackgroundKind::solid) {
+    const Vec3 turned{dot(rotation[0], d), dot(rotation[1], d), dot(rotation[2], d)};
+    switch (kind) {
+      case BackgroundKind::gradient_linear:
+        color = mix(ground, sky, (turned.y + 1) / 2);
+        break;
+      case BackgroundKind::gradient_absolute:
+        color = mix(ground, sky, std::min(std::abs(turned.y), 1.0));
+        break;
+      default:
+        color = rings_radiance(*this, turned);
+        break;
+    }
+  }
+  if (glow != 0) color += kWhite * (glow * glow_towards(origin, d, lights));
+  return color;
+}
+
+double Fog::clearness(double distance) const {
+  if (kind == FogKind::none) return 1;
+  if (distance >= visibility_range) return 0;
+  const double left = visibility_range - distance;
+  return kind == FogKind::linear ? left / visibility_range : portable::exp(-distance / left);
+}
+
+}  // namespace tessera

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "renderer/math/color.h"
+#include "renderer/math/vec.h"
+#include "renderer/shading/light.h"
+
+namespace tessera {
+
+enum class BackgroundKind : uint8_t { solid, gradient_linear, gradient_absolute, rings };
+
+/// What a ray sees that meets nothing. Immutable once built; thread-safe.
+struct Background {
+  BackgroundKind kind = BackgroundKind::solid;
+  Color sky = kBlack;  ///< the one colour of a solid background
+  Color ground = kBlack;
+  /// Rings: colours with the angle (radians, increasing, the first 0) from the zenith or the nadir.
+  struct Ring {
+    double angle = 0;
+    Color color;
+  };
+  std::vector<Ring> sky_rings, ground_rings;
+  double glow = 0;
+  /// Rows of the rotation from world to background directions.
+  std::array<Vec3, 3> rotation{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+  /// Whether every ray sees the same.
+  bool is_constant() const { return kind == BackgroundKind::solid && glow == 0; }
+  /// Radiance along unit direction `d`, for a ray from `origin`.
+  Color radiance(const Point3& origin, const Vec3& d, std::span<const Light> lights) const;
+};
+
+enum class FogKind : uint8_t { none, linear, exponential };
+
+struct Fog {
+  FogKind kind = FogKind::none;
+  Color color = kWhite;
+  double visibility_range = 0;  ///< metres, > 0 unless none
+
+  /// The share of a surface's light that comes through `distance` metres; the rest is `color`.
+  double clearness(double distance) const;
+};
+
+}  // namespace tessera
