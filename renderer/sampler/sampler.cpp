@@ -87,7 +87,8 @@ Vec2 Sampler::pixel_square(int x, int y, uint32_t sample) const {
     case SamplePattern::centered_grid:
     case SamplePattern::corner_grid: {
       const double shift = settings_.pattern == SamplePattern::centered_grid ? 0.5 : 0.0;
-      return {(sample % grid_ + shift) / grid_, (sample / grid_ + shift) / grid_};
+      const uint32_t column = sample % grid_, row = sample / grid_;
+      return {(column + shift) / grid_, (row + shift) / grid_};
     }
     case SamplePattern::owen_sobol:
     case SamplePattern::independent:
