@@ -14,13 +14,18 @@ namespace tessera {
 
 enum class AcceleratorKind { bvh, octree, nonuniform_octree, embree, linear };
 
+/// By the names of --accel: bvh, octree, nonuniform-octree, embree, linear.
 std::optional<AcceleratorKind> parse_accelerator(std::string_view name);
+std::string_view accelerator_name(AcceleratorKind kind);
 
 struct AcceleratorStatistics {
   size_t primitives = 0, nodes = 0, leaves = 0, references = 0, bytes = 0;
   int depth = 0;
   double build_seconds = 0;
 };
+
+/// Bounded by the arrays that a leaf or node reference can number; more is refused by a check.
+inline constexpr size_t kMaxPrimitives = size_t{1} << 28;
 
 /// Finds hits among many primitives. Every kind returns the same bits, those of a linear scan.
 /// Immutable after construction; all calls may run on many threads and none allocates.

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "renderer/shapes/triangle_mesh.h"
+
+namespace tessera {
+
+/// The icosahedron, each triangle cut in four `subdivisions` times: 20 * 4^n triangles on a sphere
+/// of radius 2, closed, outward.
+TriangleMesh icosphere(int subdivisions);
+/// Unconnected triangles of side about 1 / cbrt(count) in the unit cube.
+TriangleMesh triangle_soup(size_t count, uint64_t seed);
+/// Reads "v" and "f" lines of a trusted OBJ file and nothing else.
+TriangleMesh read_plain_obj(const std::string& path);
+
+}  // namespace tessera

@@ -1,0 +1,251 @@
+#include "bench/rays.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <random>
+
+#include "renderer/accel/embree/embree_module.h"
+#include "renderer/accel/make_accelerator.h"
+#include "renderer/math/elementary.h"
+#include "renderer/shapes/surface_interaction.h"
+
+namespace tessera {
+namespace {
+
+struct RaySet {
+  std::string kind;
+  bool any = false;
+  std::vector<Ray> rays;
+};
+
+struct Answer {
+  double t = 0;
+  uint32_t primitive = EmbreeScene::kNothing;
+};
+
+class RayMaker {
+ public:
+  RayMaker(const MeshShape& shape, uint64_t seed) : shape_(shape), random_(seed) {}
+
+  std::vector<RaySet> make(int side) {
+    RaySet primary{"primary", false, primary_rays(side)};
+    const std::vector<SurfaceInteraction> first = hits(primary.rays);
+    RaySet shadow{"shadow", true, {}}, diffuse{"diffuse", false, {}}, ao{"ao", true, {}};
+    const Bounds3 box = shape_.bounds();
+    const double size = length(box.diagonal());
+    const Point3 light = box.center() + Vec3{0.6, 0.9, 0.7} * size;
+    for (const SurfaceInteraction& s : first) {
+      shadow.rays.push_back(spawn(s, light - s.point));
+      shadow.rays.back().t_max = 1;
+      diffuse.rays.push_back(spawn(s, hemisphere(s)));
+      ao.rays.push_back(spawn(s, hemisphere(s)));
+      ao.rays.back().t_max = 0.25 * size;
+    }
+    RaySet shuffled{"shuffled", false, {}};
+    for (const SurfaceInteraction& s : hits(diffuse.rays))
+      shuffled.rays.push_back(spawn(s, hemisphere(s)));
+    std::shuffle(shuffled.rays.begin(), shuffled.rays.end(), random_);
+    return {std::move(primary), std::move(shadow), std::move(diffuse), std::move(ao),
+            std::move(shuffled)};
+  }
+
+ private:
+  std::vector<Ray> primary_rays(int side) {
+    const Bounds3 box = shape_.bounds();
+    const double size = length(box.diagonal());
+    const Affine camera =
+        look_at(box.center() + Vec3{0.35, 0.3, 0.9} * (size * 0.85), box.center(), {0, 1, 0});
+    std::vector<Ray> rays;
+    for (int y = 0; y < side; ++y) {
+      for (int x = 0; x < side; ++x) {
+        const Vec3 d{(x + 0.5) / side - 0.5, 0.5 - (y + 0.5) / side, -0.85};
+        rays.push_back(to_single({camera(Point3{}), normalize(camera(d))}));
+      }
+    }
+    return rays;
+  }
+
+  /// Both contestants get the same ray, and Embree one that does not start below the surface.
+  static Ray to_single(Ray ray) {
+    for (int a = 0; a < 3; ++a) {
+      ray.origin[a] = static_cast<float>(ray.origin[a]);
+      ray.direction[a] = static_cast<float>(ray.direction[a]);
+    }
+    return ray;
+  }
+  Ray spawn(const SurfaceInteraction& s, const Vec3& direction) const {
+    const double reach = 1e-5 * length(shape_.bounds().diagonal());
+    return to_single({s.point + static_cast<Vec3>(s.geometric_normal) * reach, direction});
+  }
+
+  std::vector<SurfaceInteraction> hits(const std::vector<Ray>& rays) {
+    std::vector<SurfaceInteraction> found;
+    for (const Ray& ray : rays) {
+      Hit hit;
+      TraversalCounters counters;
+      if (!shape_.closest_hit(ray, hit, counters)) continue;
+      SurfaceInteraction s = to_world(shape_.surface(ray, hit), Transform{}, false, 0);
+      if (dot(s.geometric_normal, ray.direction) > 0) s.geometric_normal = -s.geometric_normal;
+      found.push_back(s);
+    }
+    return found;
+  }
+
+  /// Cosine-weighted about the geometric normal.
+  Vec3 hemisphere(const SurfaceInteraction& s) {
+    std::uniform_real_distribution<> unit;
+    const double z = 1 - 2 * unit(random_), turn = 2 * portable::kPi * unit(random_);
+    const double ring = std::sqrt(std::max(0.0, 1 - z * z));
+    const Vec3 ball{ring * portable::cos(turn), ring * portable::sin(turn), z};
+    const Vec3 d = static_cast<Vec3>(s.geometric_normal) + ball * 0.999;
+    return normalize(d);
+  }
+
+  const MeshShape& shape_;
+  std::mt19937_64 random_;
+};
+
+/// One thing that traces a ray set, with its answers.
+struct Contestant {
+  std::string name;
+  std::function<void(const RaySet&)> trace;
+  std::vector<Answer> answers;
+  double build_seconds = 0, bytes_per_triangle = 0;
+};
+
+void trace_all(const Accelerator& accelerator, const RaySet& set, std::vector<Answer>& answers) {
+  TraversalCounters counters;
+  answers.resize(set.rays.size());
+  for (size_t i = 0; i < set.rays.size(); ++i) {
+    if (set.any) {
+      const bool hit = accelerator.any_hit(set.rays[i], counters);
+      answers[i] = {0, hit ? 0 : EmbreeScene::kNothing};
+    } else {
+      Hit hit;
+      const bool found = accelerator.closest_hit(set.rays[i], hit, counters);
+      answers[i] = {hit.t, found ? hit.primitive : EmbreeScene::kNothing};
+    }
+  }
+}
+
+std::vector<EmbreeRay> to_float(const RaySet& set) {
+  std::vector<EmbreeRay> rays;
+  for (const Ray& r : set.rays) {
+    EmbreeRay f{};
+    for (int a = 0; a < 3; ++a) {
+      f.origin[a] = static_cast<float>(r.origin[a]);
+      f.direction[a] = static_cast<float>(r.direction[a]);
+    }
+    f.t_max = static_cast<float>(r.t_max);
+    rays.push_back(f);
+  }
+  return rays;
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+/// Rays whose answers differ by more than single precision explains.
+size_t differing(const RaySet& set, const std::vector<Answer>& a, const std::vector<EmbreeRay>& b,
+                 double size) {
+  size_t count = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    const bool hit_a = a[i].primitive != EmbreeScene::kNothing;
+    const bool hit_b = b[i].primitive != EmbreeScene::kNothing;
+    if (hit_a != hit_b) {
+      ++count;
+    } else if (!set.any && hit_a && a[i].primitive != b[i].primitive) {
+      const double t = b[i].t;
+      if (std::abs(a[i].t - t) > 1e-5 * (std::abs(t) + size)) ++count;
+    }
+  }
+  return count;
+}
+
+double seconds_of(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void bench_set(const BenchMesh& scene, const RaySet& set, std::vector<Contestant>& contestants,
+               const EmbreeScene* embree, const RayBenchOptions& options,
+               std::vector<RayBenchRow>& rows) {
+  if (set.rays.empty()) return;
+  std::vector<EmbreeRay> floats = to_float(set);
+  std::vector<std::vector<double>> seconds(contestants.size() + 1);
+  for (int round = 0; round < options.rounds + 1; ++round) {
+    for (size_t c = 0; c <= contestants.size(); ++c) {
+      if (c == contestants.size() && !embree) continue;
+      const double taken = seconds_of([&] {
+        if (c < contestants.size()) {
+          contestants[c].trace(set);
+        } else if (set.any) {
+          embree->any_hits(floats);
+        } else {
+          embree->closest_hits(floats);
+        }
+      });
+      if (round > 0) seconds[c].push_back(taken);  // the first round warms up
+    }
+  }
+  const double mrays = static_cast<double>(set.rays.size()) * 1e-6;
+  const double size = length(scene.mesh.bounds().diagonal());
+  for (size_t c = 0; c < contestants.size(); ++c) {
+    RayBenchRow row{scene.name, contestants[c].name, set.kind};
+    row.mrays_per_second = mrays / median(seconds[c]);
+    row.build_seconds = contestants[c].build_seconds;
+    row.bytes_per_triangle = contestants[c].bytes_per_triangle;
+    if (embree) {
+      row.ratio_to_embree = median(seconds.back()) / median(seconds[c]);
+      row.mismatches = differing(set, contestants[c].answers, floats, size);
+    }
+    rows.push_back(row);
+  }
+  if (!embree) return;
+  const auto triangles = static_cast<double>(scene.mesh.triangles.size());
+  rows.push_back({scene.name, "embree-default", set.kind, mrays / median(seconds.back()), 1, 0,
+                  embree->build_seconds(), static_cast<double>(embree->bytes()) / triangles});
+}
+
+}  // namespace
+
+std::vector<RayBenchRow> bench_rays(const std::vector<BenchMesh>& meshes,
+                                    const RayBenchOptions& options) {
+  std::vector<RayBenchRow> rows;
+  for (const BenchMesh& scene : meshes) {
+    const auto mesh = std::make_shared<const TriangleMesh>(scene.mesh);
+    const auto embree = make_embree_scene(
+        {&mesh->positions.data()->x, mesh->positions.size() * 3},
+        {mesh->triangles.data()->data(), mesh->triangles.size() * 3}, options.build_threads);
+    std::vector<std::unique_ptr<const Accelerator>> built;
+    std::vector<Contestant> contestants;
+    contestants.reserve(options.accelerators.size());
+    for (const AcceleratorKind kind : options.accelerators) {
+      built.push_back(make_mesh_accelerator(mesh, kind, options.build_threads));
+      const AcceleratorStatistics statistics = built.back()->statistics();
+      Contestant& added = contestants.emplace_back();
+      added.name = std::string(accelerator_name(kind));
+      added.build_seconds = statistics.build_seconds;
+      added.bytes_per_triangle =
+          static_cast<double>(statistics.bytes) / static_cast<double>(mesh->triangles.size());
+      added.trace = [&added, &accelerator = *built.back()](const RaySet& set) {
+        trace_all(accelerator, set, added.answers);
+      };
+    }
+    const auto shape =
+        make_mesh_shape(mesh, AcceleratorKind::bvh, std::max(1, options.build_threads));
+    for (const RaySet& set : RayMaker(*shape, options.seed).make(options.image_side))
+      bench_set(scene, set, contestants, embree.get(), options, rows);
+  }
+  return rows;
+}
+
+}  // namespace tessera

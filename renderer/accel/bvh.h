@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "renderer/accel/accelerator.h"
+#include "renderer/accel/bvh_kernels.h"
+
+namespace tessera {
+
+/// Eight-wide bounding volume hierarchy over the triangles of a mesh. Boxes in single precision
+/// cull, the watertight test in double decides. It keeps its own copy of the vertices and does not
+/// need the mesh afterwards.
+class MeshBvh final : public Accelerator {
+ public:
+  /// At least one triangle, all of them finite.
+  MeshBvh(const TriangleMesh& mesh, int threads, const BvhKernels& code = kernels());
+  Bounds3 bounds() const override { return tree_.bounds; }
+  bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override {
+    return closest_(tree_, ray, hit, counters);
+  }
+  bool any_hit(const Ray& ray, TraversalCounters& counters) const override {
+    return any_(tree_, ray, counters);
+  }
+  AcceleratorStatistics statistics() const override { return statistics_; }
+
+ private:
+  MeshTree tree_;
+  decltype(BvhKernels::mesh_closest) closest_;
+  decltype(BvhKernels::mesh_any) any_;
+  AcceleratorStatistics statistics_;
+};
+
+/// The same over instances. Endless ones are kept outside of the tree and always tested.
+class InstanceBvh final : public Accelerator {
+ public:
+  /// At least one instance of finite bounds.
+  InstanceBvh(std::vector<Instance> instances, int threads, const BvhKernels& code = kernels());
+  Bounds3 bounds() const override { return bounds_; }
+  bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override {
+    return closest_(tree_, ray, hit, counters);
+  }
+  bool any_hit(const Ray& ray, TraversalCounters& counters) const override {
+    return any_(tree_, ray, counters);
+  }
+  AcceleratorStatistics statistics() const override { return statistics_; }
+
+ private:
+  InstanceTree tree_;
+  Bounds3 bounds_;
+  decltype(BvhKernels::instance_closest) closest_;
+  decltype(BvhKernels::instance_any) any_;
+  AcceleratorStatistics statistics_;
+};
+
+/// Whether a tree can hold these bounds.
+bool is_bounded(const Bounds3& bounds);
+
+}  // namespace tessera

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "renderer/accel/instance.h"
+#include "renderer/accel/wide_tree.h"
+#include "renderer/shapes/ray.h"
+#include "renderer/shapes/shape.h"
+#include "renderer/shapes/triangle_mesh.h"
+
+namespace tessera {
+
+/// Four triangles: vertex, axis, lane. Unused lanes hold NaN, which no ray hits.
+struct alignas(32) TriangleBlock {
+  float vertex[3][3][4];
+  uint32_t primitive[4];
+};
+static_assert(sizeof(TriangleBlock) == 160);
+
+struct MeshTree {
+  WideTree tree;
+  AlignedArray<TriangleBlock> blocks;
+  Bounds3 bounds;
+};
+
+struct InstanceTree {
+  WideTree tree;
+  std::vector<Instance> instances;
+  std::vector<uint32_t> endless;  ///< instances outside of the tree, in ascending order
+  Bounds3 tree_bounds;            ///< of those inside
+};
+
+/// Traversal compiled for each instruction set; `kernels()` is the best that this machine has. All
+/// return the same bits.
+struct BvhKernels {
+  bool (*mesh_closest)(const MeshTree&, const Ray&, Hit&, TraversalCounters&);
+  bool (*mesh_any)(const MeshTree&, const Ray&, TraversalCounters&);
+  bool (*instance_closest)(const InstanceTree&, const Ray&, Hit&, TraversalCounters&);
+  bool (*instance_any)(const InstanceTree&, const Ray&, TraversalCounters&);
+  const char* name;
+};
+
+const BvhKernels& kernels();
+/// One entry for each instruction set that this machine has: for tests.
+std::span<const BvhKernels> all_kernels();
+
+}  // namespace tessera

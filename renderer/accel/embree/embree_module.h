@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace tessera {
+
+/// A ray and its answer in single precision, as Embree takes it.
+struct EmbreeRay {
+  float origin[3], direction[3];
+  float t_max;
+  // Filled by trace: the hit, or t_max itself and an invalid primitive.
+  float t;
+  uint32_t primitive;
+};
+
+/// One mesh in Embree's default (medium quality, not robust) BVH. Thread-safe after construction.
+class EmbreeScene {
+ public:
+  static constexpr uint32_t kNothing = 0xffffffffu;
+
+  virtual ~EmbreeScene() = default;
+  /// rtcIntersect1 for each ray.
+  virtual void closest_hits(std::span<EmbreeRay> rays) const = 0;
+  /// rtcOccluded1 for each: primitive is 0 where anything was hit, else kNothing.
+  virtual void any_hits(std::span<EmbreeRay> rays) const = 0;
+  virtual double build_seconds() const = 0;
+  virtual size_t bytes() const = 0;
+};
+
+/// Loads the module beside the executable on first use. Null where it was not built or cannot be
+/// loaded. `positions` are xyz, `triangles` three indices each; `threads` builds.
+std::unique_ptr<EmbreeScene> make_embree_scene(std::span<const float> positions,
+                                               std::span<const uint32_t> triangles, int threads);
+
+}  // namespace tessera

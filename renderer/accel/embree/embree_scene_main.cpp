@@ -1,0 +1,95 @@
+// The module: the only code that links Embree. Loaded by make_embree_scene().
+#include <embree3/rtcore.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "renderer/accel/embree/embree_module.h"
+
+namespace tessera {
+namespace {
+
+bool count_bytes(void* counter, ssize_t bytes, bool) {
+  *static_cast<std::atomic<ssize_t>*>(counter) += bytes;
+  return true;
+}
+
+RTCRay to_embree(const EmbreeRay& ray) {
+  RTCRay r;
+  r.org_x = ray.origin[0], r.org_y = ray.origin[1], r.org_z = ray.origin[2];
+  r.dir_x = ray.direction[0], r.dir_y = ray.direction[1], r.dir_z = ray.direction[2];
+  r.tnear = 0, r.tfar = ray.t_max, r.time = 0, r.mask = 0xffffffffu, r.id = 0, r.flags = 0;
+  return r;
+}
+
+class Scene final : public EmbreeScene {
+ public:
+  Scene(const float* positions, size_t vertices, const uint32_t* triangles, size_t count,
+        int threads) {
+    device_ = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
+    rtcSetDeviceMemoryMonitorFunction(device_, count_bytes, &bytes_);
+    scene_ = rtcNewScene(device_);
+    RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    void* to =
+        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, vertices);
+    std::memcpy(to, positions, vertices * 12);
+    to = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, count);
+    std::memcpy(to, triangles, count * 12);
+    rtcCommitGeometry(mesh);
+    rtcAttachGeometry(scene_, mesh);
+    rtcReleaseGeometry(mesh);
+    const ssize_t before = bytes_;
+    const auto start = std::chrono::steady_clock::now();
+    rtcCommitScene(scene_);
+    build_seconds_ =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    tree_bytes_ = static_cast<size_t>(bytes_ - before);
+  }
+  ~Scene() override {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+
+  void closest_hits(std::span<EmbreeRay> rays) const override {
+    for (EmbreeRay& ray : rays) {
+      RTCIntersectContext context;
+      rtcInitIntersectContext(&context);
+      RTCRayHit r;
+      r.ray = to_embree(ray);
+      r.hit.geomID = r.hit.primID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+      rtcIntersect1(scene_, &context, &r);
+      ray.t = r.ray.tfar;
+      ray.primitive = r.hit.geomID == RTC_INVALID_GEOMETRY_ID ? kNothing : r.hit.primID;
+    }
+  }
+  void any_hits(std::span<EmbreeRay> rays) const override {
+    for (EmbreeRay& ray : rays) {
+      RTCIntersectContext context;
+      rtcInitIntersectContext(&context);
+      RTCRay r = to_embree(ray);
+      rtcOccluded1(scene_, &context, &r);
+      ray.primitive = r.tfar < 0 ? 0 : kNothing;
+    }
+  }
+  double build_seconds() const override { return build_seconds_; }
+  size_t bytes() const override { return tree_bytes_; }
+
+ private:
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+  std::atomic<ssize_t> bytes_{0};
+  double build_seconds_ = 0;
+  size_t tree_bytes_ = 0;
+};
+
+}  // namespace
+}  // namespace tessera
+
+extern "C" tessera::EmbreeScene* tessera_make_embree_scene(const float* positions, size_t vertices,
+                                                           const uint32_t* triangles, size_t count,
+                                                           int threads) {
+  return new tessera::Scene(positions, vertices, triangles, count, threads);
+}

@@ -1,0 +1,69 @@
+#include "renderer/accel/instance.h"
+
+#include <limits>
+#include <optional>
+
+namespace tessera {
+namespace {
+
+Cull opposite(Cull cull) {
+  return cull == Cull::back ? Cull::front : cull == Cull::front ? Cull::back : Cull::none;
+}
+
+Ray to_object(const Instance& instance, const Ray& ray) {
+  Ray local = ray;
+  local.origin = instance.world_from_object.inverse_point(ray.origin);
+  // Not made of unit length, so that t is the same in both frames.
+  local.direction = instance.world_from_object.inverse_vector(ray.direction);
+  return local;
+}
+
+/// The ray in the shape's frame; nothing where every side is culled.
+std::optional<Ray> culled_local_ray(const Instance& instance, const Ray& ray) {
+  Cull cull = instance.cull;
+  if (ray.cull != Cull::none) {
+    if (cull != Cull::none && cull != ray.cull) return std::nullopt;
+    cull = ray.cull;
+  }
+  Ray local = to_object(instance, ray);
+  local.cull = instance.flip_normals ? opposite(cull) : cull;
+  return local;
+}
+
+}  // namespace
+
+bool can_hit(const Ray& ray) {
+  return is_finite(ray.origin - Point3{}) && is_finite(ray.direction) && ray.direction != Vec3{};
+}
+
+bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
+                    TraversalCounters& counters) {
+  const std::optional<Ray> local = culled_local_ray(instance, ray);
+  if (!local) return false;
+  // Of hits at equal t the smaller instance counts, whatever its primitive.
+  Hit candidate = hit;
+  if (number < hit.instance) candidate.primitive = std::numeric_limits<uint32_t>::max();
+  if (number > hit.instance) candidate.primitive = 0;
+  if (!instance.shape->closest_hit(*local, candidate, counters)) return false;
+  hit = candidate;
+  hit.instance = number;
+  return true;
+}
+
+bool any_hit_of(const Instance& instance, const Ray& ray, TraversalCounters& counters) {
+  if (!instance.casts_shadow) return false;
+  const std::optional<Ray> local = culled_local_ray(instance, ray);
+  return local && instance.shape->any_hit(*local, counters);
+}
+
+Bounds3 bounds_of(const Instance& instance) {
+  return instance.world_from_object.bounds(instance.shape->bounds());
+}
+
+SurfaceInteraction surface_at(std::span<const Instance> instances, const Ray& ray, const Hit& hit) {
+  const Instance& instance = instances[hit.instance];
+  const LocalSurface local = instance.shape->surface(to_object(instance, ray), hit);
+  return to_world(local, instance.world_from_object, instance.flip_normals, hit.instance);
+}
+
+}  // namespace tessera

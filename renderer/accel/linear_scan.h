@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "renderer/accel/accelerator.h"
+#include "renderer/accel/instance.h"
+#include "renderer/shapes/triangle_mesh.h"
+
+namespace tessera {
+
+/// Tests every triangle: the oracle that all other accelerators are held against.
+class MeshLinearScan final : public Accelerator {
+ public:
+  explicit MeshLinearScan(std::shared_ptr<const TriangleMesh> mesh);
+  Bounds3 bounds() const override { return bounds_; }
+  bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
+  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  AcceleratorStatistics statistics() const override;
+
+ private:
+  std::shared_ptr<const TriangleMesh> mesh_;
+  Bounds3 bounds_;
+};
+
+/// Tests every instance.
+class InstanceLinearScan final : public Accelerator {
+ public:
+  explicit InstanceLinearScan(std::vector<Instance> instances);
+  Bounds3 bounds() const override { return bounds_; }
+  bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
+  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  AcceleratorStatistics statistics() const override;
+
+ private:
+  std::vector<Instance> instances_;
+  Bounds3 bounds_;
+};
+
+}  // namespace tessera

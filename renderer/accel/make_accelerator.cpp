@@ -1,0 +1,52 @@
+#include "renderer/accel/make_accelerator.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "renderer/accel/bvh.h"
+#include "renderer/accel/linear_scan.h"
+
+namespace tessera {
+namespace {
+
+// Below these a scan in order costs no more than a tree, and nothing to build.
+constexpr size_t kFewTriangles = 2;
+constexpr size_t kFewInstances = 2;
+
+void require_known(AcceleratorKind kind) {
+  if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::linear) return;
+  throw usage_error(
+      fmt::format("the accelerator '{}' is not in this program; expected bvh or linear",
+                  accelerator_name(kind)));
+}
+
+}  // namespace
+
+std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
+                                                         AcceleratorKind kind, int threads) {
+  require_known(kind);
+  TESSERA_CHECK(mesh->triangles.size() <= kMaxPrimitives,
+                fmt::format("{} > {}", mesh->triangles.size(), kMaxPrimitives));
+  if (kind == AcceleratorKind::bvh && mesh->triangles.size() > kFewTriangles)
+    return std::make_unique<MeshBvh>(*mesh, threads);
+  return std::make_unique<MeshLinearScan>(std::move(mesh));
+}
+
+std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
+                                                 AcceleratorKind kind, int threads) {
+  auto accelerator = make_mesh_accelerator(mesh, kind, threads);
+  return std::make_shared<MeshShape>(std::move(mesh), std::move(accelerator));
+}
+
+std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,
+                                                             AcceleratorKind kind, int threads) {
+  require_known(kind);
+  size_t bounded = 0;
+  for (const Instance& instance : instances)
+    if (const Bounds3 b = bounds_of(instance); is_bounded(b) && !b.empty()) ++bounded;
+  if (kind == AcceleratorKind::bvh && bounded > kFewInstances)
+    return std::make_unique<InstanceBvh>(std::move(instances), threads);
+  return std::make_unique<InstanceLinearScan>(std::move(instances));
+}
+
+}  // namespace tessera

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "renderer/accel/accelerator.h"
+#include "renderer/accel/instance.h"
+#include "renderer/accel/mesh_shape.h"
+
+namespace tessera {
+
+// `threads` is how many the build may use; it changes nothing in the result. What is too small to
+// be worth a tree gets none. Throws a usage Error for a kind that this program was built without.
+
+/// Every triangle of `mesh` must be legal: see drop_degenerate().
+std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
+                                                         AcceleratorKind kind, int threads);
+std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
+                                                 AcceleratorKind kind, int threads);
+/// Hits carry the index into `instances`.
+std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,
+                                                             AcceleratorKind kind, int threads);
+
+}  // namespace tessera

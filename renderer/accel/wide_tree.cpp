@@ -1,0 +1,408 @@
+#include "renderer/accel/wide_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <thread>
+
+#include "renderer/math/rounding.h"
+
+namespace tessera {
+namespace {
+
+using Lanes = BuildBox::Lanes;
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr int kMaxBins = 32;
+constexpr float kNodeCost = 1.0f;  // of visiting a node, in tests of a block of triangles
+constexpr int kMedianDepth = 24;   // below this, halves: so that the depth stays bounded
+constexpr size_t kMinTask = 2048;
+
+Lanes lane_min(Lanes a, Lanes b) {
+  return a < b ? a : b;
+}
+Lanes lane_max(Lanes a, Lanes b) {
+  return a > b ? a : b;
+}
+
+struct Box {
+  Lanes low, high;  // left open: most bins are set just before their use
+
+  static Box empty() { return {Lanes{} + kInf, Lanes{} - kInf}; }
+  void extend(Lanes l, Lanes h) {
+    low = lane_min(low, l);
+    high = lane_max(high, h);
+  }
+  void extend(const Box& b) { extend(b.low, b.high); }
+  /// In double: the product of sides may leave single precision.
+  double half_area() const {
+    const double x = double{high[0]} - low[0], y = double{high[1]} - low[1],
+                 z = double{high[2]} - low[2];
+    return x * y + (x + y) * z;
+  }
+};
+
+struct Range {
+  size_t begin = 0, end = 0;
+  Box box = Box::empty(),
+      centroids = Box::empty();  // centroids are low + high halved before the sum, to stay in range
+  size_t count() const { return end - begin; }
+};
+
+Lanes centroid(const BuildBox& b) {
+  Lanes high = b.high;
+  high[3] = 0;  // the number kept there is a denormal, slow to reckon with
+  return b.low * 0.5f + high * 0.5f;
+}
+
+Range make_range(const BuildBox* boxes, size_t begin, size_t end) {
+  Range r{begin, end};
+  for (size_t i = begin; i < end; ++i) {
+    r.box.extend(boxes[i].low, boxes[i].high);
+    const Lanes c = centroid(boxes[i]);
+    r.centroids.extend(c, c);
+  }
+  return r;
+}
+
+/// Maps centroids to bins, the same way wherever it is asked.
+struct Binning {
+  int bins;
+  Lanes base, scale;
+  bool usable[3];
+
+  explicit Binning(const Range& range) {
+    bins = static_cast<int>(std::min<size_t>(kMaxBins, 4 + range.count() / 20));
+    base = range.centroids.low;
+    const Lanes extent = range.centroids.high - range.centroids.low;
+    scale = Lanes{};
+    for (int a = 0; a < 3; ++a) {
+      const float s = static_cast<float>(bins) * 0.99999f / extent[a];
+      usable[a] = extent[a] > 0 && s < kInf && s > 0;
+      scale[a] = usable[a] ? s : 0;
+    }
+  }
+  std::array<int, 3> operator()(Lanes c) const {
+    const Lanes f = (c - base) * scale;
+    return {static_cast<int>(f[0]), static_cast<int>(f[1]), static_cast<int>(f[2])};
+  }
+};
+
+struct Split {
+  double cost = std::numeric_limits<double>::infinity();
+  int axis = -1, bin = 0;  // bins below `bin` go left
+};
+
+class Bins {
+ public:
+  explicit Bins(int bins) : bins_(bins) {
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < bins; ++b) {
+        box_[a][b] = Box::empty();
+        count_[a][b] = 0;
+      }
+    }
+  }
+  void add(const Binning& binning, const BuildBox* boxes, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const std::array<int, 3> at = binning(centroid(boxes[i]));
+      for (int a = 0; a < 3; ++a) {
+        box_[a][at[a]].extend(boxes[i].low, boxes[i].high);
+        ++count_[a][at[a]];
+      }
+    }
+  }
+  void add(const Bins& other) {
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < bins_; ++b) {
+        box_[a][b].extend(other.box_[a][b]);
+        count_[a][b] += other.count_[a][b];
+      }
+    }
+  }
+  /// The cheapest split by half-area times blocks on each side.
+  Split best(const Binning& binning, uint32_t block_size) const {
+    Split best;
+    const auto blocks = [block_size](size_t n) {
+      return static_cast<double>((n + block_size - 1) / block_size);
+    };
+    for (int a = 0; a < 3; ++a) {
+      if (!binning.usable[a]) continue;
+      std::array<double, kMaxBins> right_cost;
+      Box box = Box::empty();
+      size_t count = 0;
+      for (int b = binning.bins - 1; b > 0; --b) {
+        box.extend(box_[a][b]);
+        count += count_[a][b];
+        right_cost[b] = count == 0 ? kInf : box.half_area() * blocks(count);
+      }
+      box = Box::empty();
+      count = 0;
+      for (int b = 1; b < binning.bins; ++b) {
+        box.extend(box_[a][b - 1]);
+        count += count_[a][b - 1];
+        if (count == 0) continue;
+        const double cost = box.half_area() * blocks(count) + right_cost[b];
+        if (cost < best.cost) best = {cost, a, b};
+      }
+    }
+    return best;
+  }
+
+ private:
+  int bins_;
+  Box box_[3][kMaxBins];  // only the first bins_ are in use
+  uint32_t count_[3][kMaxBins];
+};
+
+/// A node's child that is still to be built, by a task of its own.
+struct Pending {
+  Range range;
+  size_t node;
+  int slot, depth;
+};
+
+/// What one task builds. Indices are its own; joining the parts shifts them.
+struct Part {
+  std::vector<WideNode> nodes;
+  std::vector<uint32_t> slots;
+  NodeReference root;
+  size_t leaves = 0;
+  int depth = 0;
+};
+
+class Builder {
+ public:
+  Builder(std::vector<BuildBox>& boxes, uint32_t block_size, int threads)
+      : boxes_(boxes.data()), block_size_(block_size), threads_(std::max(1, threads)) {
+    // By the number of boxes alone, never of threads: the tree must come out the same.
+    task_size_ = std::max(kMinTask, boxes.size() / 64);
+  }
+
+  WideTree build(size_t count) {
+    Part top;
+    std::vector<Pending> pending;
+    const Range all = make_range(boxes_, 0, count);
+    top.root = build_range(top, all, 0, &pending);
+    std::vector<Part> parts(pending.size());
+    run(pending.size(), [&](size_t i) {
+      parts[i].root = build_range(parts[i], pending[i].range, pending[i].depth, nullptr);
+    });
+    WideTree tree = join(top, pending, parts);
+    for (int a = 0; a < 3; ++a)
+      tree.extent = std::max({tree.extent, std::abs(all.box.low[a]), std::abs(all.box.high[a])});
+    return tree;
+  }
+
+ private:
+  template <typename Work>
+  void run(size_t tasks, Work work) {
+    std::atomic<size_t> next{0};
+    const auto loop = [&] {
+      for (size_t i; (i = next.fetch_add(1)) < tasks;) work(i);
+    };
+    std::vector<std::jthread> helpers;
+    for (size_t i = 1; i < std::min<size_t>(threads_, tasks); ++i) helpers.emplace_back(loop);
+    loop();
+  }
+
+  /// Bins of a range; large ones by all threads. Sums and extremes come out the same in any order.
+  Bins fill(const Binning& binning, const Range& range, bool parallel) {
+    constexpr size_t kWorthThreads = 1 << 17;
+    Bins bins(binning.bins);
+    if (!parallel || threads_ < 2 || range.count() < kWorthThreads) {
+      bins.add(binning, boxes_, range.begin, range.end);
+      return bins;
+    }
+    std::vector<Bins> parts(static_cast<size_t>(threads_), bins);
+    run(parts.size(), [&](size_t i) {
+      const size_t begin = range.begin + range.count() * i / parts.size();
+      const size_t end = range.begin + range.count() * (i + 1) / parts.size();
+      parts[i].add(binning, boxes_, begin, end);
+    });
+    for (const Bins& part : parts) bins.add(part);
+    return bins;
+  }
+
+  Split find(const Range& range, int depth, bool parallel) {
+    if (depth >= kMedianDepth) return {};
+    const Binning binning(range);
+    if (!(binning.usable[0] || binning.usable[1] || binning.usable[2])) return {};
+    return fill(binning, range, parallel).best(binning, block_size_);
+  }
+
+  /// Cuts a range in two by the split, or, where there is none, in halves.
+  std::array<Range, 2> divide(const Range& range, const Split& split) {
+    size_t middle = range.begin + range.count() / 2;
+    if (split.axis < 0) {
+      halve(range, middle);
+      return {make_range(boxes_, range.begin, middle), make_range(boxes_, middle, range.end)};
+    }
+    const Binning binning(range);
+    Range left{range.begin, range.begin}, right{range.end, range.end};
+    const auto add = [](Range& side, const BuildBox& b, Lanes c) {
+      side.box.extend(b.low, b.high);
+      side.centroids.extend(c, c);
+    };
+    size_t i = range.begin, j = range.end;
+    while (i < j) {
+      const Lanes c = centroid(boxes_[i]);
+      if (binning(c)[static_cast<size_t>(split.axis)] < split.bin) {
+        add(left, boxes_[i++], c);
+      } else {
+        add(right, boxes_[i], c);
+        std::swap(boxes_[i], boxes_[--j]);
+      }
+    }
+    left.end = right.begin = i;
+    return {left, right};
+  }
+
+  /// Orders the halves by the widest axis, ties by number, so that deep trees stay useful.
+  void halve(const Range& range, size_t middle) {
+    const Lanes extent = range.centroids.high - range.centroids.low;
+    int axis = extent[0] >= extent[1] ? 0 : 1;
+    if (extent[2] > extent[axis]) axis = 2;
+    std::nth_element(boxes_ + range.begin, boxes_ + middle, boxes_ + range.end,
+                     [axis](const BuildBox& a, const BuildBox& b) {
+                       const float ca = centroid(a)[axis], cb = centroid(b)[axis];
+                       return ca < cb || (ca == cb && a.index() < b.index());
+                     });
+  }
+
+  NodeReference make_leaf(Part& part, const Range& range) {
+    const auto first = static_cast<uint32_t>(part.slots.size() / block_size_);
+    for (size_t i = range.begin; i < range.end; ++i) part.slots.push_back(boxes_[i].index());
+    while (part.slots.size() % block_size_ != 0) part.slots.push_back(WideTree::kEmptySlot);
+    ++part.leaves;
+    return NodeReference::leaf(first,
+                               static_cast<uint32_t>(part.slots.size() / block_size_) - first);
+  }
+
+  size_t blocks(size_t count) const { return (count + block_size_ - 1) / block_size_; }
+
+  bool prefers_leaf(const Range& range, const Split& split) const {
+    if (range.count() <= block_size_) return true;
+    if (blocks(range.count()) > NodeReference::kMaxLeafBlocks / 2 || split.axis < 0) return false;
+    const double area = range.box.half_area();
+    return static_cast<double>(blocks(range.count())) * area <= kNodeCost * area + split.cost;
+  }
+
+  NodeReference build_range(Part& part, const Range& range, int depth,
+                            std::vector<Pending>* pending) {
+    const bool parallel = pending != nullptr;
+    const Split split = range.count() <= block_size_ ? Split{} : find(range, depth, parallel);
+    if (prefers_leaf(range, split)) return make_leaf(part, range);
+    part.depth = std::max(part.depth, depth + 1);
+    std::array<Range, 8> children;
+    const auto halves = divide(range, split);
+    children[0] = halves[0];
+    children[1] = halves[1];
+    size_t count = 2;
+    while (count < 8) {
+      // The child with the largest surface is the one most likely entered for nothing.
+      int widest = -1;
+      for (size_t i = 0; i < count; ++i) {
+        if (children[i].count() <= block_size_) continue;
+        if (widest < 0 ||
+            children[i].box.half_area() > children[static_cast<size_t>(widest)].box.half_area())
+          widest = static_cast<int>(i);
+      }
+      if (widest < 0) break;
+      Range& chosen = children[static_cast<size_t>(widest)];
+      const auto pair = divide(chosen, find(chosen, depth, parallel));
+      chosen = pair[0];
+      children[count++] = pair[1];
+    }
+    return add_node(part, {children.data(), count}, depth, pending);
+  }
+
+  NodeReference add_node(Part& part, std::span<const Range> children, int depth,
+                         std::vector<Pending>* pending) {
+    const size_t index = part.nodes.size();
+    part.nodes.emplace_back();
+    WideNode node;
+    for (size_t i = 0; i < 8; ++i) {
+      const bool present = i < children.size();
+      for (int a = 0; a < 3; ++a) {
+        node.bounds[2 * a][i] = present ? children[i].box.low[a] : kInf;
+        node.bounds[2 * a + 1][i] = present ? children[i].box.high[a] : -kInf;
+      }
+      node.child[i] = 0;
+    }
+    for (size_t i = 0; i < children.size(); ++i) {
+      if (pending && children[i].count() <= task_size_) {
+        pending->push_back({children[i], index, static_cast<int>(i), depth + 1});
+      } else {
+        node.child[i] = build_range(part, children[i], depth + 1, pending).bits;
+      }
+    }
+    part.nodes[index] = node;
+    return NodeReference::node(static_cast<uint32_t>(index));
+  }
+
+  WideTree join(Part& top, const std::vector<Pending>& pending, std::vector<Part>& parts) {
+    WideTree tree;
+    size_t nodes = top.nodes.size(), slots = top.slots.size();
+    for (const Part& part : parts) nodes += part.nodes.size(), slots += part.slots.size();
+    tree.nodes = AlignedArray<WideNode>(nodes);
+    tree.slots.reserve(slots);
+    size_t at = 0;
+    const auto append = [&](const Part& part) {
+      const auto first_node = static_cast<uint32_t>(at);
+      const auto first_block = static_cast<uint32_t>(tree.slots.size() / block_size_);
+      const auto moved = [&](NodeReference r) -> NodeReference {
+        return {r.bits + (r.is_leaf() ? first_block : first_node)};
+      };
+      for (WideNode node : part.nodes) {
+        for (size_t i = 0; i < 8; ++i)
+          if (node.bounds[0][i] <= node.bounds[1][i]) node.child[i] = moved({node.child[i]}).bits;
+        tree.nodes.data()[at++] = node;
+      }
+      tree.slots.insert(tree.slots.end(), part.slots.begin(), part.slots.end());
+      tree.leaves += part.leaves;
+      tree.depth = std::max(tree.depth, part.depth);
+      return moved(part.root);
+    };
+    tree.root = append(top);
+    for (size_t i = 0; i < parts.size(); ++i) {
+      const uint32_t child = append(parts[i]).bits;
+      tree.nodes.data()[pending[i].node].child[pending[i].slot] = child;
+    }
+    return tree;
+  }
+
+  BuildBox* boxes_;
+  uint32_t block_size_;
+  int threads_;
+  size_t task_size_ = 0;
+};
+
+}  // namespace
+
+BuildBox::BuildBox(const Bounds3& b, uint32_t index)
+    : low{float_down(b.min.x), float_down(b.min.y), float_down(b.min.z), 0},
+      high{float_up(b.max.x), float_up(b.max.y), float_up(b.max.z), 0} {
+  set_index(index);
+}
+
+// Through memory, never as a float: a number may look like a signalling NaN.
+uint32_t BuildBox::index() const {
+  uint32_t index;
+  std::memcpy(&index, reinterpret_cast<const char*>(&high) + 12, sizeof index);
+  return index;
+}
+
+void BuildBox::set_index(uint32_t index) {
+  std::memcpy(reinterpret_cast<char*>(&high) + 12, &index, sizeof index);
+}
+
+WideTree build_wide_tree(std::vector<BuildBox> boxes, uint32_t block_size, int threads) {
+  Builder builder(boxes, block_size, threads);
+  return builder.build(boxes.size());
+}
+
+}  // namespace tessera

@@ -1,0 +1,81 @@
+#include "renderer/shapes/sphere.h"
+
+#include "renderer/math/elementary.h"
+#include "renderer/math/rounding.h"
+
+namespace tessera {
+
+Bounds3 Sphere::bounds() const {
+  Bounds3 box;
+  for (int a = 0; a < 3; ++a) {
+    box.min[a] = next_down(center_[a] - radius_);
+    box.max[a] = next_up(center_[a] + radius_);
+  }
+  return box;
+}
+
+bool Sphere::roots(const Ray& ray, double& t0, double& t1) const {
+  // Haines, Guenther, Akenine-Moller: Precision Improvements for Ray/Sphere Intersection (Ray
+  // Tracing Gems 7). The distance of the line from the centre is taken before it is squared.
+  const Vec3& d = ray.direction;
+  const Vec3 f = ray.origin - center_;
+  const double a = dot(d, d);
+  const double b = -dot(f, d);
+  const Vec3 nearest = f + d * (b / a);
+  const double from_axis = length(nearest);
+  const double discriminant = (radius_ + from_axis) * (radius_ - from_axis);
+  if (!(discriminant >= 0)) return false;
+  const double distance_f = length(f);
+  const double c = (distance_f + radius_) * (distance_f - radius_);
+  const double q = b + std::copysign(std::sqrt(a * discriminant), b);
+  if (q == 0) {
+    t0 = t1 = 0;
+    return true;
+  }
+  t0 = c / q;
+  t1 = q / a;
+  if (t0 > t1) std::swap(t0, t1);
+  return true;
+}
+
+bool Sphere::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
+  ++counters.primitive_tests;
+  double t[2];
+  if (!roots(ray, t[0], t[1])) return false;
+  for (int i = 0; i < 2; ++i) {
+    // Entering shows the front, leaving the back.
+    if (ray.cull == (i == 0 ? Cull::front : Cull::back)) continue;
+    if (!(t[i] > ray.t_min && t[i] < ray.t_max)) continue;
+    if (t[i] > hit.t || (t[i] == hit.t && hit.primitive == 0)) return false;
+    hit = {t[i], 0, 0, hit.instance, 0};
+    return true;
+  }
+  return false;
+}
+
+bool Sphere::any_hit(const Ray& ray, TraversalCounters& counters) const {
+  Hit hit;
+  return closest_hit(ray, hit, counters);
+}
+
+LocalSurface Sphere::surface(const Ray& ray, const Hit& hit) const {
+  using namespace portable;
+  LocalSurface s;
+  const Vec3 n = normalize(ray.at(hit.t) - center_);
+  s.point = center_ + n * radius_;
+  for (int a = 0; a < 3; ++a)
+    s.point_error[a] = kUnitRoundoff *
+                       (std::abs(center_[a]) + 5 * radius_ * std::abs(n[a]) + std::abs(s.point[a]));
+  s.geometric_normal = s.shading_normal = to_normal(n);
+  const double turn = atan2(-n.x, -n.z) / (2 * kPi);
+  s.uv = {turn < 0 ? turn + 1 : turn, acos(std::max(-1.0, std::min(1.0, -n.y))) / kPi};
+  s.dpdu = Vec3{n.z, 0, -n.x} * (2 * kPi * radius_);
+  const double ring = std::sqrt(n.x * n.x + n.z * n.z);
+  if (ring > 0)
+    s.dpdv = Vec3{-n.x * n.y / ring, ring, -n.z * n.y / ring} * (kPi * radius_);
+  else
+    s.dpdv = Vec3{0, 0, n.y > 0 ? 1.0 : -1.0} * (kPi * radius_);
+  return s;
+}
+
+}  // namespace tessera

@@ -1,0 +1,119 @@
+#include "renderer/shapes/triangle_mesh.h"
+
+#include <cmath>
+
+#include "renderer/math/rounding.h"
+
+namespace tessera {
+namespace {
+
+/// Right in every component to 2 ulp, however thin the triangle.
+Vec3 accurate_cross(const Vec3& a, const Vec3& b) {
+  return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
+          difference_of_products(a.x, b.y, a.y, b.x)};
+}
+
+bool finite(const Float3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+Vec3 to_vec(const Float3& v) {
+  return {v.x, v.y, v.z};
+}
+
+void add_uv(const TriangleMesh& mesh, const TriangleIndices& index,
+            const std::array<Point3, 3>& corner, const std::array<double, 3>& weight,
+            LocalSurface& surface) {
+  const Float2 a = mesh.uvs[index[0]], b = mesh.uvs[index[1]], c = mesh.uvs[index[2]];
+  surface.uv = {weight[0] * a.x + weight[1] * b.x + weight[2] * c.x,
+                weight[0] * a.y + weight[1] * b.y + weight[2] * c.y};
+  const double du1 = double{b.x} - a.x, dv1 = double{b.y} - a.y;
+  const double du2 = double{c.x} - a.x, dv2 = double{c.y} - a.y;
+  const double det = difference_of_products(du1, dv2, dv1, du2);
+  if (det == 0) return;
+  const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+  surface.dpdu = (e1 * dv2 - e2 * dv1) / det;
+  surface.dpdv = (e2 * du1 - e1 * du2) / det;
+}
+
+}  // namespace
+
+Bounds3 TriangleMesh::bounds() const {
+  Bounds3 box;
+  for (const TriangleIndices& triangle : triangles)
+    for (const uint32_t index : triangle) box.extend(vertex(index));
+  return box;
+}
+
+size_t TriangleMesh::bytes() const {
+  return positions.size() * sizeof(Float3) + triangles.size() * sizeof(TriangleIndices) +
+         normals.size() * sizeof(Float3) + uvs.size() * sizeof(Float2) +
+         colors.size() * sizeof(Float4) + face_materials.size() * sizeof(uint32_t);
+}
+
+MeshDefects drop_degenerate(TriangleMesh& mesh) {
+  MeshDefects defects;
+  size_t kept = 0;
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const TriangleIndices index = mesh.triangles[i];
+    const size_t n = mesh.positions.size();
+    if (index[0] >= n || index[1] >= n || index[2] >= n) {
+      ++defects.bad_index;
+    } else if (!(finite(mesh.positions[index[0]]) && finite(mesh.positions[index[1]]) &&
+                 finite(mesh.positions[index[2]]))) {
+      ++defects.not_finite;
+    } else {
+      const auto [a, b, c] = mesh.corners(i);
+      if (accurate_cross(b - a, c - a) == Vec3{}) {
+        ++defects.no_area;
+        continue;
+      }
+      mesh.triangles[kept] = index;
+      if (!mesh.face_materials.empty()) mesh.face_materials[kept] = mesh.face_materials[i];
+      ++kept;
+    }
+  }
+  mesh.triangles.resize(kept);
+  if (!mesh.face_materials.empty()) mesh.face_materials.resize(kept);
+  return defects;
+}
+
+LocalSurface triangle_surface(const TriangleMesh& mesh, uint32_t triangle, double u, double v) {
+  const TriangleIndices& index = mesh.triangles[triangle];
+  const std::array<Point3, 3> corner = mesh.corners(triangle);
+  const std::array<double, 3> weight{1 - u - v, u, v};
+  LocalSurface surface;
+  for (int axis = 0; axis < 3; ++axis) {
+    double sum = 0, size = 0;
+    for (int k = 0; k < 3; ++k) {
+      sum += weight[k] * corner[k][axis];
+      size += std::abs(weight[k] * corner[k][axis]);
+    }
+    surface.point[axis] = sum;
+    surface.point_error[axis] = gamma(7) * size;
+  }
+  const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+  surface.geometric_normal = to_normal(normalize(accurate_cross(e1, e2)));
+  surface.shading_normal = surface.geometric_normal;
+  if (!mesh.normals.empty()) {
+    const Vec3 n = to_vec(mesh.normals[index[0]]) * weight[0] +
+                   to_vec(mesh.normals[index[1]]) * weight[1] +
+                   to_vec(mesh.normals[index[2]]) * weight[2];
+    if (is_finite(n) && dot(n, n) > 0) surface.shading_normal = to_normal(normalize(n));
+  }
+  if (!mesh.uvs.empty()) add_uv(mesh, index, corner, weight, surface);
+  if (!mesh.colors.empty()) {
+    const auto blend = [&](float Float4::*channel) {
+      return weight[0] * mesh.colors[index[0]].*channel +
+             weight[1] * mesh.colors[index[1]].*channel +
+             weight[2] * mesh.colors[index[2]].*channel;
+    };
+    surface.vertex_color = {blend(&Float4::x), blend(&Float4::y), blend(&Float4::z)};
+    surface.vertex_alpha = blend(&Float4::w);
+    surface.has_vertex_color = true;
+  }
+  if (!mesh.face_materials.empty()) surface.material = mesh.face_materials[triangle];
+  return surface;
+}
+
+}  // namespace tessera

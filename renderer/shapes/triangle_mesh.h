@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "renderer/math/bounds.h"
+#include "renderer/math/vec.h"
+#include "renderer/shapes/shape.h"
+
+namespace tessera {
+
+struct Float2 {
+  float x = 0, y = 0;
+};
+struct Float3 {
+  float x = 0, y = 0, z = 0;
+};
+struct Float4 {
+  float x = 0, y = 0, z = 0, w = 0;
+};
+static_assert(sizeof(Float3) == 12 && sizeof(Float4) == 16, "laid out as in the scene's blobs");
+
+using TriangleIndices = std::array<uint32_t, 3>;
+
+/// Triangles by index into shared vertices, counter-clockwise seen from the front. The optional
+/// arrays are empty where the scene has no use for them.
+struct TriangleMesh {
+  std::vector<Float3> positions;
+  std::vector<TriangleIndices> triangles;
+  std::vector<Float3> normals;           ///< one a vertex; any length but 0
+  std::vector<Float2> uvs;               ///< one a vertex
+  std::vector<Float4> colors;            ///< one a vertex: linear RGBA
+  std::vector<uint32_t> face_materials;  ///< one a triangle
+
+  Point3 vertex(uint32_t index) const {
+    const Float3& p = positions[index];
+    return {p.x, p.y, p.z};
+  }
+  std::array<Point3, 3> corners(size_t triangle) const {
+    const TriangleIndices& i = triangles[triangle];
+    return {vertex(i[0]), vertex(i[1]), vertex(i[2])};
+  }
+  Bounds3 bounds() const;
+  size_t bytes() const;
+};
+
+/// Triangles that drop_degenerate() took away, by reason.
+struct MeshDefects {
+  size_t bad_index = 0, not_finite = 0, no_area = 0;
+  size_t total() const { return bad_index + not_finite + no_area; }
+};
+
+/// Removes every triangle that no ray can sensibly hit, with its face material; keeps the order of
+/// the rest.
+MeshDefects drop_degenerate(TriangleMesh& mesh);
+
+/// The surface at barycentric weights u, v of vertices 1 and 2 of a triangle.
+LocalSurface triangle_surface(const TriangleMesh& mesh, uint32_t triangle, double u, double v);
+
+}  // namespace tessera
