@@ -149,19 +149,20 @@ bool Frustum::any_hit(const Ray& ray, TraversalCounters& counters) const {
 double Frustum::event_error(const Ray& ray, const Crossing& at, const RayError& error) const {
   const double rounding = gamma(3) * std::abs(at.t);
   if (at.part != kSide)
-    return rounding + crossing_error({0, 1, 0}, ray, at.t, error, gamma(2) * half_height_);
+    return rounding + crossing_depth({0, 1, 0}, at.t, error, gamma(2) * half_height_) /
+                          std::abs(ray.direction.y);
   const Point3 p = ray.at(at.t);
   Vec3 n = outward(p);
   n.y = -slope_;
   const double distance = gamma(8) * (mean_radius_ + std::abs(slope_) * half_height_);
-  const double linear = crossing_error(n, ray, at.t, error, distance);
+  const double depth = crossing_depth(n, at.t, error, distance);
+  const double linear = depth / std::abs(dot(n, ray.direction));
   // A tangent line is inside for no longer than the chord at the depth that is in doubt.
   const double across =
       std::sqrt(ray.direction.x * ray.direction.x + ray.direction.z * ray.direction.z);
-  const double depth = linear * std::abs(dot(n, ray.direction));
   const double chord =
       2 * std::sqrt(2 * (depth + std::max(bottom_radius_, top_radius_)) * depth) / across;
-  return rounding + (linear < chord ? linear : std::min(chord, kEndless));
+  return rounding + std::min(linear, chord);
 }
 
 void Frustum::crossings(const Ray& ray, const RayError& error,

@@ -33,13 +33,12 @@ class Solid : public Shape {
                          std::vector<SolidEvent>& events) const = 0;
 };
 
-/// The error of t where the line crosses a surface with normal n (any length) whose distance is
-/// known to within `distance`, in units of n's length.
-inline double crossing_error(const Vec3& n, const Ray& ray, double t, const RayError& error,
-                             double distance) {
+/// How far the line may be from where it seems to be at t, along a normal n (any length) and in
+/// units of n's length, where it crosses a surface whose own distance is known to within
+/// `distance`. Over |n . direction| this is the error of t.
+inline double crossing_depth(const Vec3& n, double t, const RayError& error, double distance) {
   const Vec3 size = abs(n);
-  return (distance + dot(size, error.origin) + std::abs(t) * dot(size, error.direction)) /
-         std::abs(dot(n, ray.direction));
+  return distance + dot(size, error.origin) + std::abs(t) * dot(size, error.direction);
 }
 
 }  // namespace tessera

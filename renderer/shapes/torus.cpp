@@ -168,16 +168,14 @@ void Torus::crossings(const Ray& ray, const RayError& error,
   const double speed = length(ray.direction);
   for (int i = 0; i < roots.count; ++i) {
     const double t = roots.t[i];
-    const Point3 at = ray.at(t);
     const Vec3 n = static_cast<Vec3>(surface(ray, {t}).geometric_normal);
     const double own = gamma(8) * (major_ + minor_);
-    const double linear = crossing_error(n, ray, t, error, own);
-    const double depth = linear * std::abs(dot(n, ray.direction));
+    const double depth = crossing_depth(n, t, error, own);
+    const double linear = depth / std::abs(dot(n, ray.direction));
     // Where the line touches, up to the fourth order, it is near the surface no longer than this.
     const double scale = major_ + minor_;
     const double touch = 4 * scale * std::sqrt(std::sqrt(depth / scale)) / speed;
     events.push_back({t, gamma(3) * std::abs(t) + (linear < touch ? linear : touch), i % 2 == 0});
-    (void)at;
   }
 }
 
