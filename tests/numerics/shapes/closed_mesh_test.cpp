@@ -3,9 +3,9 @@
 
 #include "base/error.h"
 #include "renderer/math/rounding.h"
+#include "renderer/shapes/box.h"
 #include "renderer/shapes/closed_mesh.h"
 #include "renderer/shapes/csg_shape.h"
-#include "renderer/shapes/box.h"
 #include "renderer/shapes/sphere.h"
 #include "renderer/shapes/surface_interaction.h"
 #include "renderer/shapes/triangle.h"
@@ -30,7 +30,8 @@ std::shared_ptr<TriangleMesh> bumpy_ball(int levels, double bump, Random& random
   const int n = 1 << levels;
   // On a grid over the octahedron's faces; equal places get equal bumps by their grid numbers.
   const auto vertex = [&](int x, int y, int z) {
-    uint32_t key = uint32_t(x + n) * 73856093u ^ uint32_t(y + n) * 19349663u ^ uint32_t(z + n) * 83492791u;
+    uint32_t key =
+        uint32_t(x + n) * 73856093u ^ uint32_t(y + n) * 19349663u ^ uint32_t(z + n) * 83492791u;
     key = (key ^ (key >> 13)) * 1274126177u;
     const double r = 1 + bump * (key >> 8) * 0x1p-24;
     const Vec3 v = normalize(Vec3{double(x), double(y), double(z)}) * r;
@@ -42,8 +43,10 @@ std::shared_ptr<TriangleMesh> bumpy_ball(int levels, double bump, Random& random
     const bool flip = sx * sy * sz < 0;
     const auto at = [&](int i, int j) { return vertex(sx * i, sy * j, sz * (n - i - j)); };
     const auto add = [&](uint32_t a, uint32_t b, uint32_t c) {
-      if (flip) mesh->triangles.push_back({a, c, b});
-      else mesh->triangles.push_back({a, b, c});
+      if (flip)
+        mesh->triangles.push_back({a, c, b});
+      else
+        mesh->triangles.push_back({a, b, c});
     };
     for (int i = 0; i < n; ++i)
       for (int j = 0; i + j < n; ++j) {
@@ -75,7 +78,8 @@ TEST(N02, ClosedMeshesAreCrossedEvenlyThroughEdgesAndVertices) {
       const CsgShape csg(tree, root);
       for (int64_t i = 0; i < count(400000); ++i) {
         const bool inside = i % 2;
-        const Point3 from = Point3{} + random.direction() * (inside ? random.uniform(0, 0.2) : random.uniform(7, 20));
+        const Point3 from = Point3{} + random.direction() * (inside ? random.uniform(0, 0.2)
+                                                                    : random.uniform(7, 20));
         const Ray ray = through_edges(*mesh, from, random);
         std::vector<SolidEvent> events;
         solid.crossings(ray, {}, events);
@@ -88,7 +92,9 @@ TEST(N02, ClosedMeshesAreCrossedEvenlyThroughEdgesAndVertices) {
         ASSERT_EQ(ahead, inside ? 1 : 0) << "seed " << seed << " at " << i;
         Hit hit;
         TraversalCounters counters;
-        if (inside) { ASSERT_TRUE(csg.closest_hit(ray, hit, counters)); }
+        if (inside) {
+          ASSERT_TRUE(csg.closest_hit(ray, hit, counters));
+        }
       }
     }
   }
@@ -104,8 +110,10 @@ TEST(N13, MeshAndSolidThatCoincide) {
     const Affine turn = translation(random.direction()) * random.turn();
     const auto combine = [&](CsgOperation operation, bool mesh_first) {
       CsgTree tree;
-      const auto a = tree.add(mesh_first ? std::shared_ptr<const Shape>(mesh) : box, Transform(turn));
-      const auto b = tree.add(mesh_first ? std::shared_ptr<const Shape>(box) : mesh, Transform(turn));
+      const auto a =
+          tree.add(mesh_first ? std::shared_ptr<const Shape>(mesh) : box, Transform(turn));
+      const auto b =
+          tree.add(mesh_first ? std::shared_ptr<const Shape>(box) : mesh, Transform(turn));
       return CsgShape(tree, tree.combine(operation, std::vector{a, b}));
     };
     const CsgShape nothing = combine(CsgOperation::subtract, i % 2);
@@ -122,9 +130,11 @@ TEST(N13, MeshAndSolidThatCoincide) {
       const bool found = box->closest_hit(
           {place.inverse_point(ray.origin), place.inverse_vector(ray.direction)}, a, counters);
       // A graze of an edge may be seen or not.
-      if (found != both.closest_hit(ray, b, counters) || found != either.closest_hit(ray, c, counters)) {
+      if (found != both.closest_hit(ray, b, counters) ||
+          found != either.closest_hit(ray, c, counters)) {
         std::vector<SolidEvent> events;
-        box->crossings({place.inverse_point(ray.origin), place.inverse_vector(ray.direction)}, {}, events);
+        box->crossings({place.inverse_point(ray.origin), place.inverse_vector(ray.direction)}, {},
+                       events);
         ASSERT_TRUE(events.empty() || events[1].t - events[0].t < 1e-13) << "at " << i;
         continue;
       }
@@ -144,7 +154,8 @@ TEST(N10, SliversInCombinationsDoNotHitThemselves) {
       const double e = exponents[random.below(4)];
       auto mesh = std::make_shared<TriangleMesh>();
       for (int k = 0; k < 4; ++k)
-        mesh->positions.push_back({float(random.power(-e, e)), float(random.power(-e, e)), float(random.power(-e, e))});
+        mesh->positions.push_back(
+            {float(random.power(-e, e)), float(random.power(-e, e)), float(random.power(-e, e))});
       mesh->triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
       CsgTree tree;
       CsgTree::Node root;

@@ -19,7 +19,7 @@ struct OracleSolid {
   Bounds3 extent;  ///< box
   Point3 center;   ///< ball, and cylinder along y
   double radius = 1, height = 2;
-  Affine extra;            ///< not known to the oracle
+  Affine extra;  ///< not known to the oracle
 
   std::shared_ptr<const Shape> shape() const {
     if (kind == box) return std::make_shared<Box>(extent);

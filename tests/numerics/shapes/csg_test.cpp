@@ -347,8 +347,8 @@ TEST(N11, GrazingRaysOffCoincidingFacesSeeTheWall) {
     const Affine turn = rotation({0, 1, 0}, random.uniform(0, 6.28));
     const Box far_box({{off - 3, off - 1, off - 3}, {off + 3, off, off + 3}});
     const auto near_floor = tree.add(std::make_shared<Box>(Bounds3{{-3, -1, -3}, {3, 0, 3}}));
-    const auto far_floor = tree.add(std::make_shared<Box>(far_box),
-                                    Transform(turn * translation({-off, -off, -off})));
+    const auto far_floor =
+        tree.add(std::make_shared<Box>(far_box), Transform(turn * translation({-off, -off, -off})));
     const auto wall = tree.add(std::make_shared<Box>(Bounds3{{1, -0.5, -9}, {2, 1, 9}}));
     const auto root = tree.combine(CsgOperation::join, std::vector{near_floor, far_floor, wall});
     const CsgShape shape(tree, root);
