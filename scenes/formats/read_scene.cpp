@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "proto/wire/scene_codec.h"
+#include "scenes/formats/crt/crt_reader.h"
 #include "scenes/formats/default_view.h"
 #include "scenes/formats/include_resolver.h"
 #include "scenes/formats/obj/obj_reader.h"
@@ -22,11 +23,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 5> kFormats{"tessera", "tesserab", "json", "obj", "x3d"};
+constexpr std::array<std::string_view, 6> kFormats{"tessera", "tesserab", "json",
+                                                   "obj",     "x3d",      "crt"};
 /// Formats that users may well try, so that the error can say that they were recognised.
-constexpr std::array<std::string_view, 22> kOthers{
-    "x3dv",  "wrl", "vrml", "x3dz", "crt",  "gltf", "glb", "ply",  "stl", "fbx", "dae",
-    "blend", "3ds", "usd",  "usda", "usdc", "usdz", "abc", "pbrt", "mtl", "xml", "gz"};
+constexpr std::array<std::string_view, 21> kOthers{
+    "x3dv", "wrl", "vrml", "x3dz", "gltf", "glb", "ply",  "stl", "fbx", "dae", "blend",
+    "3ds",  "usd", "usda", "usdc", "usdz", "abc", "pbrt", "mtl", "xml", "gz"};
 
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -83,6 +85,7 @@ LoadedScene read_one(const std::string& path, const std::string& asked,
   const std::string format = format_of(path, asked);
   if (format == "obj") return read_obj(path);
   if (format == "x3d") return read_x3d(path, options);
+  if (format == "crt") return read_crt(path, options);
   const SceneEncoding encoding = format == "json"       ? SceneEncoding::json
                                  : format == "tesserab" ? SceneEncoding::binary
                                                         : SceneEncoding::text;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ struct LoadedScene {
   v1::Scene scene;  ///< without blobs and includes in it
   BlobStore blobs;
   std::vector<std::string> warnings;  ///< what was read otherwise than a user might expect
+  bool depends_on_frame = false;      ///< a script: another ReadOptions::frame, another scene
 };
 
 /// How a file is read. The defaults are what a user expects who gives no option.
@@ -20,9 +22,10 @@ struct ReadOptions {
   enum class Color { display, linear };
   enum class Shadows { on, file, off };
 
-  std::string format;                 ///< obj, x3d, tessera, tesserab, json; empty: by the ending
+  std::string format;                 ///< obj, x3d, crt, tessera, tesserab, json; empty: by the ending
   Color x3d_color = Color::display;   ///< how the numbers of X3D colours are meant
   Shadows x3d_shadows = Shadows::on;  ///< `file`: as the lights' own fields say
+  int32_t frame = 0;                  ///< of an animation; what scripts call t
 };
 
 }  // namespace tessera
