@@ -137,7 +137,7 @@ double seconds_to_hello(const TemporaryFolder& folder) {
     taken = std::chrono::steady_clock::now() - start;
     if (taken > std::chrono::seconds(10)) throw render_error("a worker said no hello in 10 s");
     while (const auto message = server->receive()) {
-      const auto envelope = decode(message->bytes, kMaxControlFrame);
+      const auto envelope = decode(message->bytes, kMaxFrame);
       ready = ready || (envelope && envelope->has_hello() && envelope->hello().credit() > 0);
     }
   }

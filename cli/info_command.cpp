@@ -1,13 +1,16 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "base/digest.h"
 #include "cli/command_line.h"
 #include "cli/render_options.h"
 #include "proto/wire/scene_codec.h"
+#include "renderer/render/tile_renderer.h"
 #include "scenes/formats/read_scene.h"
 #include "scenes/formats/scene_summary.h"
 
@@ -28,6 +31,17 @@ struct SceneInfo {
   std::vector<std::string> warnings;
 };
 
+/// Builds what a render would trace: whatever is wrong with the scene beyond its syntax shows here.
+void check_builds(const std::string& path, const LoadedScene& loaded,
+                  const v1::FrameSettings& frame) {
+  try {
+    const int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    make_tile_renderer(loaded.scene, loaded.blobs, frame, threads);
+  } catch (const Error& error) {
+    throw scene_error({path}, error.what(), "");
+  }
+}
+
 SceneInfo inspect(const std::string& path) {
   const LoadedScene loaded = read_scene(path);
   SceneInfo info{.digest = Digest::of(serialize_scene(loaded.scene)).hex(),
@@ -35,6 +49,7 @@ SceneInfo inspect(const std::string& path) {
                  .summary = summarize(loaded.scene, loaded.blobs),
                  .cameras = {},
                  .warnings = loaded.warnings};
+  check_builds(path, loaded, info.frame);
   for (const auto& [digest, data] : loaded.blobs.all()) info.blob_bytes += data->size();
   for (const v1::Camera& camera : loaded.scene.cameras()) info.cameras.push_back(camera.name());
   return info;

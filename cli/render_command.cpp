@@ -104,7 +104,9 @@ class RenderRun {
       throw Error(ExitCode::interrupted,
                   "interrupted; no picture was written and no tile was kept");
     }
-    if (report.exit_code == ExitCode::bad_scene) throw scene_error(report.failure);
+    if (report.exit_code == ExitCode::bad_scene) {
+      throw scene_error({options_.scene}, report.failure, "");
+    }
     write(result, settings, output, frame);
     if (report.end == JobReport::End::failed) throw Error(report.exit_code, report.failure);
     return ExitCode::done;
@@ -121,6 +123,7 @@ class RenderRun {
     JobResult result = farm_->run(
         std::move(job), [&display](const JobProgress& progress) { display.show(progress); },
         interrupted());
+    peak_worker_bytes_ = std::max(peak_worker_bytes_, farm_->peak_worker_bytes());
     // Workers end while the picture is written.
     if (last) farm_->dismiss();
     return result;
@@ -142,6 +145,7 @@ class RenderRun {
                                            .write = seconds_since(start),
                                            .total = seconds_since(began_)},
                                .report = result.report,
+                               .peak_worker_bytes = peak_worker_bytes_,
                                .pixels_sha256 = {}};
     if (options_.stats) {
       statistics.pixels_sha256 = result.film.pixels_sha256();
@@ -167,6 +171,7 @@ class RenderRun {
   LoadedScene loaded_;
   std::string scene_digest_;
   double parse_seconds_ = 0;
+  uint64_t peak_worker_bytes_ = 0;
 };
 
 }  // namespace

@@ -11,20 +11,19 @@
 namespace tessera {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 
 uint64_t counter(const CounterMap& counters, const char* name) {
   const auto found = counters.find(name);
   return found == counters.end() ? 0 : found->second;
 }
 
-/// The largest resident set so far of this process or of any child that has ended.
+/// The largest resident set of this process so far.
 uint64_t peak_memory_bytes() {
-  rusage self{}, children{};
+  rusage self{};
   getrusage(RUSAGE_SELF, &self);
-  getrusage(RUSAGE_CHILDREN, &children);
   constexpr uint64_t kKibi = 1024;
-  return static_cast<uint64_t>(std::max(self.ru_maxrss, children.ru_maxrss)) * kKibi;
+  return static_cast<uint64_t>(self.ru_maxrss) * kKibi;
 }
 
 json rays_json(const CounterMap& counters) {
@@ -80,7 +79,7 @@ json statistics_json(const FrameStatistics& statistics) {
   result["workers"] = {{"seen", report.workers_seen}, {"lost", report.workers_lost}};
   result["bytes_shipped"] = report.bytes_scene + report.bytes_results;
   result["bytes"] = {{"scene", report.bytes_scene}, {"results", report.bytes_results}};
-  result["peak_memory_bytes"] = peak_memory_bytes();
+  result["peak_memory_bytes"] = std::max(peak_memory_bytes(), statistics.peak_worker_bytes);
   result["pixels_sha256"] = statistics.pixels_sha256;
   return result;
 }

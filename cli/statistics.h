@@ -21,10 +21,11 @@ struct FrameStatistics {
   v1::FrameSettings frame;
   PhaseSeconds seconds;
   JobReport report;
+  uint64_t peak_worker_bytes = 0;
   std::string pixels_sha256;
 };
 
 /// The JSON object of --stats. Counters of the report that count no work appear under "skips".
-nlohmann::json statistics_json(const FrameStatistics& statistics);
+nlohmann::ordered_json statistics_json(const FrameStatistics& statistics);
 
 }  // namespace tessera

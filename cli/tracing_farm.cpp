@@ -1,9 +1,18 @@
 #include "cli/tracing_farm.h"
 
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <thread>
 #include <utility>
 
+#include "cli/interrupt.h"
 #include "coordinator/job_client.h"
 #include "coordinator/local_workers.h"
 #include "coordinator/render_loop.h"
@@ -17,7 +26,7 @@ namespace {
 
 constexpr char kFrameIsDone[] = "the frame is done";
 /// What a worker gets to end by itself before it is told by signal.
-constexpr std::chrono::milliseconds kGrace{500};
+constexpr std::chrono::milliseconds kGrace{100};
 
 LocalWorkerOptions worker_options(int workers, int threads) {
   LocalWorkerOptions options;
@@ -32,11 +41,23 @@ CoordinatorOptions coordinator_options(int expected_workers) {
   return options;
 }
 
+/// The high-water mark of a process's resident set; 0 if it has ended.
+uint64_t peak_bytes_of(pid_t process) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    unsigned long long kibibytes = 0;
+    if (std::sscanf(line.c_str(), "VmHWM: %llu kB", &kibibytes) == 1) return kibibytes * 1024;
+  }
+  return 0;
+}
+
 class LocalFarm : public TracingFarm {
  public:
   LocalFarm(int workers, int threads)
       : workers_(worker_options(workers, threads)),
         loop_(bind_server(workers_.endpoint()), coordinator_options(workers * threads)) {
+    const std::filesystem::path socket = workers_.endpoint().substr(std::strlen("ipc://"));
+    remove_when_interrupted(socket.parent_path(), {socket.string(), socket.string() + ".bulk"});
     loop_.watch(&workers_);
     workers_.start();
   }
@@ -49,8 +70,16 @@ class LocalFarm : public TracingFarm {
                 const std::atomic<bool>& stop) override {
     return loop_.run(std::move(job), progress, stop);
   }
+  uint64_t peak_worker_bytes() const override {
+    uint64_t peak = 0;
+    for (const pid_t worker : workers_.processes()) peak = std::max(peak, peak_bytes_of(worker));
+    return peak;
+  }
   void dismiss() override {
-    if (!std::exchange(dismissed_, true)) loop_.shut_down(kFrameIsDone);
+    if (std::exchange(dismissed_, true)) return;
+    loop_.shut_down(kFrameIsDone);
+    // Those that were so late that the coordinator does not know them yet hear of it by signal.
+    for (const pid_t worker : workers_.processes()) kill(worker, SIGTERM);
   }
 
  private:

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
+#include <string>
 
 #include "coordinator/job.h"
 
@@ -15,6 +17,8 @@ class TracingFarm {
   /// Renders one frame; until `stop` is set.
   virtual JobResult run(JobSpec job, const ProgressCallback& progress,
                         const std::atomic<bool>& stop) = 0;
+  /// The largest resident set of a worker process so far; 0 where that is not known.
+  virtual uint64_t peak_worker_bytes() const { return 0; }
   /// Nothing more will be asked of it: begins to end, without waiting for that.
   virtual void dismiss() {}
 };

@@ -43,6 +43,10 @@ class LocalWorkers {
   const std::string& endpoint() const { return endpoint_; }
   /// Starts them all and returns at once. Throws render_error if the program cannot be started.
   void start();
+  /// The workers do what they should: earlier deaths no longer count.
+  void note_progress();
+  /// Kills one of ours.
+  void kill_stuck(pid_t process);
   /// Collects the processes that ended since the last call, and starts one in place of each. Throws
   /// render_error, with how the last ones ended, when that was in vain too often. Takes
   /// microseconds.

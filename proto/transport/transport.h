@@ -13,6 +13,11 @@ namespace tessera {
 /// Blobs go by `bulk`, everything else by `control`.
 enum class Channel : uint8_t { control, bulk };
 
+/// Longer messages are not taken: their sender is disconnected.
+constexpr size_t max_message_bytes(Channel channel) {
+  return size_t{channel == Channel::control ? 2u : 4u} << 20;
+}
+
 /// The bytes of one message; what they mean is not known here.
 using MessageBytes = std::vector<std::byte>;
 

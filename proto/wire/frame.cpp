@@ -31,8 +31,8 @@ constexpr int kMaxNesting = 8;
 Frame encode(const v1::Envelope& message) {
   Header header;
   const size_t length = message.ByteSizeLong();
-  TESSERA_CHECK(kFrameHeaderSize + length <= kMaxBulkFrame,
-                fmt::format("{} bytes, {}", length, kMaxBulkFrame));
+  TESSERA_CHECK(kFrameHeaderSize + length <= kMaxFrame,
+                fmt::format("{} bytes, {}", length, kMaxFrame));
   Frame frame(kFrameHeaderSize + length);
   message.SerializeWithCachedSizesToArray(
       reinterpret_cast<uint8_t*>(frame.data() + kFrameHeaderSize));

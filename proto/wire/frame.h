@@ -15,11 +15,10 @@ namespace tessera {
 using Frame = std::vector<std::byte>;
 
 inline constexpr size_t kFrameHeaderSize = 16;
-/// Bounds on a whole frame, by channel.
-inline constexpr size_t kMaxControlFrame = size_t{2} << 20;
-inline constexpr size_t kMaxBulkFrame = size_t{4} << 20;
+/// The longest whole frame that is ever made; each channel has its own bound on what it takes.
+inline constexpr size_t kMaxFrame = size_t{4} << 20;
 
-/// Broken promise if the message exceeds kMaxBulkFrame.
+/// Broken promise if the message exceeds kMaxFrame.
 Frame encode(const v1::Envelope& message);
 
 /// Nothing if `frame` is longer than `limit`, damaged, nested too deeply or no Envelope.

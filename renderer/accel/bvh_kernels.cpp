@@ -201,8 +201,47 @@ class TriangleTester {
  public:
   TriangleTester(const MeshTree& mesh, const TriangleRay& ray) : mesh_(mesh), ray_(ray) {}
 
+  HWY_INLINE bool closest(NodeReference leaf, Hit& hit, uint64_t& tests) const {
+    bool found = false;
+    ShearedLanes lanes;
+    const TriangleBlock* block = mesh_.blocks.data() + leaf.first_block();
+    for (uint32_t left = leaf.blocks(); left > 0; --left, ++block) {
+      tests += 4;
+      for (uint32_t mask = candidates(*block, hit.t, lanes); mask != 0; mask &= mask - 1) {
+        const int lane = std::countr_zero(mask);
+        TriangleHit h;
+        if (!confirm(*block, lanes, lane, h)) continue;
+        const uint32_t primitive = block->primitive[lane];
+        if (h.t > hit.t || (h.t == hit.t && primitive >= hit.primitive)) continue;
+        hit = {h.t, h.u, h.v, hit.instance, primitive};
+        found = true;
+      }
+    }
+    return found;
+  }
+
+  HWY_INLINE bool any(NodeReference leaf, uint64_t& tests) const {
+    ShearedLanes lanes;
+    const TriangleBlock* block = mesh_.blocks.data() + leaf.first_block();
+    for (uint32_t left = leaf.blocks(); left > 0; --left, ++block) {
+      tests += 4;
+      for (uint32_t mask = candidates(*block, ray_.t_max, lanes); mask != 0; mask &= mask - 1) {
+        TriangleHit h;
+        if (confirm(*block, lanes, std::countr_zero(mask), h)) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  /// ShearedTriangle for each lane of a block: rows are its members in order.
+  struct alignas(32) ShearedLanes {
+    double row[12][4];
+  };
+
   /// Triangles of a block whose edge functions do not differ in sign and that begin before `t_max`.
-  HWY_INLINE uint32_t candidates(const TriangleBlock& block, double t_max) const {
+  HWY_INLINE uint32_t candidates(const TriangleBlock& block, double t_max,
+                                 ShearedLanes& lanes) const {
     const DoubleTag tag;
     const HalfFloatTag half;
     uint32_t mask = 0;
@@ -211,7 +250,7 @@ class TriangleTester {
       const auto oz = hn::Set(tag, ray_.origin.z), sx = hn::Set(tag, ray_.sx);
       const auto sy = hn::Set(tag, ray_.sy), sz = hn::Set(tag, ray_.sz);
       const auto load = [&](int vertex, int axis) HWY_ATTR {
-        return hn::PromoteTo(tag, hn::LoadU(half, block.vertex[vertex][axis] + lane));
+        return hn::PromoteTo(tag, hn::Load(half, block.vertex[vertex][axis] + lane));
       };
       const auto adz = hn::Sub(load(0, ray_.kz), oz);
       const auto bdz = hn::Sub(load(1, ray_.kz), oz);
@@ -229,50 +268,35 @@ class TriangleTester {
       const auto one_sided =
           hn::Or(hn::Ge(hn::Min(hn::Min(u, v), w), zero), hn::Le(hn::Max(hn::Max(u, v), w), zero));
       // t is never below the nearest vertex by more than rounding.
-      const auto nearest =
-          hn::Mul(hn::Min(hn::Min(hn::Mul(sz, adz), hn::Mul(sz, bdz)), hn::Mul(sz, cdz)),
-                  hn::Set(tag, 1 - 0x1p-40));
+      const auto az = hn::Mul(sz, adz), bz = hn::Mul(sz, bdz), cz = hn::Mul(sz, cdz);
+      const auto nearest = hn::Mul(hn::Min(hn::Min(az, bz), cz), hn::Set(tag, 1 - 0x1p-40));
       const auto in_reach = hn::Le(nearest, hn::Set(tag, t_max));
-      mask |= bits_of(tag, hn::And(one_sided, in_reach)) << lane;
+      const uint32_t bits = bits_of(tag, hn::And(one_sided, in_reach));
+      if (bits == 0) continue;
+      mask |= bits << lane;
+      const auto keep = [&](size_t row, auto value)
+                            HWY_ATTR { hn::Store(value, tag, lanes.row[row] + lane); };
+      keep(0, ax), keep(1, ay), keep(2, az);
+      keep(3, bx), keep(4, by), keep(5, bz);
+      keep(6, cx), keep(7, cy), keep(8, cz);
+      keep(9, u), keep(10, v), keep(11, w);
     }
     return mask;
   }
 
-  HWY_INLINE bool confirm(const TriangleBlock& block, int lane, TriangleHit& hit) const {
-    Point3 corner[3];
-    for (int vertex = 0; vertex < 3; ++vertex)
-      for (int a = 0; a < 3; ++a) corner[vertex][a] = block.vertex[vertex][a][lane];
-    return intersect_triangle(ray_, corner[0], corner[1], corner[2], hit);
-  }
-
-  HWY_INLINE bool closest(NodeReference leaf, Hit& hit, uint64_t& tests) const {
-    bool found = false;
-    const TriangleBlock* block = mesh_.blocks.data() + leaf.first_block();
-    for (uint32_t left = leaf.blocks(); left > 0; --left, ++block) {
-      tests += 4;
-      for (uint32_t mask = candidates(*block, hit.t); mask != 0; mask &= mask - 1) {
-        const int lane = std::countr_zero(mask);
-        TriangleHit h;
-        if (!confirm(*block, lane, h)) continue;
-        const uint32_t primitive = block->primitive[lane];
-        if (h.t > hit.t || (h.t == hit.t && primitive >= hit.primitive)) continue;
-        hit = {h.t, h.u, h.v, hit.instance, primitive};
-        found = true;
-      }
-    }
-    return found;
-  }
-
-  HWY_INLINE bool any(NodeReference leaf, uint64_t& tests) const {
-    const TriangleBlock* block = mesh_.blocks.data() + leaf.first_block();
-    for (uint32_t left = leaf.blocks(); left > 0; --left, ++block) {
-      tests += 4;
-      for (uint32_t mask = candidates(*block, ray_.t_max); mask != 0; mask &= mask - 1) {
-        TriangleHit h;
-        if (confirm(*block, std::countr_zero(mask), h)) return true;
-      }
-    }
-    return false;
+  HWY_INLINE bool confirm(const TriangleBlock& block, const ShearedLanes& lanes, int lane,
+                          TriangleHit& hit) const {
+    const auto at = [&](int row) HWY_ATTR { return lanes.row[row][lane]; };
+    ShearedTriangle s{at(0), at(1), at(2), at(3), at(4),  at(5),
+                      at(6), at(7), at(8), at(9), at(10), at(11)};
+    const auto corners = [&]() HWY_ATTR {
+      std::array<Point3, 3> corner;
+      for (int vertex = 0; vertex < 3; ++vertex)
+        for (int a = 0; a < 3; ++a)
+          corner[static_cast<size_t>(vertex)][a] = block.vertex[vertex][a][lane];
+      return corner;
+    };
+    return finish_triangle(ray_, s, corners, hit);
   }
 
  private:
@@ -283,21 +307,20 @@ class TriangleTester {
 bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCounters& counters) {
   const TriangleRay prepared(ray);
   if (!prepared.valid()) return false;
-  Ray within = ray;
-  within.t_max = std::min(ray.t_max, hit.t);
-  const RayFrame frame = make_ray_frame(within, mesh.bounds, double{mesh.tree.extent});
+  const RayFrame frame =
+      make_ray_frame(ray, std::min(ray.t_max, hit.t), mesh.bounds, double{mesh.tree.extent});
   if (frame.misses) return false;
   const TriangleTester tester(mesh, prepared);
   if (!frame.fits_float) [[unlikely]] {
     bool found = false;
-    visit_in_double(mesh.tree, make_box_ray<double>(within, frame), counters.node_visits,
+    visit_in_double(mesh.tree, make_box_ray<double>(frame), counters.node_visits,
                     [&](NodeReference leaf) HWY_ATTR {
                       found |= tester.closest(leaf, hit, counters.primitive_tests);
                       return false;
                     });
     return found;
   }
-  BoxRay<float> box_ray = make_box_ray<float>(within, frame);
+  BoxRay<float> box_ray = make_box_ray<float>(frame);
   return closest_in_tree(mesh.tree, box_ray, counters.node_visits,
                          [&](NodeReference leaf) HWY_ATTR {
                            if (!tester.closest(leaf, hit, counters.primitive_tests)) return false;
@@ -309,18 +332,18 @@ bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCount
 bool mesh_any(const MeshTree& mesh, const Ray& ray, TraversalCounters& counters) {
   const TriangleRay prepared(ray);
   if (!prepared.valid()) return false;
-  const RayFrame frame = make_ray_frame(ray, mesh.bounds, double{mesh.tree.extent});
+  const RayFrame frame = make_ray_frame(ray, ray.t_max, mesh.bounds, double{mesh.tree.extent});
   if (frame.misses) return false;
   const TriangleTester tester(mesh, prepared);
   const auto leaf = [&](NodeReference at)
                         HWY_ATTR { return tester.any(at, counters.primitive_tests); };
   if (!frame.fits_float) [[unlikely]] {
     bool found = false;
-    visit_in_double(mesh.tree, make_box_ray<double>(ray, frame), counters.node_visits,
+    visit_in_double(mesh.tree, make_box_ray<double>(frame), counters.node_visits,
                     [&](NodeReference at) HWY_ATTR { return found = leaf(at); });
     return found;
   }
-  return any_in_tree(mesh.tree, make_box_ray<float>(ray, frame), counters.node_visits, leaf);
+  return any_in_tree(mesh.tree, make_box_ray<float>(frame), counters.node_visits, leaf);
 }
 
 bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
@@ -337,19 +360,18 @@ bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
     }
     return nearer;
   };
-  Ray within = ray;
-  within.t_max = std::min(ray.t_max, hit.t);
-  const RayFrame frame = make_ray_frame(within, scene.tree_bounds, double{scene.tree.extent});
+  const RayFrame frame =
+      make_ray_frame(ray, std::min(ray.t_max, hit.t), scene.tree_bounds, double{scene.tree.extent});
   if (frame.misses) return found;
   if (!frame.fits_float) [[unlikely]] {
-    visit_in_double(scene.tree, make_box_ray<double>(within, frame), counters.node_visits,
+    visit_in_double(scene.tree, make_box_ray<double>(frame), counters.node_visits,
                     [&](NodeReference leaf) HWY_ATTR {
                       found |= test(leaf);
                       return false;
                     });
     return found;
   }
-  BoxRay<float> box_ray = make_box_ray<float>(within, frame);
+  BoxRay<float> box_ray = make_box_ray<float>(frame);
   const bool in_tree =
       closest_in_tree(scene.tree, box_ray, counters.node_visits, [&](NodeReference leaf) HWY_ATTR {
         if (!test(leaf)) return false;
@@ -370,15 +392,16 @@ bool instance_any(const InstanceTree& scene, const Ray& ray, TraversalCounters& 
     }
     return false;
   };
-  const RayFrame frame = make_ray_frame(ray, scene.tree_bounds, double{scene.tree.extent});
+  const RayFrame frame =
+      make_ray_frame(ray, ray.t_max, scene.tree_bounds, double{scene.tree.extent});
   if (frame.misses) return false;
   if (!frame.fits_float) [[unlikely]] {
     bool found = false;
-    visit_in_double(scene.tree, make_box_ray<double>(ray, frame), counters.node_visits,
+    visit_in_double(scene.tree, make_box_ray<double>(frame), counters.node_visits,
                     [&](NodeReference at) HWY_ATTR { return found = test(at); });
     return found;
   }
-  return any_in_tree(scene.tree, make_box_ray<float>(ray, frame), counters.node_visits, test);
+  return any_in_tree(scene.tree, make_box_ray<float>(frame), counters.node_visits, test);
 }
 
 BvhKernels kernels_of_target() {

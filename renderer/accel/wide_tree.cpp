@@ -127,7 +127,8 @@ class Bins {
   Split best(const Binning& binning, uint32_t block_size) const {
     Split best;
     const auto blocks = [block_size](size_t n) {
-      return static_cast<double>((n + block_size - 1) / block_size);
+      const size_t whole = (n + block_size - 1) / block_size;
+      return static_cast<double>(whole);
     };
     for (int a = 0; a < 3; ++a) {
       if (!binning.usable[a]) continue;

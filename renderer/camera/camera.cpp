@@ -77,7 +77,7 @@ std::optional<Vec2> Camera::raster_of(const Point3& p) const {
   const Vec3 offset = p - eye_;
   double u = dot(offset, right_), v = dot(offset, up_);
   if (projection_ == Projection::perspective) {
-    constexpr double kClearlyBefore = 1e-6;   // as a share of the distance
+    constexpr double kClearlyBefore = 1e-6;  // as a share of the distance
     const double depth = dot(offset, view_);
     if (!(depth > kClearlyBefore * length(offset))) return std::nullopt;
     u /= depth;

@@ -15,7 +15,7 @@ enum class Projection : uint8_t { perspective, orthographic, spherical, cylindri
 struct CameraSettings {
   enum class Axis : uint8_t { smaller, vertical, horizontal, larger };
 
-  Affine world_from_camera;  ///< the axes' lengths do not matter; may mirror
+  Affine world_from_camera{};  ///< the axes' lengths do not matter; may mirror
   Projection projection = Projection::perspective;
   double field_of_view = 0.78539816339744830962;  ///< radians over `axis`; vertical if panoramic
   Axis axis = Axis::smaller;

@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <future>
 #include <mutex>
 #include <optional>
@@ -25,7 +26,7 @@ namespace {
 
 struct Format {
   const char* ending;
-  const char* name;  ///< as OpenImageIO calls it
+  const char* name;  ///< as OpenImageIO calls it; null: it can not write it, we do
   bool is_float;
 };
 
@@ -40,7 +41,7 @@ constexpr std::array<Format, 13> kFormats{{{"png", "png", false},
                                            {"ppm", "pnm", false},
                                            {"webp", "webp", false},
                                            {"hdr", "hdr", true},
-                                           {"pfm", "pnm", true},
+                                           {"pfm", nullptr, true},
                                            {"sgi", "sgi", false}}};
 
 const Format& format_of(const fs::path& path) {
@@ -146,6 +147,38 @@ std::vector<ImageModule::Attribute> attributes_of(const ImageMetadata& metadata,
            static_cast<float>(metadata.render_seconds)}};
 }
 
+/// Portable float map: little-endian floats, rows from the bottom.
+bool write_pfm(const fs::path& path, const Film& film) {
+  std::ofstream file(path, std::ios::binary);
+  file << fmt::format("PF\n{} {}\n-1.0\n", film.width(), film.height());
+  const auto row_size = static_cast<size_t>(film.width()) * kFilmChannels;
+  for (int y = film.height() - 1; y >= 0; --y) {
+    const auto row = film.values().subspan(static_cast<size_t>(y) * row_size, row_size);
+    file.write(reinterpret_cast<const char*>(row.data()),
+               static_cast<std::streamsize>(row.size_bytes()));
+  }
+  file.close();
+  return !file.fail();
+}
+
+void write_by_module(const fs::path& path, const Format& format, const Film& film,
+                     const OutputSettings& settings, const ImageMetadata& metadata) {
+  // The module is perhaps still being loaded: first do what does not need it.
+  std::vector<uint8_t> bytes;
+  if (!format.is_float) bytes = to_8_bit(film, settings);
+  const std::string software = fmt::format("tessera {}", kVersion);
+  const auto attributes = attributes_of(metadata, software);
+  const void* const pixels =
+      format.is_float ? static_cast<const void*>(film.values().data()) : bytes.data();
+  const ImageModule::Picture picture{pixels,          film.width(),      film.height(),
+                                     format.is_float, attributes.data(), attributes.size()};
+  std::array<char, 1024> error{};
+  if (!module_future().get()->write(path.c_str(), format.name, picture, error.data(),
+                                    error.size())) {
+    throw render_error(error.data());
+  }
+}
+
 float* allocate_values(void* context, int width, int height) {
   auto& image = *static_cast<RgbImage*>(context);
   if (width < 1 || height < 1 || int64_t{width} * height > kMaxFramePixels) return nullptr;
@@ -183,23 +216,21 @@ void check_writable(const fs::path& path) {
 void write_image(const fs::path& path, const Film& film, const OutputSettings& settings,
                  const ImageMetadata& metadata) {
   const Format& format = format_of(path);
-  std::vector<uint8_t> bytes;
-  if (!format.is_float) bytes = to_8_bit(film, settings);
-  const ImageModule* const module = module_future().get();
-  const std::string software = fmt::format("tessera {}", kVersion);
-  const auto attributes = attributes_of(metadata, software);
-  const void* const pixels =
-      format.is_float ? static_cast<const void*>(film.values().data()) : bytes.data();
-  const ImageModule::Picture picture{pixels,          film.width(),      film.height(),
-                                     format.is_float, attributes.data(), attributes.size()};
   const fs::path place = destination(path);
   TemporaryFile temporary(temporary_beside(place));
-  std::array<char, 1024> error{};
-  if (!module->write(temporary.path().c_str(), format.name, picture, error.data(), error.size())) {
-    throw render_error(fmt::format("{}: can not be written: {}", path.string(), error.data()));
+  std::string cause;
+  try {
+    if (format.name) {
+      write_by_module(temporary.path(), format, film, settings, metadata);
+    } else if (!write_pfm(temporary.path(), film)) {
+      cause = system_cause();
+    }
+    if (cause.empty() && !temporary.sync_and_rename(place)) cause = system_cause();
+  } catch (const Error& error) {
+    cause = error.what();
   }
-  if (!temporary.sync_and_rename(place)) {
-    throw render_error(fmt::format("{}: can not be written: {}", path.string(), system_cause()));
+  if (!cause.empty()) {
+    throw render_error(fmt::format("{}: can not be written: {}", path.string(), cause));
   }
 }
 

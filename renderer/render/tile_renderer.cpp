@@ -13,8 +13,10 @@ namespace tessera {
 
 namespace {
 
-bool is_finite(const Color& c) {
-  return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
+/// Whether a pixel can hold it: no NaN, and nothing beyond the range of float.
+bool is_representable(const Color& c) {
+  return std::isfinite(static_cast<float>(c.r)) && std::isfinite(static_cast<float>(c.g)) &&
+         std::isfinite(static_cast<float>(c.b));
 }
 
 class SceneTileRenderer final : public TileRenderer {
@@ -37,9 +39,11 @@ class SceneTileRenderer final : public TileRenderer {
     // A level of recursion leaves at most two segments waiting.
     state.stack.reserve(scene_->features.secondary ? 2 * scene_->settings.max_depth + 3 : 0);
     uint64_t unseen_pixels = 0;
+    uint64_t work_done = progress.work_done.load(std::memory_order_relaxed);
     for (int y = task.rect.y0; y < task.rect.y1; ++y) {
-      if (progress.cancelled.load(std::memory_order_relaxed)) return std::nullopt;
       for (int x = task.rect.x0; x < task.rect.x1; ++x) {
+        // A pixel of a million samples takes long: a row would be too coarse a step.
+        if (progress.cancelled.load(std::memory_order_relaxed)) return std::nullopt;
         const bool seen = scene_->seen.contains({x, y, x + 1, y + 1});
         if (!seen) ++unseen_pixels;
         const Color mean = seen ? mean_of(x, y, task, state, &SceneTileRenderer::trace)
@@ -47,8 +51,8 @@ class SceneTileRenderer final : public TileRenderer {
         for (const double channel : {mean.r, mean.g, mean.b}) {
           tile.values.push_back(static_cast<float>(channel));
         }
+        progress.work_done.store(++work_done, std::memory_order_relaxed);
       }
-      progress.work_done.fetch_add(1, std::memory_order_relaxed);
     }
     state.counters.add_to(tile.counters);
     tile.counters["rays_background_skipped"] = unseen_pixels * task.sample_count;
@@ -89,7 +93,7 @@ class SceneTileRenderer final : public TileRenderer {
     for (uint32_t i = 0; i < task.sample_count; ++i) {
       const Color color = (this->*sample_function)({x, y, task.first_sample + i}, state);
       ++state.counters.samples;
-      if (is_finite(color)) {
+      if (is_representable(color)) {
         sum += color;
       } else {
         ++state.counters.nan_samples;

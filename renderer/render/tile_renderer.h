@@ -13,8 +13,8 @@ namespace tessera {
 
 /// How far a tile is, written by the tracing thread and read by any other.
 struct TileProgress {
-  std::atomic<uint64_t> work_done{0};  ///< grows at least once a row
-  std::atomic<bool> cancelled{false};  ///< set from outside: stop within a row
+  std::atomic<uint64_t> work_done{0};  ///< grows with every pixel
+  std::atomic<bool> cancelled{false};  ///< set from outside: stop within a pixel
 };
 
 /// Traces tiles of one frame. Its pixels are a pure function of (scene, frame settings, task).

@@ -9,8 +9,7 @@ namespace {
 constexpr double kTwoToMinus32 = 0x1p-32;
 
 uint32_t reverse_bits(uint32_t v) {
-  v = (v >> 16) | (v << 16);
-  v = ((v & 0xff00ff00u) >> 8) | ((v & 0x00ff00ffu) << 8);
+  v = __builtin_bswap32(v);
   v = ((v & 0xf0f0f0f0u) >> 4) | ((v & 0x0f0f0f0fu) << 4);
   v = ((v & 0xccccccccu) >> 2) | ((v & 0x33333333u) << 2);
   return ((v & 0xaaaaaaaau) >> 1) | ((v & 0x55555555u) << 1);
@@ -35,19 +34,15 @@ uint32_t scramble_upwards(uint32_t v, uint32_t seed) {
   return v;
 }
 
-uint32_t owen_scramble(uint32_t v, uint32_t seed) {
-  return reverse_bits(scramble_upwards(reverse_bits(v), seed));
-}
-
-/// The second Sobol dimension: its primitive polynomial is x + 1, its direction numbers the rows of
-/// Pascal's triangle modulo 2.
-uint32_t sobol_second(uint32_t index) {
-  uint32_t result = 0;
-  for (uint32_t direction = 1u << 31; index != 0; index >>= 1) {
-    if (index & 1u) result ^= direction;
-    direction ^= direction >> 1;
-  }
-  return result;
+/// The bits of the second Sobol coordinate from the last to the first. Its primitive polynomial is
+/// x + 1, its direction numbers are the rows of Pascal's triangle modulo 2: bit j is the sum of the
+/// index bits whose number contains j as a binary set, which five steps add up.
+uint32_t sobol_second_reversed(uint32_t index) {
+  index ^= (index >> 1) & 0x55555555u;
+  index ^= (index >> 2) & 0x33333333u;
+  index ^= (index >> 4) & 0x0f0f0f0fu;
+  index ^= (index >> 8) & 0x00ff00ffu;
+  return index ^ (index >> 16);
 }
 
 uint64_t pixel_key(int x, int y, uint32_t seed, SampleUse use) {
@@ -60,10 +55,12 @@ Vec2 owen_sobol_pair(uint64_t key, uint32_t sample) {
   const auto high = static_cast<uint32_t>(key >> 32);
   // Shuffling the order by an Owen scramble of the index keeps the first 2^k points a net, and
   // unties this pair from the others.
-  const uint32_t index = owen_scramble(sample, static_cast<uint32_t>(mix(key)));
-  const uint32_t u = scramble_upwards(index, low);  // reversing twice: van der Corput's sequence
-  const uint32_t v = owen_scramble(sobol_second(index), high);
-  return {reverse_bits(u) * kTwoToMinus32, v * kTwoToMinus32};
+  const uint32_t index =
+      reverse_bits(scramble_upwards(reverse_bits(sample), static_cast<uint32_t>(mix(key))));
+  // The first coordinate is van der Corput's: the index reversed.
+  const uint32_t u = reverse_bits(scramble_upwards(index, low));
+  const uint32_t v = reverse_bits(scramble_upwards(sobol_second_reversed(index), high));
+  return {u * kTwoToMinus32, v * kTwoToMinus32};
 }
 
 Vec2 independent_pair(uint64_t key, uint32_t sample) {
@@ -90,7 +87,8 @@ Vec2 Sampler::pixel_square(int x, int y, uint32_t sample) const {
     case SamplePattern::centered_grid:
     case SamplePattern::corner_grid: {
       const double shift = settings_.pattern == SamplePattern::centered_grid ? 0.5 : 0.0;
-      return {(sample % grid_ + shift) / grid_, (sample / grid_ + shift) / grid_};
+      const uint32_t column = sample % grid_, row = sample / grid_;
+      return {(column + shift) / grid_, (row + shift) / grid_};
     }
     case SamplePattern::owen_sobol:
     case SamplePattern::independent:

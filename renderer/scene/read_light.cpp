@@ -25,6 +25,7 @@ void read_spot(const Where& where, const v1::Light::Spot& in, Light& out) {
   out.direction = checked_direction(where, "spot.direction", in.direction());
   out.beam_width = portable::radians(checked(where, "spot.beam_width", in.beam_width(), kHalfTurn));
   out.cut_off = portable::radians(checked(where, "spot.cut_off", in.cut_off(), kHalfTurn));
+  set_spot_cosines(out);
 }
 
 void read_cylinder(const Where& where, const v1::Light::Cylinder& in, Light& out) {

@@ -64,8 +64,8 @@ void for_each_parallel(size_t count, int threads, const Work& work) {
   }
 }
 
-/// The pixels that the corners of the scene's box span, for the box is convex. The margin of a pixel
-/// is far above the rounding errors of projecting and of tracing.
+/// The pixels that the corners of the scene's box span, for the box is convex. The margin of a
+/// pixel is far above the rounding errors of projecting and of tracing.
 PixelRect seen_rect(const Scene& scene) {
   const RenderSettings& settings = scene.settings;
   const PixelRect frame{0, 0, settings.width, settings.height};
@@ -84,8 +84,9 @@ PixelRect seen_rect(const Scene& scene) {
   const auto inside = [](double v, int side) {
     return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(side)));
   };
-  return {inside(std::floor(low.x - margin), frame.x1), inside(std::floor(low.y - margin), frame.y1),
-          inside(std::ceil(high.x + margin), frame.x1), inside(std::ceil(high.y + margin), frame.y1)};
+  return {
+      inside(std::floor(low.x - margin), frame.x1), inside(std::floor(low.y - margin), frame.y1),
+      inside(std::ceil(high.x + margin), frame.x1), inside(std::ceil(high.y + margin), frame.y1)};
 }
 
 class SceneBuilder {

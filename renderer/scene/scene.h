@@ -57,7 +57,8 @@ struct Scene {
 
   CounterMap counters;  ///< of building
 
-  /// Pixels outside this rectangle of the frame look past everything: none of their samples can hit.
+  /// Pixels outside this rectangle of the frame look past everything: none of their samples can
+  /// hit.
   PixelRect seen;
 
   const Material& material(uint32_t instance, uint32_t index) const {

@@ -21,6 +21,13 @@ double angle_between(const Vec3& a, const Vec3& b) {
   return portable::atan2(length(cross(a, b)), dot(a, b));
 }
 
+double spot_factor_towards(const Light& light, const Vec3& direction) {
+  const double cosine = dot(direction, light.direction);
+  if (cosine > light.cos_full) return 1;
+  if (cosine < light.cos_none) return 0;
+  return spot_factor(angle_between(direction, light.direction), light.beam_width, light.cut_off);
+}
+
 bool sample_cylinder(const Light& light, const Point3& p, LightSample& sample) {
   const Vec3 offset = p - light.position;
   sample.distance = dot(offset, light.direction);
@@ -30,6 +37,12 @@ bool sample_cylinder(const Light& light, const Point3& p, LightSample& sample) {
 }
 
 }  // namespace
+
+void set_spot_cosines(Light& light) {
+  constexpr double kMargin = 1e-12;  // far above the rounding of a cosine
+  light.cos_full = portable::cos(std::min(light.beam_width, light.cut_off)) + kMargin;
+  light.cos_none = portable::cos(light.cut_off) - kMargin;
+}
 
 double spot_factor(double angle, double beam_width, double cut_off) {
   if (angle >= cut_off) return 0;
@@ -55,10 +68,7 @@ bool sample_light(const Light& light, const Point3& p, double path_length, Light
   const double way =
       light.attenuation.whole_path ? (sample.distance + path_length) * light.frame_scale : reach;
   sample.factor = attenuation_factor(light.attenuation, way);
-  if (light.kind == LightKind::spot) {
-    sample.factor *=
-        spot_factor(angle_between(-sample.wi, light.direction), light.beam_width, light.cut_off);
-  }
+  if (light.kind == LightKind::spot) sample.factor *= spot_factor_towards(light, -sample.wi);
   return sample.factor > 0;
 }
 

@@ -30,7 +30,11 @@ double specular_factor(const Material& material, const Vec3& n, const Vec3& wi, 
   } else {
     cosine = dot(reflect(-wi, n), wo);
   }
-  return portable::pow(std::clamp(cosine, 0.0, 1.0), material.shininess);
+  cosine = std::clamp(cosine, 0.0, 1.0);
+  // cosine^s <= exp(-s (1 - cosine)): far from the highlight that is nothing, and needs no power.
+  constexpr double kNothing = 50;  // exp(-50) < 2e-22
+  if (material.shininess * (1 - cosine) > kNothing) return 0;
+  return portable::pow(cosine, material.shininess);
 }
 
 }  // namespace

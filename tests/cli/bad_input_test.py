@@ -70,8 +70,8 @@ class BadCommandLine(TesseraTest):
     def test_endpoints(self):
         for endpoint in ["", "nonsense", "tcp://", "http://127.0.0.1:80", "tcp://127.0.0.1:99999"]:
             with self.subTest(endpoint=endpoint):
-                self.refused("serve", f"--bind={endpoint}", says=[endpoint or "endpoint"])
-                self.refused("worker", f"--connect={endpoint}", says=[endpoint or "endpoint"])
+                self.refused("serve", f"--bind={endpoint}", says=[endpoint or "ENDPOINT"])
+                self.refused("worker", f"--connect={endpoint}", says=[endpoint or "ENDPOINT"])
 
     def test_only_loopback_without_keys(self):
         self.refused("serve", "--bind", "tcp://0.0.0.0:*", says=["0.0.0.0"])

@@ -54,7 +54,7 @@ def glass_scene():
     """A mirror and a glass ball that see each other, on a plane."""
     return (CAMERA + SUN +
             material("mirror", gray("reflectivity", 0.9) + gray("diffuse", 0.05)) +
-            material("glass", "transparency { value: 0.9 } refractive_index: 1.5" +
+            material("glass", "transparency { value: 0.9 } refractive_index: 1.5 " +
                      gray("diffuse", 0.02)) +
             'nodes { shape { materials: "mirror" sphere { center { x: -0.9 y: 0.8 } radius: 0.8 } } }\n'
             'nodes { shape { materials: "glass" sphere { center { x: 0.8 y: 0.6 z: 0.8 } radius: 0.6 } } }\n'

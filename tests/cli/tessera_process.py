@@ -10,7 +10,8 @@ import time
 import unittest
 import uuid
 
-PROGRAM = os.environ["TESSERA_PROGRAM"]
+PROGRAM = os.environ.get("TESSERA_PROGRAM") or str(
+    pathlib.Path(__file__).parents[2] / "build/dev/bin/tessera")
 SLOWER = float(os.environ.get("TESSERA_TEST_SLOWDOWN", "1"))  # sanitizers
 MARK = "TESSERA_TEST_MARK"
 

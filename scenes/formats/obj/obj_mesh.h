@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "scenes/mesh/mesh_data.h"
+#include "scenes/mesh/vertex_table.h"
 
 namespace tessera {
 
@@ -11,46 +12,30 @@ namespace tessera {
 /// (position, texture coordinate, normal) that a face uses becomes one vertex of the mesh.
 class ObjMesh {
  public:
-  static constexpr uint32_t kNone = 0xFFFFFFFF;
   /// In place of a normal's index: to be generated, one for each position and smoothing group.
   static constexpr uint32_t kFirstSmoothingGroup = 0x80000000;
   /// More of anything than this is refused, so that indices fit.
   static constexpr size_t kMaxElements = 0x7FFFFFFF;
 
-  struct Corner {
-    uint32_t position = kNone;
-    uint32_t uv = kNone;
-    /// A normal's index, kFirstSmoothingGroup + group, or kNone for the face's own.
-    uint32_t normal = kNone;
-    friend bool operator==(const Corner&, const Corner&) = default;
-  };
-
-  std::vector<float> positions;  ///< x y z each
-  std::vector<float> colors;     ///< r g b a each; empty while no position has one
-  std::vector<float> uvs;        ///< u v each
-  std::vector<float> normals;    ///< x y z each
+  std::vector<float> positions;   ///< x y z each
+  std::vector<float> colors;      ///< r g b a each; empty while no position has one
+  std::vector<float> uvs;         ///< u v each
+  std::vector<float> normals;     ///< x y z each
   std::vector<uint32_t> face_materials;
 
   size_t position_count() const { return positions.size() / 3; }
   size_t triangle_count() const { return triangles_.size() / 3; }
 
-  void add_triangle(const Corner& a, const Corner& b, const Corner& c);
+  /// A corner's normal may be kFirstSmoothingGroup + group, or kNoIndex for the face's own.
+  void add_triangle(const MeshCorner& a, const MeshCorner& b, const MeshCorner& c);
   /// Generates the normals that are asked for and gives the mesh away; this is empty afterwards.
   MeshData finish();
 
  private:
-  struct Vertex {
-    Corner corner;
-    uint32_t next;  ///< the next vertex at the same position
-  };
-
-  uint32_t vertex(const Corner& corner);
-  bool has_normals() const;
   void split_flat_faces();
   std::vector<float> vertex_normals() const;
 
-  std::vector<uint32_t> first_vertex_;  ///< by position
-  std::vector<Vertex> vertices_;
+  VertexTable vertices_;
   std::vector<uint32_t> triangles_;
 };
 

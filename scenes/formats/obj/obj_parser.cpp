@@ -126,7 +126,7 @@ void ObjParser::use_material() {
 }
 
 uint32_t ObjParser::current_material() {
-  if (material_ == ObjMesh::kNone) {
+  if (material_ == kNoIndex) {
     material_ = static_cast<uint32_t>(file_.materials.size());
     file_.materials.emplace_back();
   }
@@ -146,9 +146,9 @@ uint32_t ObjParser::reference(const char* what, size_t count) {
   return static_cast<uint32_t>(index);
 }
 
-ObjMesh::Corner ObjParser::corner() {
+MeshCorner ObjParser::corner() {
   const ObjMesh& mesh = file_.mesh;
-  ObjMesh::Corner corner;
+  MeshCorner corner;
   corner.position = reference("vertex", mesh.position_count());
   if (in_.peek() == '/') {
     in_.skip_char();
@@ -170,12 +170,12 @@ void ObjParser::face() {
     throw in_.error(fmt::format("a face with {} corners", polygon_.size()), "at least 3");
   // A face either brings all of its normals or gets them from its smoothing group.
   const bool complete = std::none_of(polygon_.begin(), polygon_.end(),
-                                     [](const auto& c) { return c.normal == ObjMesh::kNone; });
+                                     [](const auto& c) { return c.normal == kNoIndex; });
   if (!complete) {
     const uint32_t generated = smoothing_group_ == 0
-                                   ? ObjMesh::kNone
+                                   ? kNoIndex
                                    : ObjMesh::kFirstSmoothingGroup + (smoothing_group_ - 1);
-    for (ObjMesh::Corner& c : polygon_) c.normal = generated;
+    for (MeshCorner& c : polygon_) c.normal = generated;
   }
   add_polygon();
 }
@@ -187,7 +187,7 @@ void ObjParser::add_polygon() {
   } else {
     points_.clear();
     const std::vector<float>& p = file_.mesh.positions;
-    for (const ObjMesh::Corner& c : polygon_) {
+    for (const MeshCorner& c : polygon_) {
       const size_t at = size_t{c.position} * 3;
       points_.push_back({p[at], p[at + 1], p[at + 2]});
     }
@@ -199,7 +199,7 @@ void ObjParser::add_polygon() {
     throw in_.error("too many faces", "fewer than 2^31 triangles");
   const uint32_t material = current_material();
   for (const CornerTriple& t : triples_) {
-    const ObjMesh::Corner &a = polygon_[t[0]], &b = polygon_[t[1]], &c = polygon_[t[2]];
+    const MeshCorner &a = polygon_[t[0]], &b = polygon_[t[1]], &c = polygon_[t[2]];
     if (a.position == b.position || b.position == c.position || c.position == a.position) {
       warnings_.add("triangles that name a vertex twice are left out");
       continue;

@@ -38,7 +38,7 @@ class ObjParser {
   void smoothing();
   void use_material();
   void skip(std::string_view keyword);
-  ObjMesh::Corner corner();
+  MeshCorner corner();
   uint32_t reference(const char* what, size_t count);
   void add_polygon();
   uint32_t current_material();
@@ -47,9 +47,9 @@ class ObjParser {
   Warnings& warnings_;
   ObjFile file_;
   std::map<std::string, uint32_t, std::less<>> material_index_;
-  uint32_t material_ = ObjMesh::kNone;
+  uint32_t material_ = kNoIndex;
   uint32_t smoothing_group_ = 0;  ///< 0: off
-  std::vector<ObjMesh::Corner> polygon_;
+  std::vector<MeshCorner> polygon_;
   std::vector<Vec3> points_;
   std::vector<CornerTriple> triples_;
 };

@@ -26,9 +26,9 @@ TEST(OptionValues, SizesAreReadAndBounded) {
   EXPECT_EQ(size.width, 1920);
   EXPECT_EQ(size.height, 1080);
   EXPECT_EQ(parse_size("--size", "65536x4096").width, 65536);
-  for (const char* wrong : {"", "x", "8", "8x", "x8", "0x8", "8x0", "-8x8", "8x8x8", "8.0x8", "+8x8",
-                            " 8x8", "8x8 ", "65537x1", "65536x4097", "1000000000x1000000000",
-                            "99999999999999999999x2", "axb"}) {
+  for (const char* wrong :
+       {"", "x", "8", "8x", "x8", "0x8", "8x0", "-8x8", "8x8x8", "8.0x8", "+8x8", " 8x8", "8x8 ",
+        "65537x1", "65536x4097", "1000000000x1000000000", "99999999999999999999x2", "axb"}) {
     EXPECT_NE(refusal([&] { parse_size("--size", wrong); }), "") << wrong;
   }
 }
@@ -51,7 +51,8 @@ TEST(OptionValues, NumbersAreFinite) {
 
 TEST(OptionValues, CropsHaveAnInside) {
   EXPECT_EQ(parse_crop("--crop", "1,2,30,40"), (PixelRect{1, 2, 30, 40}));
-  for (const char* wrong : {"", "1,2,3", "1,2,3,4,5", "3,0,3,9", "0,9,3,9", "-1,0,3,3", "a,b,c,d"}) {
+  for (const char* wrong :
+       {"", "1,2,3", "1,2,3,4,5", "3,0,3,9", "0,9,3,9", "-1,0,3,3", "a,b,c,d"}) {
     EXPECT_NE(refusal([&] { parse_crop("--crop", wrong); }), "") << wrong;
   }
 }

@@ -18,7 +18,9 @@ std::string wall(const std::string& classic) {
          "nodes { shape { materials: 'm' plane { normal { z: 1 } } } }";
 }
 
-std::string light(const std::string& fields) { return "nodes { light { " + fields + " } }"; }
+std::string light(const std::string& fields) {
+  return "nodes { light { " + fields + " } }";
+}
 
 std::string head_on(const std::string& fields = "") {
   return light("directional { direction { z: -1 } } " + fields);
@@ -52,20 +54,20 @@ TEST(ClosedForm, x3d_tilted_surface_and_highlight) {
   EXPECT_NEAR(pixel[0], 0.4, 1e-6);
   // The half vector of a light 20 degrees off the view is 10 degrees off it.
   const std::string shiny = wall("diffuse { value {} } specular { value { r: 1 g: 1 b: 1 } }");
-  const std::string off_20 = "directional { direction { x: -0.3420201433256687 z: -0.9396926207859084 } }";
+  const std::string off_20 =
+      "directional { direction { x: -0.3420201433256687 z: -0.9396926207859084 } }";
   EXPECT_NEAR(render_pixel(shiny + light(off_20))[0], 0.6758, 5e-5);
   // Phong's reflection vector is 20 degrees off.
-  const std::string phong =
-      wall("diffuse { value {} } specular { value { r: 1 g: 1 b: 1 } } shininess { value: 3 } "
-           "specular_model: PHONG");
+  const std::string phong = wall(
+      "diffuse { value {} } specular { value { r: 1 g: 1 b: 1 } } shininess { value: 3 } "
+      "specular_model: PHONG");
   EXPECT_NEAR(render_pixel(phong + light(off_20))[0], std::pow(std::cos(20 * kDegree), 3), 1e-6);
 }
 
 TEST(ClosedForm, diffuse_models_behind_the_surface) {
   // The light is behind the wall, 60 degrees off its normal: n . l = -1/2.
-  const std::string behind =
-      light("directional { direction { x: .8660254037844386 z: .5 } }") +
-      "settings { integrator { shadows: SHADOWS_OFF } }";
+  const std::string behind = light("directional { direction { x: .8660254037844386 z: .5 } }") +
+                             "settings { integrator { shadows: SHADOWS_OFF } }";
   expect_grey(wall("diffuse_model: LAMBERT") + behind, 0);
   expect_grey(wall("diffuse_model: SIGNED") + behind, -0.4);
   expect_grey(wall("diffuse_model: HALF_LAMBERT") + behind, 0.8 / 64);
@@ -97,6 +99,31 @@ TEST(ClosedForm, light_distances_are_of_its_own_frame) {
               0.25);
 }
 
+TEST(ClosedForm, ambient_light_is_attenuated_on_demand) {
+  const std::string lit = wall("diffuse { value {} } ambient { value { r: 1 g: 1 b: 1 } }");
+  const std::string lamp =
+      "point { position { z: 2 } } ambient_intensity: .8 radius: 3 "
+      "attenuation { quadratic: 1 } ";
+  expect_grey(lit + light(lamp), .8);
+  expect_grey(lit + light(lamp + "ambient_attenuated: true"), .2);
+  expect_grey(lit + light("point { position { z: 4 } } ambient_intensity: .8 radius: 3 "), .8);
+  expect_grey(lit + light("point { position { z: 4 } } ambient_intensity: .8 radius: 3 "
+                          "ambient_attenuated: true"),
+              0);
+}
+
+TEST(ClosedForm, flat_materials_use_the_face_normal) {
+  // Every vertex normal is 60 degrees off the face's.
+  const auto lit = [](const char* more) {
+    return std::string("materials { name: 'm' classic { ") + more + " } } " + head_on() +
+           "nodes { shape { materials: 'm' mesh { inline_positions: [-9,-9,0, 9,-9,0, 0,9,0] "
+           "inline_triangles: [0,1,2] inline_normals: [1.7320508,0,1, 1.7320508,0,1, "
+           "1.7320508,0,1] } } }";
+  };
+  EXPECT_NEAR(render_pixel(lit(""))[0], 0.4, 1e-6);
+  EXPECT_NEAR(render_pixel(lit("flat: true"))[0], 0.8, 1e-6);
+}
+
 TEST(ClosedForm, x3d_spot_light_is_linear_in_angle) {
   // The spot is 1 above the wall and turned by `degrees` from the point that the camera sees.
   const auto turned = [](double degrees) {
@@ -116,22 +143,25 @@ TEST(ClosedForm, x3d_spot_light_is_linear_in_angle) {
 TEST(ClosedForm, x3d_fog) {
   const auto at = [](double z, const std::string& kind) {
     return "materials { name: 'm' unlit { color { value { g: 1 } } } } fog { visibility_range: 10 "
-           "kind: " + kind + " color { r: 1 } } background { solid { b: 1 } }" +
+           "kind: " +
+           kind + " color { r: 1 } } background { solid { b: 1 } }" +
            "nodes { shape { materials: 'm' plane { normal { z: 1 } offset: " + std::to_string(z) +
            " } } }";
   };
   expect_pixel(at(5, "LINEAR"), .5, .5, 0);
   expect_pixel(at(5, "EXPONENTIAL"), 1 - std::exp(-1), std::exp(-1), 0);
   expect_pixel(at(-1, "LINEAR"), 1, 0, 0);
-  expect_pixel(at(20, "LINEAR"), 0, 0, 1);   // behind the camera: fog does not reach the background
+  expect_pixel(at(20, "LINEAR"), 0, 0, 1);  // behind the camera: fog does not reach the background
 }
 
 TEST(ClosedForm, shadows) {
-  const std::string lit = wall("diffuse { value { r: 1 g: 1 b: 1 } } "
-                               "ambient { value { r: 1 g: 1 b: 1 } }");
+  const std::string lit = wall(
+      "diffuse { value { r: 1 g: 1 b: 1 } } "
+      "ambient { value { r: 1 g: 1 b: 1 } }");
   // A ball between light and wall, beside the view.
-  const std::string lamp = "point { position { x: 4 z: 4 } } attenuation { scale: 1.4142135623730951 "
-                           "constant: 1 } ";
+  const std::string lamp =
+      "point { position { x: 4 z: 4 } } attenuation { scale: 1.4142135623730951 "
+      "constant: 1 } ";
   const auto ball = [](const char* more, const char* fields) {
     return std::string("materials { name: 'b' classic { ") + fields +
            " } } nodes { transform { steps { translate { x: 2 z: 2 } } } " + more +
@@ -166,9 +196,10 @@ TEST(ClosedForm, what_lies_behind_the_light_throws_no_shadow) {
 }
 
 TEST(ClosedForm, straight_transparency_covers_the_rest) {
-  expect_pixel(wall("emission { value { r: 1 } } transparency { value: .25 } transmission: STRAIGHT") +
-                   "background { solid { b: 1 } }",
-               .75, 0, .25);
+  expect_pixel(
+      wall("emission { value { r: 1 } } transparency { value: .25 } transmission: STRAIGHT") +
+          "background { solid { b: 1 } }",
+      .75, 0, .25);
 }
 
 TEST(ClosedForm, mirrors_show_what_is_before_them) {
@@ -181,26 +212,54 @@ TEST(ClosedForm, mirrors_show_what_is_before_them) {
 
 TEST(ClosedForm, glass_follows_fresnel_and_snell) {
   // One side of glass seen head-on: 4 % are mirrored, the rest goes on.
-  const std::string glass = wall("diffuse { value {} } transparency { value: 1 } refractive_index: 1.5");
+  const std::string glass =
+      wall("diffuse { value {} } transparency { value: 1 } refractive_index: 1.5");
   expect_pixel(glass + "background { gradient { sky { r: 1 } ground { r: 1 } } }", 1, 0, 0);
-  expect_pixel(glass + "materials { name: 'glow' unlit { color { value { g: 1 } } } } "
-                       "nodes { shape { materials: 'glow' sphere { center { z: 13 } } } }",
+  expect_pixel(glass +
+                   "materials { name: 'glow' unlit { color { value { g: 1 } } } } "
+                   "nodes { shape { materials: 'glow' sphere { center { z: 13 } } } }",
                0, .04, 0);
   // A slab: T = 12/13 with all inner reflections (numerics.md 3.1, 12).
   const std::string slab =
-      "settings { integrator { max_depth: 40 } } materials { name: 'm' classic { diffuse { value {} } "
-      "transparency { value: 1 } refractive_index: 1.5 } } nodes { shape { materials: 'm' box { min { "
+      "settings { integrator { max_depth: 40 } } materials { name: 'm' classic { diffuse { value "
+      "{} } "
+      "transparency { value: 1 } refractive_index: 1.5 } } nodes { shape { materials: 'm' box { "
+      "min { "
       "x: -9 y: -9 } max { x: 9 y: 9 z: 1 } } } } materials { name: 'glow' unlit { color { value { "
       "g: 1 } } } } nodes { shape { materials: 'glow' sphere { center { z: -3 } } } }";
   EXPECT_NEAR(render_pixel(slab)[1], 12.0 / 13, 1e-7);
   // The slab of absorbing glass.
   const double r = 0.04, tau = std::exp(-0.5);
   const std::string absorbing =
-      slab + "materials { name: 'a' classic { diffuse { value {} } transparency { value: 1 } "
-             "refractive_index: 1.5 absorption { g: .5 } } }";
+      slab +
+      "materials { name: 'a' classic { diffuse { value {} } transparency { value: 1 } "
+      "refractive_index: 1.5 absorption { g: .5 } } }";
   std::string replaced = absorbing;
   replaced.replace(replaced.find("materials: 'm'"), 14, "materials: 'a'");
   EXPECT_NEAR(render_pixel(replaced)[1], (1 - r) * (1 - r) * tau / (1 - r * r * tau * tau), 1e-7);
+}
+
+// A ray leaves a tilted slab as it came, but moved aside: a small ball is seen where Snell's law
+// puts it, and nowhere else.
+TEST(ClosedForm, a_tilted_slab_moves_the_view_aside) {
+  const double tilt = 40 * kDegree, n = 1.5, thickness = 2;
+  const double cos_i = std::cos(tilt), cos_t = std::sqrt(1 - std::pow(std::sin(tilt) / n, 2));
+  const double aside = thickness / cos_t * std::sin(tilt) * (cos_t - cos_i / n);
+  const double parallel = (n * cos_i - cos_t) / (n * cos_i + cos_t);
+  const double across = (cos_i - n * cos_t) / (cos_i + n * cos_t);
+  const double fresnel = (parallel * parallel + across * across) / 2;
+  const auto seen = [&](double y) {
+    return render_pixel(
+        "materials { name: 'm' classic { diffuse { value {} } transparency { value: 1 } "
+        "refractive_index: 1.5 } } materials { name: 'glow' unlit {} } "
+        "nodes { transform { steps { rotate { axis { x: 1 } angle: 40 } } } shape { materials: 'm' "
+        "box { min { x: -20 y: -20 z: -1 } max { x: 20 y: 20 z: 1 } } } } "
+        "nodes { shape { materials: 'glow' sphere { radius: .01 center { z: -30 y: " +
+        std::to_string(y) + " } } } }")[0];
+  };
+  EXPECT_NEAR(seen(aside), (1 - fresnel) * (1 - fresnel), 1e-6);
+  EXPECT_EQ(seen(0), 0);
+  EXPECT_EQ(seen(-aside), 0);
 }
 
 TEST(ClosedForm, sides) {
@@ -220,13 +279,14 @@ TEST(ClosedForm, sides) {
 }
 
 TEST(ClosedForm, two_sided_surfaces_are_lit_towards_the_viewer) {
-  expect_grey(
-      "nodes { shape { plane { normal { z: -1 } } } } " + head_on(), 0.8);
+  expect_grey("nodes { shape { plane { normal { z: -1 } } } } " + head_on(), 0.8);
 }
 
 TEST(ClosedForm, scoped_lights_reach_siblings_and_what_is_below) {
   const std::string lamp = "nodes { light { scoped: true directional { direction { z: -1 } } } }";
-  const auto group = [](const std::string& inside) { return "nodes { children { " + inside + "}}"; };
+  const auto group = [](const std::string& inside) {
+    return "nodes { children { " + inside + "}}";
+  };
   const std::string sphere = "shape { plane { normal { z: 1 } } } ";
   const std::string scoped_lamp = "light { scoped: true directional { direction { z: -1 } } } ";
   expect_grey(lamp + group(sphere), 0.8);
@@ -267,7 +327,8 @@ TEST(ClosedForm, keyframes_move_things) {
   const auto at = [&](double time) {
     v1::FrameSettings frame = frame_of(1, 1);
     frame.set_time(time);
-    return render_rect(*make_tile_renderer(parse_scene(moving), {}, frame, 1), {0, 0, 1, 1}).values[0];
+    return render_rect(*make_tile_renderer(parse_scene(moving), {}, frame, 1), {0, 0, 1, 1})
+        .values[0];
   };
   EXPECT_EQ(at(0), 1);
   EXPECT_EQ(at(1), 1);

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <future>
+#include <vector>
 
 #include "base/error.h"
 #include "tests/unit/renderer/scene_text.h"
@@ -118,11 +121,36 @@ TEST(TileRenderer, threads_of_the_build_change_nothing) {
             render_rect(*make_tile_renderer(scene, {}, frame, 4), rect).values);
 }
 
-TEST(TileRenderer, stops_when_cancelled_and_tells_its_rows) {
+TEST(TileRenderer, may_be_called_from_many_threads) {
+  const auto renderer = make_tile_renderer(parse_scene(kMixed), {}, frame_of(16, 16), 2);
+  const PixelRect rect{0, 0, 16, 16};
+  const auto expected = render_rect(*renderer, rect).values;
+  std::vector<std::future<std::vector<float>>> others;
+  for (int i = 0; i < 4; ++i) {
+    others.push_back(
+        std::async(std::launch::async, [&] { return render_rect(*renderer, rect).values; }));
+  }
+  for (auto& other : others) EXPECT_EQ(other.get(), expected);
+}
+
+TEST(TileRenderer, grain_darkens_by_up_to_its_size) {
+  const std::string rough =
+      "materials { name: 'm' classic { emission { value { r: 1 g: 1 b: 1 } } diffuse { value {} } "
+      "grain: .5 } } nodes { shape { materials: 'm' plane { normal { z: 1 } } } }";
+  const auto values = render_text(rough, 16, 16).values;
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  EXPECT_GT(*low, .85f - 1e-6f);
+  EXPECT_LT(*low, .86f);
+  EXPECT_GT(*high, .99f);
+  EXPECT_LE(*high, 1.0f);
+  EXPECT_EQ(render_text(rough, 16, 16).values, values);
+}
+
+TEST(TileRenderer, stops_when_cancelled_and_tells_its_pixels) {
   const auto renderer = make_tile_renderer(parse_scene(kSphere), {}, frame_of(8, 8), 1);
   TileProgress progress;
   EXPECT_TRUE(renderer->render({{0, 0, 8, 8}, 0, 1}, progress));
-  EXPECT_EQ(progress.work_done, 8u);
+  EXPECT_EQ(progress.work_done, 64u);
   progress.cancelled = true;
   EXPECT_FALSE(renderer->render({{0, 0, 8, 8}, 0, 1}, progress));
 }
