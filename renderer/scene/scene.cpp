@@ -70,6 +70,7 @@ PixelRect seen_rect(const Scene& scene) {
   const RenderSettings& settings = scene.settings;
   const PixelRect frame{0, 0, settings.width, settings.height};
   if (!scene.surfaces) return {};
+  if (scene.camera->lens_samples() > 0) return frame;  // what is out of focus spreads
   const Bounds3 box = scene.surfaces->bounds();
   Vec2 low{1e30, 1e30}, high{-1e30, -1e30};
   for (int corner = 0; corner < 8; ++corner) {
@@ -107,7 +108,7 @@ class SceneBuilder {
     const CameraChoice choice = read_camera(description_, frame_.camera(), settings.time);
     scene_->camera.emplace(choice.settings, settings.width, settings.height);
     scene_->sampler.emplace(settings.sampler);
-    scene_->background = read_background(description_.background());
+    scene_->background = read_background(description_.background(), description_, source_.blobs);
     scene_->fog = read_fog(description_.fog());
     graph_ = unfold_graph(description_, settings.time);
     add_lights(choice.headlight);

@@ -17,6 +17,7 @@
 #include "scenes/formats/include_resolver.h"
 #include "scenes/formats/obj/obj_reader.h"
 #include "scenes/formats/x3d/x3d_reader.h"
+#include "scenes/import/texture_loader.h"
 
 namespace tessera {
 namespace {
@@ -80,9 +81,8 @@ std::string format_of(const std::string& path, const std::string& asked) {
   return found;
 }
 
-LoadedScene read_one(const std::string& path, const std::string& asked,
-                     const ReadOptions& options) {
-  const std::string format = format_of(path, asked);
+LoadedScene read_format(const std::string& path, const std::string& format,
+                        const ReadOptions& options) {
   if (format == "obj") return read_obj(path);
   if (format == "x3d") return read_x3d(path, options);
   if (format == "crt") return read_crt(path, options);
@@ -90,7 +90,15 @@ LoadedScene read_one(const std::string& path, const std::string& asked,
                                  : format == "tesserab" ? SceneEncoding::binary
                                                         : SceneEncoding::text;
   SceneWithBlobs read = read_scene_file(path, encoding);
-  return {std::move(read.scene), std::move(read.blobs), {}};
+  return {.scene = std::move(read.scene), .blobs = std::move(read.blobs), .warnings = {}};
+}
+
+/// With its pictures, without its includes.
+LoadedScene read_one(const std::string& path, const std::string& asked,
+                     const ReadOptions& options) {
+  LoadedScene loaded = read_format(path, format_of(path, asked), options);
+  load_textures(loaded, fs::absolute(path).parent_path(), options.decode_texture);
+  return loaded;
 }
 
 }  // namespace
