@@ -36,7 +36,10 @@ HalfSize perspective_window(const CameraSettings& settings, double width, double
 }  // namespace
 
 Camera::Camera(const CameraSettings& settings, int frame_width, int frame_height)
-    : projection_(settings.projection), near_(settings.near_distance), far_(settings.far_distance), lens_(settings.lens) {
+    : projection_(settings.projection),
+      near_(settings.near_distance),
+      far_(settings.far_distance),
+      lens_(settings.lens) {
   const Affine& m = settings.world_from_camera;
   const auto column = [&](size_t c) { return Vec3{m.m[0][c], m.m[1][c], m.m[2][c]}; };
   eye_ = Point3{} + column(3);

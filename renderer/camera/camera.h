@@ -33,8 +33,8 @@ class Camera {
  public:
   Camera(const CameraSettings& settings, int frame_width, int frame_height);
 
-  /// The ray of a pinhole through raster point (x, y), y downwards from the frame's top left corner.
-  /// Its direction is of unit length.
+  /// The ray of a pinhole through raster point (x, y), y downwards from the frame's top left
+  /// corner. Its direction is of unit length.
   Ray ray(double x, double y) const;
   /// The ray through the point of the lens that the uniform numbers `u` choose.
   Ray lens_ray(double x, double y, const Vec2& u) const;

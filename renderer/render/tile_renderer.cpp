@@ -73,15 +73,15 @@ class SceneTileRenderer final : public TileRenderer {
     if (lens_samples == 0) return look(scene_->camera->ray(raster.x, raster.y));
     Color sum = kBlack;
     for (uint32_t i = 0; i < lens_samples; ++i) {
-      const Vec2 u = scene_->sampler->pair(key.x, key.y, key.sample * lens_samples + i,
-                                           SampleUse::lens);
+      const Vec2 u =
+          scene_->sampler->pair(key.x, key.y, key.sample * lens_samples + i, SampleUse::lens);
       sum += look(scene_->camera->lens_ray(raster.x, raster.y, u));
     }
     return sum * (1.0 / lens_samples);
   }
   Color trace(const SampleKey& key, TraceState& state) const {
-    return through_camera(
-        key, [&](const Ray& ray) { return integrator_->radiance(ray, key, state); });
+    return through_camera(key,
+                          [&](const Ray& ray) { return integrator_->radiance(ray, key, state); });
   }
   Color look_past(const SampleKey& key, TraceState&) const {
     return through_camera(key, [&](const Ray& ray) { return integrator_->background(ray); });

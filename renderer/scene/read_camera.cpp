@@ -100,8 +100,8 @@ void read_lens(const Where& where, const v1::Lens& in, CameraSettings& settings)
   switch (in.shape()) {
     case v1::Lens::POLYGON:
       out.shape = LensShape::polygon;
-      out.blades = static_cast<uint32_t>(
-          checked(where, "lens.blades", in.blades(), {.min = 3, .max = 64}));
+      out.blades =
+          static_cast<uint32_t>(checked(where, "lens.blades", in.blades(), {.min = 3, .max = 64}));
       break;
     case v1::Lens::SQUARE_UNIFORM:
       out.shape = LensShape::square;

@@ -35,10 +35,9 @@ Color panorama_radiance(const Background& background, const Vec3& d) {
   const double azimuth = portable::atan2(d.x, -d.z) + background.angle;
   double s = 0.5 + azimuth / (2 * portable::kPi);
   s -= std::floor(s);
-  const double t =
-      background.kind == BackgroundKind::panorama_equal_area
-          ? 0.5 - d.y / 2
-          : portable::atan2(std::sqrt(d.x * d.x + d.z * d.z), d.y) / portable::kPi;
+  const double t = background.kind == BackgroundKind::panorama_equal_area
+                       ? 0.5 - d.y / 2
+                       : portable::atan2(std::sqrt(d.x * d.x + d.z * d.z), d.y) / portable::kPi;
   return background.picture->lookup(s, t) * background.intensity;
 }
 

@@ -16,9 +16,9 @@ struct ImageTextureSettings {
   uint32_t channels = 3;  ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA
   uint32_t bits = 8;      ///< 8 or 32 (float)
   Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
-  bool is_srgb = false;           ///< 8-bit texels are sRGB-encoded
-  bool is_nearest = false;        ///< else bilinear
-  bool texels_at_corners = false; ///< texel (i, j) stands for the point (i, j), not its centre
+  bool is_srgb = false;            ///< 8-bit texels are sRGB-encoded
+  bool is_nearest = false;         ///< else bilinear
+  bool texels_at_corners = false;  ///< texel (i, j) stands for the point (i, j), not its centre
 };
 
 /// A picture to look colours up in. Immutable; thread-safe.

@@ -34,7 +34,7 @@ struct ReadOptions {
   enum class Color { display, linear };
   enum class Shadows { on, file, off };
 
-  std::string format;                 ///< obj, x3d, crt, tessera, tesserab, json; empty: by the ending
+  std::string format{};  ///< obj, x3d, crt, tessera, tesserab, json; empty: by the ending
   Color x3d_color = Color::display;   ///< how the numbers of X3D colours are meant
   Shadows x3d_shadows = Shadows::on;  ///< `file`: as the lights' own fields say
   TextureDecoder decode_texture{};    ///< none: textures keep the names of their files
