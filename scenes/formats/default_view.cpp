@@ -94,8 +94,8 @@ void add_default_view(LoadedScene& loaded) {
   put(view.eye, look.mutable_eye());
   put(view.target, look.mutable_target());
   camera.mutable_perspective()->set_field_of_view(kFieldOfView);
-  add_light(scene, "key", frame.back + frame.up * 0.9 - frame.right * 0.7, 0.95, 1);
-  add_light(scene, "fill", frame.back + frame.right, 0.22, -0.5);
+  add_light(scene, "key", frame.back + frame.up * 0.9 - frame.right * 0.7, 0.85, 1);
+  add_light(scene, "fill", frame.back + frame.right, 0.15, -0.5);
   add_light(scene, "rim", frame.up * 0.8 - frame.back + frame.right * 0.6, 0.3, -1);
   put(.06, .06, .07, scene.mutable_settings()->mutable_integrator()->mutable_ambient());
   v1::Background::Gradient& gradient = *scene.mutable_background()->mutable_gradient();
