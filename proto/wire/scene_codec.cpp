@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/stubs/logging.h>
 #include <google/protobuf/text_format.h>
 #include <google/protobuf/util/json_util.h>
 
@@ -44,6 +45,7 @@ v1::Scene parse_text(std::string_view text, const std::string& name) {
 }
 
 bool parse_binary(std::string_view bytes, v1::Scene& scene) {
+  const pb::LogSilencer silencer;  // the caller says what is wrong, once
   pb::io::CodedInputStream input(reinterpret_cast<const uint8_t*>(bytes.data()),
                                  static_cast<int>(bytes.size()));
   input.SetRecursionLimit(kMaxSceneDepth);

@@ -30,46 +30,55 @@ struct BoxRay {
 
 /// What both precisions need first. Written without branches on signs: directions are random.
 struct RayFrame {
-  double origin[3];  ///< moved to where the ray enters the whole
+  double origin[3];  ///< moved to where the ray enters the whole, if it starts far away
   double inverse[3];
   double t_shift, t_min, t_max;
   double margin;  ///< in space, on each axis
   bool misses, fits_float;
 };
 
-inline RayFrame make_ray_frame(const Ray& ray, double t_max, const Bounds3& whole, double extent) {
+inline double largest(const double* v) {
+  return std::max(std::max(std::abs(v[0]), std::abs(v[1])), std::abs(v[2]));
+}
+
+/// Moves the origin of a ray from far away, where single precision is coarse, to the whole's box.
+inline void move_origin(RayFrame& f, const double* d, const Bounds3& whole, double extent,
+                        double shortest, double far_origin) {
   constexpr double kInf = Bounds3::kInfinity;
-  RayFrame f;
-  const double d[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
-  const double o[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
   const double low[3] = {whole.min.x, whole.min.y, whole.min.z};
   const double high[3] = {whole.max.x, whole.max.y, whole.max.z};
-  const auto largest = [](const double* v) {
-    return std::max(std::max(std::abs(v[0]), std::abs(v[1])), std::abs(v[2]));
-  };
-  const double longest = largest(d), far_origin = largest(o);
-  // A component too short to matter within the scene's extent gets a finite reciprocal; the margin
-  // makes up for it.
-  const double shortest = longest * 0x1p-30;
   const double pad = (far_origin + extent) * 0x1p-40;
-  double enter = std::min(0.0, ray.t_min), leave = t_max * (1 + BoxRay<float>::kMargin);
+  double enter = std::min(0.0, f.t_min), leave = f.t_max * (1 + BoxRay<float>::kMargin);
   for (int a = 0; a < 3; ++a) {
     const bool matters = std::abs(d[a]) >= shortest;
-    f.inverse[a] = 1 / (matters ? d[a] : std::copysign(shortest, d[a]));
-    const double t0 = ((low[a] - pad) - o[a]) * f.inverse[a];
-    const double t1 = ((high[a] + pad) - o[a]) * f.inverse[a];
+    const double t0 = ((low[a] - pad) - f.origin[a]) * f.inverse[a];
+    const double t1 = ((high[a] + pad) - f.origin[a]) * f.inverse[a];
     enter = std::max(enter, matters ? std::min(t0, t1) : -kInf);
     leave = std::min(leave, matters ? std::max(t0, t1) : kInf);
   }
   f.misses = enter > leave * (1 + 0x1p-40);
   f.t_shift = std::max(0.0, enter);
-  for (int a = 0; a < 3; ++a) f.origin[a] = o[a] + d[a] * f.t_shift;
+  for (int a = 0; a < 3; ++a) f.origin[a] += d[a] * f.t_shift;
   const double size = std::max(extent, largest(f.origin));
   f.margin = size * BoxRay<float>::kMargin + far_origin * 0x1p-46;
-  f.t_min = ray.t_min;
-  f.t_max = t_max;
+  f.fits_float = f.fits_float && size < 1e15;
+}
+
+inline RayFrame make_ray_frame(const Ray& ray, double t_max, const Bounds3& whole, double extent) {
+  const double d[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
+  RayFrame f{{ray.origin.x, ray.origin.y, ray.origin.z}, {}, 0, ray.t_min, t_max, 0, false, false};
+  const double longest = largest(d), far_origin = largest(f.origin);
+  // A component too short to matter within the scene's extent gets a finite reciprocal; the margin
+  // makes up for it.
+  const double shortest = longest * 0x1p-30;
+  for (int a = 0; a < 3; ++a)
+    f.inverse[a] = 1 / (std::abs(d[a]) >= shortest ? d[a] : std::copysign(shortest, d[a]));
   // Then no product of sizes and reciprocals overflows or underflows.
-  f.fits_float = size > 1e-15 && size < 1e15 && longest > 1e-9 && longest < 1e9;
+  f.fits_float = extent > 1e-15 && extent < 1e14 && longest > 1e-9 && longest < 1e9;
+  if (far_origin <= 4 * extent) [[likely]]
+    f.margin = std::max(extent, far_origin) * BoxRay<float>::kMargin;
+  else
+    move_origin(f, d, whole, extent, shortest, far_origin);
   return f;
 }
 
@@ -88,8 +97,7 @@ inline BoxRay<Real> make_box_ray(const RayFrame& f) {
     b.far_row[a] = 2 * a + 1 - backward;
   }
   b.t_shift = f.t_shift;
-  b.t_min =
-      static_cast<Real>((f.t_min - f.t_shift) - std::abs(f.t_min) * BoxRay<Real>::kMargin);
+  b.t_min = static_cast<Real>((f.t_min - f.t_shift) - std::abs(f.t_min) * BoxRay<Real>::kMargin);
   b.t_max = b.limit(f.t_max);
   return b;
 }

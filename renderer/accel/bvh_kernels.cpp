@@ -45,31 +45,66 @@ HWY_INLINE uint32_t bits_of(Tag tag, Mask mask) {
   return bytes[0];
 }
 
-/// Which children the ray enters, and where.
-HWY_INLINE uint32_t enter_children(const WideNode& node, const BoxRay<float>& ray, float* entered) {
-  const FloatTag tag;
-  uint32_t mask = 0;
-  for (size_t lane = 0; lane < 8; lane += hn::MaxLanes(tag)) {
-    auto enter = hn::Set(tag, ray.t_min);
-    auto leave = hn::Set(tag, ray.t_max);
-    for (int a = 0; a < 3; ++a) {
-      const auto inverse = hn::Set(tag, ray.inverse[a]);
-      const auto near = hn::MulSub(hn::Load(tag, node.bounds[ray.near_row[a]] + lane), inverse,
-                                   hn::Set(tag, ray.enter_offset[a]));
-      const auto far = hn::MulSub(hn::Load(tag, node.bounds[ray.far_row[a]] + lane), inverse,
-                                  hn::Set(tag, ray.leave_offset[a]));
-      enter = hn::Max(enter, near);
-      leave = hn::Min(leave, far);
-    }
-    hn::Store(enter, tag, entered + lane);
-    mask |= bits_of(tag, hn::Le(enter, leave)) << lane;
-  }
-  return mask;
-}
+/// What a box test wants of a ray in every lane, kept in registers.
+struct RayLanes {
+  using Lanes = hn::Vec<FloatTag>;
+  Lanes inverse_x, inverse_y, inverse_z, enter_x, enter_y, enter_z, leave_x, leave_y, leave_z,
+      t_min;
+  size_t near_x, near_y, near_z, far_x, far_y, far_z;  // in floats from the start of a node
 
-HWY_INLINE void prefetch_node(const WideNode* nodes, uint32_t reference) {
-  if (reference & NodeReference::kLeaf) return;
-  const char* at = reinterpret_cast<const char*>(nodes + reference);
+  HWY_INLINE explicit RayLanes(const BoxRay<float>& r) {
+    const FloatTag tag;
+    inverse_x = hn::Set(tag, r.inverse[0]);
+    inverse_y = hn::Set(tag, r.inverse[1]);
+    inverse_z = hn::Set(tag, r.inverse[2]);
+    enter_x = hn::Set(tag, r.enter_offset[0]);
+    enter_y = hn::Set(tag, r.enter_offset[1]);
+    enter_z = hn::Set(tag, r.enter_offset[2]);
+    leave_x = hn::Set(tag, r.leave_offset[0]);
+    leave_y = hn::Set(tag, r.leave_offset[1]);
+    leave_z = hn::Set(tag, r.leave_offset[2]);
+    t_min = hn::Set(tag, r.t_min);
+    near_x = 8 * static_cast<size_t>(r.near_row[0]);
+    near_y = 8 * static_cast<size_t>(r.near_row[1]);
+    near_z = 8 * static_cast<size_t>(r.near_row[2]);
+    far_x = 8 * static_cast<size_t>(r.far_row[0]);
+    far_y = 8 * static_cast<size_t>(r.far_row[1]);
+    far_z = 8 * static_cast<size_t>(r.far_row[2]);
+  }
+
+  /// Which children the ray enters before t_max, and where.
+  HWY_INLINE uint32_t enter(const WideNode& node, float t_max, float* entered) const {
+    const FloatTag tag;
+    const float* rows = node.bounds[0];
+    uint32_t mask = 0;
+    for (size_t lane = 0; lane < 8; lane += hn::MaxLanes(tag), rows += hn::MaxLanes(tag)) {
+      const auto nx = hn::MulSub(hn::Load(tag, rows + near_x), inverse_x, enter_x);
+      const auto ny = hn::MulSub(hn::Load(tag, rows + near_y), inverse_y, enter_y);
+      const auto nz = hn::MulSub(hn::Load(tag, rows + near_z), inverse_z, enter_z);
+      const auto fx = hn::MulSub(hn::Load(tag, rows + far_x), inverse_x, leave_x);
+      const auto fy = hn::MulSub(hn::Load(tag, rows + far_y), inverse_y, leave_y);
+      const auto fz = hn::MulSub(hn::Load(tag, rows + far_z), inverse_z, leave_z);
+      // Paired, for the shortest chain of dependent operations.
+      const auto first = hn::Max(hn::Max(nx, ny), hn::Max(nz, t_min));
+      const auto last = hn::Min(hn::Min(fx, fy), hn::Min(fz, hn::Set(tag, t_max)));
+      hn::Store(first, tag, entered + lane);
+      mask |= bits_of(tag, hn::Le(first, last)) << lane;
+    }
+    return mask;
+  }
+};
+
+/// Starts to load what is visited next or soon: most of the time of a ray is waiting.
+struct LeafMemory {
+  const void* first;
+  size_t block_bytes;
+};
+HWY_INLINE void prefetch(const WideNode* nodes, LeafMemory blocks, uint32_t reference) {
+  const NodeReference r{reference};
+  const char* node = reinterpret_cast<const char*>(nodes + reference);
+  const char* at =
+      r.is_leaf() ? static_cast<const char*>(blocks.first) + r.first_block() * blocks.block_bytes
+                  : node;
   __builtin_prefetch(at);
   __builtin_prefetch(at + 64);
   __builtin_prefetch(at + 128);
@@ -79,19 +114,20 @@ HWY_INLINE void prefetch_node(const WideNode* nodes, uint32_t reference) {
 /// Visits nodes nearest first. `leaf(reference)` tests a leaf and says whether a nearer hit was
 /// found, having lowered ray.t_max.
 template <typename Leaf>
-HWY_INLINE bool closest_in_tree(const WideTree& tree, BoxRay<float>& ray, uint64_t& visits,
-                                Leaf&& leaf) {
+HWY_INLINE bool closest_in_tree(const WideTree& tree, LeafMemory blocks, BoxRay<float>& ray,
+                                uint64_t& visits, Leaf&& leaf) {
   const WideNode* nodes = tree.nodes.data();
   Entry stack[kStackSize];
   size_t size = 0;
   uint32_t current = tree.root.bits;
   bool found = false;
+  const RayLanes lanes(ray);
   HWY_ALIGN float entered[8];
   for (;;) {
     while (!(current & NodeReference::kLeaf)) {
       ++visits;
       const WideNode& node = nodes[current];
-      uint32_t mask = enter_children(node, ray, entered);
+      uint32_t mask = lanes.enter(node, ray.t_max, entered);
       if (mask == 0) goto pop;
       const auto first = static_cast<uint32_t>(std::countr_zero(mask));
       current = node.child[first];
@@ -101,8 +137,8 @@ HWY_INLINE bool closest_in_tree(const WideTree& tree, BoxRay<float>& ray, uint64
       mask &= mask - 1;
       Entry a = make_entry(entered[first], current);
       Entry b = make_entry(entered[second], node.child[second]);
-      prefetch_node(nodes, current);
-      prefetch_node(nodes, node.child[second]);
+      prefetch(nodes, blocks, current);
+      prefetch(nodes, blocks, node.child[second]);
       if (mask == 0) {
         stack[size++] = std::max(a, b);
         current = static_cast<uint32_t>(std::min(a, b));
@@ -115,7 +151,7 @@ HWY_INLINE bool closest_in_tree(const WideTree& tree, BoxRay<float>& ray, uint64
         const auto next = static_cast<uint32_t>(std::countr_zero(mask));
         mask &= mask - 1;
         const Entry c = make_entry(entered[next], node.child[next]);
-        prefetch_node(nodes, node.child[next]);
+        prefetch(nodes, blocks, node.child[next]);
         size_t at = size++;
         for (; at > base && stack[at - 1] < c; --at) stack[at] = stack[at - 1];
         stack[at] = c;
@@ -134,24 +170,25 @@ HWY_INLINE bool closest_in_tree(const WideTree& tree, BoxRay<float>& ray, uint64
 
 /// `leaf(reference)` says whether anything in it is hit.
 template <typename Leaf>
-HWY_INLINE bool any_in_tree(const WideTree& tree, const BoxRay<float>& ray, uint64_t& visits,
-                            Leaf&& leaf) {
+HWY_INLINE bool any_in_tree(const WideTree& tree, LeafMemory blocks, const BoxRay<float>& ray,
+                            uint64_t& visits, Leaf&& leaf) {
   const WideNode* nodes = tree.nodes.data();
   uint32_t stack[kStackSize];
   size_t size = 0;
   uint32_t current = tree.root.bits;
+  const RayLanes lanes(ray);
   HWY_ALIGN float entered[8];
   for (;;) {
     while (!(current & NodeReference::kLeaf)) {
       ++visits;
       const WideNode& node = nodes[current];
-      uint32_t mask = enter_children(node, ray, entered);
+      uint32_t mask = lanes.enter(node, ray.t_max, entered);
       if (mask == 0) goto pop;
       current = node.child[std::countr_zero(mask)];
-      prefetch_node(nodes, current);
+      prefetch(nodes, blocks, current);
       for (mask &= mask - 1; mask != 0; mask &= mask - 1) {
         stack[size++] = node.child[std::countr_zero(mask)];
-        prefetch_node(nodes, stack[size - 1]);
+        prefetch(nodes, blocks, stack[size - 1]);
       }
     }
     if (leaf(NodeReference{current})) return true;
@@ -304,29 +341,52 @@ class TriangleTester {
   const TriangleRay& ray_;
 };
 
+/// The way out for rays that single precision cannot hold; kept apart so that the usual way stays
+/// short.
+HWY_NOINLINE bool mesh_closest_in_double(const MeshTree& mesh, const TriangleRay& ray,
+                                         const RayFrame& frame, Hit& hit,
+                                         TraversalCounters& counters) {
+  const TriangleTester tester(mesh, ray);
+  bool found = false;
+  visit_in_double(mesh.tree, make_box_ray<double>(frame), counters.node_visits,
+                  [&](NodeReference leaf) HWY_ATTR {
+                    found |= tester.closest(leaf, hit, counters.primitive_tests);
+                    return false;
+                  });
+  return found;
+}
+
+HWY_NOINLINE bool mesh_any_in_double(const MeshTree& mesh, const TriangleRay& ray,
+                                     const RayFrame& frame, TraversalCounters& counters) {
+  const TriangleTester tester(mesh, ray);
+  bool found = false;
+  visit_in_double(mesh.tree, make_box_ray<double>(frame), counters.node_visits,
+                  [&](NodeReference leaf)
+                      HWY_ATTR { return found = tester.any(leaf, counters.primitive_tests); });
+  return found;
+}
+
 bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCounters& counters) {
   const TriangleRay prepared(ray);
   if (!prepared.valid()) return false;
   const RayFrame frame =
       make_ray_frame(ray, std::min(ray.t_max, hit.t), mesh.bounds, double{mesh.tree.extent});
   if (frame.misses) return false;
+  if (!frame.fits_float) [[unlikely]]
+    return mesh_closest_in_double(mesh, prepared, frame, hit, counters);
   const TriangleTester tester(mesh, prepared);
-  if (!frame.fits_float) [[unlikely]] {
-    bool found = false;
-    visit_in_double(mesh.tree, make_box_ray<double>(frame), counters.node_visits,
-                    [&](NodeReference leaf) HWY_ATTR {
-                      found |= tester.closest(leaf, hit, counters.primitive_tests);
-                      return false;
-                    });
-    return found;
-  }
   BoxRay<float> box_ray = make_box_ray<float>(frame);
-  return closest_in_tree(mesh.tree, box_ray, counters.node_visits,
-                         [&](NodeReference leaf) HWY_ATTR {
-                           if (!tester.closest(leaf, hit, counters.primitive_tests)) return false;
-                           box_ray.t_max = box_ray.limit(hit.t);
-                           return true;
-                         });
+  TraversalCounters done;
+  const bool found = closest_in_tree(
+      mesh.tree, {mesh.blocks.data(), sizeof(TriangleBlock)}, box_ray,
+      done.node_visits, [&](NodeReference leaf) HWY_ATTR __attribute__((always_inline)) {
+        if (!tester.closest(leaf, hit, done.primitive_tests)) return false;
+        box_ray.t_max = box_ray.limit(hit.t);
+        return true;
+      });
+  counters.node_visits += done.node_visits;
+  counters.primitive_tests += done.primitive_tests;
+  return found;
 }
 
 bool mesh_any(const MeshTree& mesh, const Ray& ray, TraversalCounters& counters) {
@@ -334,16 +394,18 @@ bool mesh_any(const MeshTree& mesh, const Ray& ray, TraversalCounters& counters)
   if (!prepared.valid()) return false;
   const RayFrame frame = make_ray_frame(ray, ray.t_max, mesh.bounds, double{mesh.tree.extent});
   if (frame.misses) return false;
+  if (!frame.fits_float) [[unlikely]]
+    return mesh_any_in_double(mesh, prepared, frame, counters);
   const TriangleTester tester(mesh, prepared);
-  const auto leaf = [&](NodeReference at)
-                        HWY_ATTR { return tester.any(at, counters.primitive_tests); };
-  if (!frame.fits_float) [[unlikely]] {
-    bool found = false;
-    visit_in_double(mesh.tree, make_box_ray<double>(frame), counters.node_visits,
-                    [&](NodeReference at) HWY_ATTR { return found = leaf(at); });
-    return found;
-  }
-  return any_in_tree(mesh.tree, make_box_ray<float>(frame), counters.node_visits, leaf);
+  TraversalCounters done;
+  const bool found = any_in_tree(
+      mesh.tree, {mesh.blocks.data(), sizeof(TriangleBlock)}, make_box_ray<float>(frame),
+      done.node_visits, [&](NodeReference leaf) HWY_ATTR __attribute__((always_inline)) {
+        return tester.any(leaf, done.primitive_tests);
+      });
+  counters.node_visits += done.node_visits;
+  counters.primitive_tests += done.primitive_tests;
+  return found;
 }
 
 bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
@@ -372,12 +434,12 @@ bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
     return found;
   }
   BoxRay<float> box_ray = make_box_ray<float>(frame);
-  const bool in_tree =
-      closest_in_tree(scene.tree, box_ray, counters.node_visits, [&](NodeReference leaf) HWY_ATTR {
-        if (!test(leaf)) return false;
-        box_ray.t_max = box_ray.limit(hit.t);
-        return true;
-      });
+  const bool in_tree = closest_in_tree(scene.tree, {scene.tree.slots.data(), 4}, box_ray,
+                                       counters.node_visits, [&](NodeReference leaf) HWY_ATTR {
+                                         if (!test(leaf)) return false;
+                                         box_ray.t_max = box_ray.limit(hit.t);
+                                         return true;
+                                       });
   return found || in_tree;
 }
 
@@ -401,7 +463,8 @@ bool instance_any(const InstanceTree& scene, const Ray& ray, TraversalCounters& 
                     [&](NodeReference at) HWY_ATTR { return found = test(at); });
     return found;
   }
-  return any_in_tree(scene.tree, make_box_ray<float>(frame), counters.node_visits, test);
+  return any_in_tree(scene.tree, {scene.tree.slots.data(), 4}, make_box_ray<float>(frame),
+                     counters.node_visits, test);
 }
 
 BvhKernels kernels_of_target() {

@@ -188,7 +188,7 @@ class MtlReader {
         entry().refractive_index = index;
     } else if (keyword == "illum") {
       const float model = in_.number("an illumination model of 0 to 10");
-      if (model != static_cast<int>(model) || model < 0 || model > 10)
+      if (!(model >= 0 && model <= 10) || model != static_cast<float>(static_cast<int>(model)))
         throw in_.error(in_.quoted_word(), "an illumination model of 0 to 10");
       entry().illumination = static_cast<int>(model);
     } else {

@@ -39,7 +39,7 @@ struct X3dNode {
 /// The nodes of a file in whatever encoding, with DEF and USE resolved. The graph has no cycle.
 class X3dDocument {
  public:
-  static constexpr int kMaxDepth = 400;
+  static constexpr int kMaxDepth = 80;
 
   /// Reads the XML encoding; `name` is what errors call it. Nothing else is ever opened.
   static X3dDocument parse_xml(std::string_view text, const std::string& name);

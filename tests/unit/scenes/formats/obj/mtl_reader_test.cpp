@@ -75,6 +75,8 @@ TEST(Mtl, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error("newmtl a\nKd 1 x 1\n"), "t.mtl:2:6: 'x'; expected a colour component");
   EXPECT_EQ(error("newmtl a\nillum 11\n"),
             "t.mtl:2:7: '11'; expected an illumination model of 0 to 10");
+  EXPECT_EQ(error("newmtl a\nillum 3e30\n"),
+            "t.mtl:2:7: '3e30'; expected an illumination model of 0 to 10");
   EXPECT_EQ(error("newmtl a\nNs nan\n"), "t.mtl:2:4: 'nan'; expected an exponent that is finite");
 }
 
