@@ -7,32 +7,6 @@
 #include "renderer/shapes/planar.h"
 
 namespace tessera {
-namespace {
-
-/// The line as p + x d with d of unit length and p nearest to the centre.
-struct CentredLine {
-  Point3 p;
-  Vec3 d;
-  double speed = 0;      ///< length of the ray's direction
-  double at_origin = 0;  ///< x at the ray's origin
-};
-
-/// False where the line misses the ball of `radius` or has no direction.
-bool centre_line(const Ray& ray, double radius, CentredLine& line) {
-  const Vec3& d = ray.direction;
-  line.speed = length(d);
-  if (!(line.speed > 0 && std::isfinite(line.speed))) return false;
-  line.d = d / line.speed;
-  const Vec3 o = ray.origin - Point3{};
-  const Vec3 moment = accurate_cross(o, d);
-  const double moment_length = length(moment);
-  if (!(moment_length <= radius * line.speed * (1 + gamma(16)))) return false;
-  line.p = Point3{} + accurate_cross(d, moment) / dot(d, d);
-  line.at_origin = accurate_dot(o, d) / line.speed;
-  return true;
-}
-
-}  // namespace
 
 Torus::Torus(double major_radius, double minor_radius)
     : major_(major_radius), minor_(minor_radius) {
@@ -46,98 +20,123 @@ Bounds3 Torus::bounds() const {
   return {{-reach, -height, -reach}, {reach, height, reach}};
 }
 
-double Torus::signed_distance(double x, double y, double z) const {
-  const double ring = std::sqrt(x * x + z * z) - major_;
-  return std::sqrt(ring * ring + y * y) - minor_;
+bool Torus::centre_line(const Ray& ray, double radius, CentredLine& line) {
+  const Vec3& d = ray.direction;
+  line.speed = length(d);
+  if (!(line.speed > 0 && std::isfinite(line.speed))) return false;
+  line.d = d / line.speed;
+  const Vec3 o = ray.origin - Point3{};
+  const Vec3 moment = accurate_cross(o, d);
+  const double moment_length = length(moment);
+  if (!(moment_length <= radius * line.speed * (1 + gamma(16)))) return false;
+  line.p = Point3{} + accurate_cross(d, moment) / dot(d, d);
+  line.at_origin = accurate_dot(o, d) / line.speed;
+  return true;
+}
+
+Torus::Stretch Torus::near_stretch(const CentredLine& line) const {
+  // Inside the ball about the torus, grown by half, and between planes just above and below it:
+  // both ends are outside of the torus by far more than rounding.
+  const double ball = major_ + minor_;
+  const double from_centre = length(line.p - Point3{});
+  const double half =
+      std::sqrt(std::max(0.0, (ball - from_centre) * (ball + from_centre))) + gamma(16) * ball;
+  Stretch near{-1.5 * half - 0.001 * minor_, 1.5 * half + 0.001 * minor_};
+  if (line.d.y != 0) {
+    const double reach = 1.001 * minor_;
+    const double x0 = (-reach - line.p.y) / line.d.y, x1 = (reach - line.p.y) / line.d.y;
+    near.low = std::max(near.low, std::min(x0, x1));
+    near.high = std::min(near.high, std::max(x0, x1));
+  } else if (std::abs(line.p.y) > minor_) {
+    near.high = near.low;
+  }
+  return near;
+}
+
+Torus::Slope Torus::slope_at(const CentredLine& line, double x) const {
+  const Point3 at = line.p + line.d * x;
+  const double rho = std::sqrt(at.x * at.x + at.z * at.z);
+  Slope s;
+  // How the distance from the axis changes, and how that does.
+  s.rise = rho > 0 ? (at.x * line.d.x + at.z * line.d.z) / rho : 0;
+  s.bend = rho > 0 ? (line.d.x * line.d.x + line.d.z * line.d.z - s.rise * s.rise) / rho : 0;
+  const double ring = rho - major_;
+  const double from_circle = std::sqrt(ring * ring + at.y * at.y);
+  s.distance = from_circle - minor_;
+  s.change = from_circle > 0 ? (ring * s.rise + at.y * line.d.y) / from_circle : 0;
+  return s;
+}
+
+void Torus::sharpen_turn(const CentredLine& line, bool is_minimum, const Stretch& between,
+                         End& turn) const {
+  // With g the squared distance from the circle, g' = 2 (x - R rho') and g'' = 2 (1 - R rho'').
+  const Slope s = slope_at(line, turn.x);
+  const double curve = 1 - major_ * s.bend;
+  if ((curve > 0) != is_minimum) return;
+  const double along = accurate_dot(line.d, line.p - Point3{}) + turn.x;
+  const double moved = turn.x - (along - major_ * s.rise) / curve;
+  if (!(moved > between.low && moved < between.high)) return;
+  const double distance = slope_at(line, moved).distance;
+  if (is_minimum ? distance < turn.distance : distance > turn.distance) turn = {moved, distance};
+}
+
+int Torus::find_ends(const CentredLine& line, const Stretch& near, std::array<End, 6>& ends) const {
+  // Half the derivative of the quartic x^4 + 2 (k - 2 R^2 a) x^2 - 8 R^2 b x + ..., where a and b
+  // are of the squared distance a x^2 + 2 b x + c from the axis.
+  const Vec3 p = line.p - Point3{};
+  const double a = line.d.x * line.d.x + line.d.z * line.d.z;
+  const double b = p.x * line.d.x + p.z * line.d.z;
+  const double k = dot(p, p) + (major_ - minor_) * (major_ + minor_);
+  const double r2 = major_ * major_;
+  const Polynomial<3> slope{-4 * r2 * b, 2 * (k - 2 * r2 * a), 0, 2};
+  std::array<double, 3> turns;
+  const int turn_count = roots_between<3>(slope, near.low, near.high, turns);
+  int count = 0;
+  ends[count++] = {near.low, minor_};
+  for (int i = 0; i < turn_count; ++i) {
+    End turn{turns[static_cast<size_t>(i)], 0};
+    turn.distance = slope_at(line, turn.x).distance;
+    // Near a tangent the quartic turns where the distance does, but not as exactly.
+    if (std::abs(turn.distance) < 0.01 * minor_) {
+      const double next = i + 1 < turn_count ? turns[static_cast<size_t>(i + 1)] : near.high;
+      const bool is_minimum = slope[1] + 6 * turn.x * turn.x > 0;
+      sharpen_turn(line, is_minimum, {ends[static_cast<size_t>(count - 1)].x, next}, turn);
+    }
+    if (turn.x > ends[static_cast<size_t>(count - 1)].x) ends[static_cast<size_t>(count++)] = turn;
+  }
+  ends[static_cast<size_t>(count++)] = {near.high, minor_};
+  return count;
 }
 
 Torus::Roots Torus::find_roots(const Ray& ray) const {
   Roots roots;
   CentredLine line;
-  const double ball = major_ + minor_;
-  if (!centre_line(ray, ball, line)) return roots;
-  const Point3& p = line.p;
-  const Vec3& d = line.d;
-  const auto distance_at = [&](double x) {
-    return signed_distance(p.x + x * d.x, p.y + x * d.y, p.z + x * d.z);
-  };
-  // Where the line is inside the ball about the torus and between the planes above and below it.
-  const double m2 = dot(p - Point3{}, p - Point3{});
-  double high =
-      std::sqrt(std::max(0.0, (ball - std::sqrt(m2)) * (ball + std::sqrt(m2)))) + gamma(16) * ball;
-  // Grown by half, so that both ends are well outside of the torus.
-  high = 1.5 * high + 0.001 * minor_;
-  double low = -high;
-  if (d.y != 0) {
-    const double reach = 1.001 * minor_;
-    const double x0 = (-reach - p.y) / d.y, x1 = (reach - p.y) / d.y;
-    low = std::max(low, std::min(x0, x1));
-    high = std::min(high, std::max(x0, x1));
-  }
-  if (!((d.y != 0 || std::abs(p.y) <= minor_) && low < high)) return roots;
-  // Half the derivative of the quartic: x^4 + 2 (k - 2 R^2 a) x^2 - 8 R^2 b x + ..., where a, b are
-  // of the squared distance a x^2 + 2 b x + c from the axis.
-  const double a = d.x * d.x + d.z * d.z;
-  const double b = p.x * d.x + p.z * d.z;
-  const double k = m2 + (major_ - minor_) * (major_ + minor_);
-  const double r2 = major_ * major_;
-  const Polynomial<3> slope{-4 * r2 * b, 2 * (k - 2 * r2 * a), 0, 2};
-  std::array<double, 3> turns;
-  const int turn_count = roots_between<3>(slope, low, high, turns);
-  // Newton's step to where the distance itself turns, which near a tangent is the same place.
-  const auto ring_slope = [&](double x) {
-    const double rho =
-        std::sqrt((p.x + x * d.x) * (p.x + x * d.x) + (p.z + x * d.z) * (p.z + x * d.z));
-    return std::pair{rho, rho > 0 ? (b + a * x) / rho : 0.0};
-  };
-  struct End {
-    double x, distance;
-  };
+  if (!centre_line(ray, major_ + minor_, line)) return roots;
+  const Stretch near = near_stretch(line);
+  if (!(near.low < near.high)) return roots;
   std::array<End, 6> ends;
-  int end_count = 0;
-  const auto add_end = [&](double x, double distance) { ends[end_count++] = {x, distance}; };
-  const bool split = line.at_origin > low && line.at_origin < high;
-  bool origin_added = !split;
-  const double origin_distance =
-      split ? signed_distance(ray.origin.x, ray.origin.y, ray.origin.z) : 0;
-  add_end(low, minor_);
-  for (int i = 0; i <= turn_count; ++i) {
-    double x = i < turn_count ? turns[i] : high;
-    double distance = i < turn_count ? distance_at(x) : minor_;
-    if (i < turn_count && std::abs(distance) < 0.01 * minor_) {
-      // With g the squared distance from the circle: g' = 2 (x - R rho'), g'' = 2 (1 - R rho'').
-      const auto [rho, rise] = ring_slope(x);
-      const double bend = rho > 0 ? (a - rise * rise) / rho : 0;
-      const double curve = 1 - major_ * bend;
-      const double moved =
-          x - (accurate_dot({d.x, d.y, d.z}, {p.x, p.y, p.z}) + x - major_ * rise) / curve;
-      if (moved > ends[end_count - 1].x && moved < (i + 1 < turn_count ? turns[i + 1] : high)) {
-        const double better = distance_at(moved);
-        if (curve > 0 ? better < distance : better > distance) x = moved, distance = better;
-      }
-    }
-    if (!origin_added && line.at_origin < x) {
-      add_end(line.at_origin, origin_distance);
-      origin_added = true;
-    }
-    if (x > ends[end_count - 1].x || i == turn_count) add_end(x, distance);
+  int count = find_ends(line, near, ends);
+  // The origin's side is told by its own distance: a root beyond it is ahead, however near.
+  const bool split = line.at_origin > near.low && line.at_origin < near.high;
+  if (split) {
+    const auto end = ends.begin() + count;
+    const auto after =
+        std::find_if(ends.begin(), end, [&](const End& e) { return e.x > line.at_origin; });
+    std::copy_backward(after, end, end + 1);
+    *after = {line.at_origin, slope_at({ray.origin, {}, 0, 0}, 0).distance};
+    ++count;
   }
-  for (int i = 1; i < end_count; ++i) {
+  for (size_t i = 1; i < static_cast<size_t>(count); ++i) {
     const bool outside = ends[i - 1].distance > 0;
     if (outside == (ends[i].distance > 0)) continue;
     const double x = bracketed_root(ends[i - 1].x, ends[i].x, !outside, [&](double at) {
-      const auto [rho, rise] = ring_slope(at);
-      const double ring = rho - major_, y = p.y + at * d.y;
-      const double distance = std::sqrt(ring * ring + y * y);
-      return std::pair{distance - minor_, distance > 0 ? (ring * rise + y * d.y) / distance : 0.0};
+      const Slope s = slope_at(line, at);
+      return std::pair{s.distance, s.change};
     });
     double t = (x - line.at_origin) / line.speed;
-    // The origin's side was told by its own distance: a root beyond it is ahead, however near.
-    if (split) {
-      if (ends[i - 1].x >= line.at_origin) t = std::max(t, next_up(0.0));
-      if (ends[i].x <= line.at_origin) t = std::min(t, 0.0);
-    }
-    roots.t[roots.count++] = t;
+    if (split && ends[i - 1].x >= line.at_origin) t = std::max(t, next_up(0.0));
+    if (split && ends[i].x <= line.at_origin) t = std::min(t, 0.0);
+    roots.t[static_cast<size_t>(roots.count++)] = t;
   }
   return roots;
 }

@@ -32,8 +32,32 @@ class Torus final : public Solid {
     int count = 0;
     std::array<double, 6> t;
   };
-  /// A point's distance from the surface, < 0 inside.
-  double signed_distance(double x, double y, double z) const;
+  /// The line as p + x d with d of unit length and p nearest to the centre.
+  struct CentredLine {
+    Point3 p;
+    Vec3 d;
+    double speed = 0;      ///< length of the ray's direction
+    double at_origin = 0;  ///< x at the ray's origin
+  };
+  struct Stretch {
+    double low, high;
+  };
+  /// A place on the line and its distance from the surface, < 0 inside.
+  struct End {
+    double x, distance;
+  };
+  struct Slope {
+    double distance, change;  ///< from the surface, and its derivative along the line
+    double rise, bend;        ///< first and second derivative of the distance from the axis
+  };
+  /// False where the line misses the ball of `radius` or has no direction.
+  static bool centre_line(const Ray& ray, double radius, CentredLine& line);
+  Stretch near_stretch(const CentredLine& line) const;
+  Slope slope_at(const CentredLine& line, double x) const;
+  void sharpen_turn(const CentredLine& line, bool is_minimum, const Stretch& between,
+                    End& turn) const;
+  /// Ends of pieces of the line that each cross the surface at most once; their number.
+  int find_ends(const CentredLine& line, const Stretch& near, std::array<End, 6>& ends) const;
   Roots find_roots(const Ray& ray) const;
 
   double major_, minor_;

@@ -19,6 +19,7 @@ struct OracleSolid {
   Bounds3 extent;  ///< box
   Point3 center;   ///< ball, and cylinder along y
   double radius = 1, height = 2;
+  Affine extra;  ///< not known to the oracle
 
   std::shared_ptr<const Shape> shape() const {
     if (kind == box) return std::make_shared<Box>(extent);
@@ -26,7 +27,7 @@ struct OracleSolid {
     return std::make_shared<Cylinder>(radius, height);
   }
   Transform place() const {
-    if (kind != cylinder) return {};
+    if (kind != cylinder) return Transform(extra);
     return Transform(translation(center - Point3{}));
   }
   bool inside(const QuadVec& p) const {

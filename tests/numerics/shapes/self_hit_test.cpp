@@ -48,6 +48,16 @@ bool hit_of(const Instance& instance, const Ray& ray, Hit& hit) {
   return found;
 }
 
+/// Leaves the surface in the shape's own frame: nothing but the shape's own error bound moves the
+/// origin.
+Ray leave_locally(const LocalSurface& at, const Vec3& d) {
+  SurfaceInteraction s;
+  s.point = at.point;
+  s.point_error = at.point_error;
+  s.geometric_normal = at.geometric_normal;
+  return spawn_ray(s, d);
+}
+
 /// A direction to the side of the normal, often grazing.
 Vec3 leaving(const Vec3& n, bool outward, Random& random) {
   Vec3 d = random.direction();
@@ -100,6 +110,13 @@ TEST(N10, FlatShapesDoNotHitThemselves) {
         Hit again;
         ++tested;
         if (hit_of(instance, spawn_ray(s, d), again)) ++self_hits;
+        const Ray local = to_local(instance, ray);
+        const LocalSurface at = instance.shape->surface(local, hit);
+        TraversalCounters counters;
+        if (instance.shape->any_hit(
+                leave_locally(at, leaving(static_cast<Vec3>(at.geometric_normal), outward, random)),
+                counters))
+          ++self_hits;
       }
     }
   }
@@ -131,6 +148,13 @@ TEST(N11, RoundSolidsDoNotHitThemselvesNorLoseTheFarWall) {
       if (hit_of(instance, spawn_ray(s, leaving(n, true, random)), again)) ++self_hits;
       ++inward_rays;
       if (!hit_of(instance, spawn_ray(s, leaving(n, false, random)), again)) ++lost;
+      const LocalSurface at = instance.shape->surface(to_local(instance, ray), hit);
+      const Vec3 local_n = static_cast<Vec3>(at.geometric_normal);
+      TraversalCounters counters;
+      if (instance.shape->any_hit(leave_locally(at, leaving(local_n, true, random)), counters))
+        ++self_hits;
+      if (!instance.shape->any_hit(leave_locally(at, leaving(local_n, false, random)), counters))
+        ++lost;
     }
   }
   EXPECT_EQ(self_hits, 0);
