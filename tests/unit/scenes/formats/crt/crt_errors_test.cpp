@@ -41,6 +41,11 @@ TEST(CrtErrors, SeveralInOneRunAndNoneThatOnlyFollows) {
   EXPECT_THAT(all, HasSubstr("\n3 errors"));
 }
 
+TEST(CrtErrors, AnAliasOfNothingIsNone) {
+  EXPECT_THAT(complaint_of("y = x\nx = y\nz = x + y"), HasSubstr("unknown variable 'x'"));
+  EXPECT_THAT(complaint_of("x = x"), HasSubstr("unknown variable 'x'"));
+}
+
 TEST(CrtErrors, StopAtTwenty) {
   std::string text;
   for (int i = 0; i < 100; ++i) text += "a" + std::to_string(i) + " = 1 + true\n";
