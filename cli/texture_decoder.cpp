@@ -1,8 +1,8 @@
 #include "cli/texture_decoder.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "base/file.h"
 #include "renderer/image/image_file.h"
@@ -10,11 +10,18 @@
 namespace tessera {
 namespace {
 
-/// Numbers of 16 bits that 8 bits cannot hold are four times as far off.
-bool is_8_bit(const std::vector<float>& values) {
-  return std::all_of(values.begin(), values.end(), [](float v) {
-    return v >= 0 && v <= 1 && std::abs(v * 255 - std::round(v * 255)) < 1e-3f;
-  });
+/// The values as bytes; nothing where bytes do not hold them. Numbers of 16 bits that bytes cannot
+/// hold are at least four times as far off as the rounding of floats.
+std::optional<std::vector<std::byte>> as_bytes(const std::vector<float>& values) {
+  std::vector<std::byte> bytes(values.size());
+  for (size_t i = 0; i < values.size(); ++i) {
+    const float scaled = values[i] * 255;
+    if (!(scaled >= 0 && scaled <= 255)) return std::nullopt;
+    const int nearest = static_cast<int>(scaled + 0.5f);
+    if (std::abs(scaled - static_cast<float>(nearest)) > 1e-3f) return std::nullopt;
+    bytes[i] = static_cast<std::byte>(nearest);
+  }
+  return bytes;
 }
 
 }  // namespace
@@ -28,11 +35,9 @@ DecodedTexture decode_texture(const std::string& path) {
                          .bits = 32,
                          .texels = {}};
   const std::vector<float>& values = picture.values;
-  if (is_8_bit(values)) {
+  if (auto bytes = as_bytes(values)) {
     texture.bits = 8;
-    texture.texels.resize(values.size());
-    for (size_t i = 0; i < values.size(); ++i)
-      texture.texels[i] = static_cast<std::byte>(std::lround(values[i] * 255));
+    texture.texels = std::move(*bytes);
   } else {
     texture.texels.resize(values.size() * sizeof(float));
     std::memcpy(texture.texels.data(), values.data(), texture.texels.size());

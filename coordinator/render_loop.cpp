@@ -62,6 +62,8 @@ void RenderLoop::serve(const std::atomic<bool>& stop) {
 }
 
 void RenderLoop::shut_down(const std::string& reason) {
+  // Whose hello has just come must hear it too.
+  receive();
   coordinator_->shut_down(reason);
   deliver();
 }

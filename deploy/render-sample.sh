@@ -7,8 +7,8 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 install_packages build
 build release
-say "Rendering scenes/samples/first_light.tessera on 4 worker processes"
-build/release/bin/tessera render scenes/samples/first_light.tessera --workers 4 -o "$picture" \
+say "Rendering scenes/samples/mosaic.tessera on 4 worker processes"
+build/release/bin/tessera render scenes/samples/mosaic.tessera --workers 4 -o "$picture" \
   --stats build/release/sample.json
 python=$(command -v python3 || true)
 if [[ -n $python ]]; then

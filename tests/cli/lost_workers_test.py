@@ -7,7 +7,7 @@ import time
 import unittest
 
 import scenes
-from tessera_process import TesseraTest, marked_processes, wait_until
+from tessera_process import SLOWER, TesseraTest, marked_processes, wait_until
 
 SEEDS = int(os.environ.get("TESSERA_TEST_SEEDS", "12"))
 # A second or so of work, so that there is a midst.
@@ -84,7 +84,7 @@ class LostWorkers(TesseraTest):
         self.reference = self.render(self.scene, "--workers", "0", *LOAD, self.spp)["pixels_sha256"]
         process = self.start_render(3)
         workers = self.wait_for_workers(process, 3)
-        time.sleep(0.5)
+        time.sleep(0.5 * SLOWER)
         self.kill(workers[0])
         stats = self.assert_same_picture(process)
         self.assertGreaterEqual(stats["workers"]["lost"], 1)

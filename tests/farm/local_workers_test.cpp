@@ -30,9 +30,7 @@ LocalWorkerOptions fake_workers(int count, int pause_ms) {
   return options;
 }
 
-bool alive(pid_t process) {
-  return kill(process, 0) == 0;
-}
+bool alive(pid_t process) { return kill(process, 0) == 0; }
 
 /// A coordinator with local workers, which rendering gives a `tick` every 100 ms.
 struct Farm {
@@ -150,15 +148,16 @@ TEST(LocalWorkers, DieWithTheirParent) {
     setenv("TMPDIR", folder.c_str(), 1);
     auto* workers = new LocalWorkers(fake_workers(2, 0));
     workers->start();
-    for (const pid_t process : workers->processes()) {
-      if (write(ends[1], &process, sizeof process) != sizeof process) _exit(1);
-    }
+    const auto running = workers->processes();
+    const auto size = static_cast<ssize_t>(running.size() * sizeof(pid_t));
+    if (write(ends[1], running.data(), running.size() * sizeof(pid_t)) != size) _exit(1);
     pause();
     _exit(0);
   }
   pid_t processes[2] = {};
-  ASSERT_EQ(read(ends[0], processes, sizeof processes), static_cast<ssize_t>(sizeof processes));
+  const ssize_t got = read(ends[0], processes, sizeof processes);
   kill(parent, SIGKILL);
+  EXPECT_EQ(got, static_cast<ssize_t>(sizeof processes));
   ASSERT_EQ(waitpid(parent, nullptr, 0), parent);
   for (const pid_t process : processes) {
     for (int i = 0; i < 500 && alive(process); ++i) std::this_thread::sleep_for(milliseconds(10));

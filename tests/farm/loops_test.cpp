@@ -135,27 +135,29 @@ TEST(RenderLoop, StopLeavesWhatThereIs) {
 TEST(RenderLoop, RefusesAWorkerOfAnotherVersionAndNamesBoth) {
   MemoryNetwork network;
   RenderLoop loop(network.server(), {});
-  Threads workers;
+  Threads strangers, workers;
   WorkerOptions strange = worker_options(1);
   strange.protocol_major = 77;
-  workers.add(network.client(), strange);
+  strangers.add(network.client(), strange);
   strange = worker_options(1);
   strange.numerics_id = "x87";
-  workers.add(network.client(), strange);
+  strangers.add(network.client(), strange);
   workers.add(network.client(), worker_options(1));
   const JobSpec job = make_job(64, 64, 16);
   EXPECT_EQ(loop.run(job, nullptr, kNever).film.pixels_sha256(), expected_sha256(job));
   std::atomic<bool> stop{false};
   std::thread server([&] { loop.serve(stop); });
+  // They end by themselves, as soon as they are refused.
+  strangers.join();
   workers.stop();
   workers.join();
   stop = true;
   server.join();
-  EXPECT_EQ(workers.end(0).exit_code, ExitCode::bad_usage);
-  EXPECT_THAT(workers.end(0).reason, ::testing::HasSubstr("speaks protocol 77"));
-  EXPECT_THAT(workers.end(0).reason, ::testing::HasSubstr("expected 1"));
-  EXPECT_EQ(workers.end(1).exit_code, ExitCode::bad_usage);
-  EXPECT_THAT(workers.end(1).reason, ::testing::HasSubstr("'x87'"));
+  EXPECT_EQ(strangers.end(0).exit_code, ExitCode::bad_usage);
+  EXPECT_THAT(strangers.end(0).reason, ::testing::HasSubstr("speaks protocol 77"));
+  EXPECT_THAT(strangers.end(0).reason, ::testing::HasSubstr("expected 1"));
+  EXPECT_EQ(strangers.end(1).exit_code, ExitCode::bad_usage);
+  EXPECT_THAT(strangers.end(1).reason, ::testing::HasSubstr("'x87'"));
 }
 
 TEST(RenderLoop, ASceneThatCannotBeBuiltFailsTheJob) {

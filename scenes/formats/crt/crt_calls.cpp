@@ -84,7 +84,8 @@ CrtValue CrtEvaluator::assign(const CrtSyntax& node) {
   } catch (const CrtError& error) {
     diagnostics_.error(error);
   }
-  const bool is_alias = is_new && source.kind == CrtKind::identifier && !in_block();
+  const bool is_alias =
+      is_new && source.kind == CrtKind::identifier && !in_block() && !holds<CrtFailed>(value);
   owner->variables[name] = {value, is_alias ? source.text : std::string_view{}};
   name_thing(value, name);
   return value;

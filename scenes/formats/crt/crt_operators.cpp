@@ -114,6 +114,9 @@ std::optional<CrtValue> of_texts(T token, const CrtValue& left, const CrtValue& 
   return std::nullopt;
 }
 
+Vec3 divided(const Vec3& v, double by) { return v / by; }
+Color divided(const Color& c, double by) { return {c.r / by, c.g / by, c.b / by}; }
+
 /// Of vectors or of colours.
 template <typename V>
 std::optional<CrtValue> of_triples(T token, const CrtValue& left, const CrtValue& right) {
@@ -127,7 +130,7 @@ std::optional<CrtValue> of_triples(T token, const CrtValue& left, const CrtValue
   }
   if (token == T::times && a && is_number(right)) return *a * number_of(right);
   if (token == T::times && b && is_number(left)) return *b * number_of(left);
-  if (token == T::divide && a && is_number(right)) return *a * (1 / number_of(right));
+  if (token == T::divide && a && is_number(right)) return divided(*a, number_of(right));
   return std::nullopt;
 }
 

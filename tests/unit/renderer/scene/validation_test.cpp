@@ -154,6 +154,18 @@ TEST(Validation, other_materials) {
   expect_error("nodes { billboard_axis { x: inf } shape { sphere {} } }", "billboard_axis is (inf");
 }
 
+TEST(Validation, round_and_flat_shapes) {
+  expect_error(shape("cylinder { radius: 0 }"), "cylinder.radius is 0");
+  expect_error(shape("cone { height: -1 }"), "cone.height is -1");
+  expect_error(shape("torus { minor_radius: nan }"), "torus.minor_radius is nan");
+  expect_error(shape("disc { inner_radius: 1 }"), "disc.inner_radius is 1");
+  expect_error(shape("half_plane { normal { x: 1 } }"), "half_plane.edge_normal is (0, 0, 0)");
+  expect_error(shape("half_plane { normal { x: 1 } edge_normal { x: 2 } }"),
+               "node 'hall' > node 1 > shape: ");
+  expect_error(shape("rectangle {}"), "node 'hall' > node 1 > shape: ");
+  expect_error(shape("polygon { points {} }"), "node 'hall' > node 1 > shape: ");
+}
+
 TEST(Validation, shapes) {
   expect_error(shape("sphere { radius: 0 }"), "sphere.radius is 0; expected a number > 0");
   expect_error(shape("sphere { radius: -1 }"), "sphere.radius is -1");
