@@ -169,17 +169,13 @@ void ClientDesk::fail(Submission& submission, ExitCode code, const std::string& 
   submission.status.set_state(v1::JobStatus::ENDED);
 }
 
-std::vector<ClientDesk::Ready> ClientDesk::take_ready() {
-  return std::exchange(ready_, {});
-}
+std::vector<ClientDesk::Ready> ClientDesk::take_ready() { return std::exchange(ready_, {}); }
 
 std::vector<ClientDesk::Outgoing> ClientDesk::take_outgoing() {
   return std::exchange(outgoing_, {});
 }
 
-std::vector<uint64_t> ClientDesk::take_abandoned() {
-  return std::exchange(abandoned_, {});
-}
+std::vector<uint64_t> ClientDesk::take_abandoned() { return std::exchange(abandoned_, {}); }
 
 void ClientDesk::refused(uint64_t id, const Error& error) {
   const auto it = submissions_.find(id);

@@ -133,9 +133,7 @@ v1::Envelope& Coordinator::send(const PeerId& peer, Channel channel) {
   return outgoing_.back().message;
 }
 
-std::vector<OutgoingMessage> Coordinator::take_outgoing() {
-  return std::exchange(outgoing_, {});
-}
+std::vector<OutgoingMessage> Coordinator::take_outgoing() { return std::exchange(outgoing_, {}); }
 
 void Coordinator::on_message(Channel channel, const PeerId& peer, const v1::Envelope& message,
                              Time now) {
@@ -407,9 +405,7 @@ void Coordinator::on_tick(Time now) {
   next_tick_ = now + (job_ ? kTick : options_.heartbeat);
 }
 
-std::vector<pid_t> Coordinator::take_stuck_processes() {
-  return std::exchange(stuck_, {});
-}
+std::vector<pid_t> Coordinator::take_stuck_processes() { return std::exchange(stuck_, {}); }
 
 void Coordinator::shut_down(const std::string& reason) {
   for (const WorkerRecord* worker : workers_.present()) {

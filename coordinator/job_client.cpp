@@ -131,9 +131,7 @@ JobProgress JobClient::progress() const {
   return progress;
 }
 
-std::optional<JobResult> JobClient::take_result() {
-  return std::exchange(result_, std::nullopt);
-}
+std::optional<JobResult> JobClient::take_result() { return std::exchange(result_, std::nullopt); }
 
 JobResult run_remote_job(ClientTransport& transport, const JobSpec& job,
                          const ProgressCallback& progress, const std::atomic<bool>& stop,

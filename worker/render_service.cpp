@@ -51,12 +51,8 @@ void RenderService::trace(std::shared_ptr<TraceRun> run) {
   changed_.notify_one();
 }
 
-std::optional<BuildOutcome> RenderService::take_built() {
-  return pop(mutex_, built_);
-}
-std::optional<TraceOutcome> RenderService::take_traced() {
-  return pop(mutex_, traced_);
-}
+std::optional<BuildOutcome> RenderService::take_built() { return pop(mutex_, built_); }
+std::optional<TraceOutcome> RenderService::take_traced() { return pop(mutex_, traced_); }
 
 void RenderService::work() {
   std::unique_lock lock(mutex_);

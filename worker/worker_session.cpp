@@ -32,9 +32,7 @@ v1::Envelope& WorkerSession::send(Channel channel) {
   return std::get<SendMessage>(actions_.back()).message;
 }
 
-std::vector<SessionAction> WorkerSession::take_actions() {
-  return std::exchange(actions_, {});
-}
+std::vector<SessionAction> WorkerSession::take_actions() { return std::exchange(actions_, {}); }
 
 void WorkerSession::say_hello(Time now) {
   welcomed_ = false;

@@ -77,9 +77,7 @@ TEST(Frame, IsRefusedWithAnythingBehindIt) {
   EXPECT_FALSE(decode(frame, kMaxFrame));
 }
 
-TEST(Frame, IsRefusedWithoutAMessage) {
-  EXPECT_FALSE(decode(frame_of(""), kMaxFrame));
-}
+TEST(Frame, IsRefusedWithoutAMessage) { EXPECT_FALSE(decode(frame_of(""), kMaxFrame)); }
 
 TEST(Frame, OfAMessageUnknownHereIsRefused) {
   // Field 100, length 0: from a newer minor version, or nobody.
