@@ -5,6 +5,7 @@
 
 #include "cli/command_line.h"
 #include "cli/output_file.h"
+#include "cli/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
 #include "scenes/formats/read_scene.h"
 
@@ -22,7 +23,7 @@ ExitCode convert(const ConvertOptions& options) {
                     options.output));
   }
   check_output_file("OUT", options.output);
-  const LoadedScene loaded = read_scene(options.input);
+  const LoadedScene loaded = read_scene(options.input, {.decode_texture = decode_texture});
   for (const std::string& warning : loaded.warnings) {
     fmt::print(stderr, "tessera: warning: {}\n", warning);
   }

@@ -16,6 +16,7 @@
 #include "cli/progress_display.h"
 #include "cli/render_options.h"
 #include "cli/statistics.h"
+#include "cli/texture_decoder.h"
 #include "cli/tracing_farm.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/image/image_file.h"
@@ -49,9 +50,10 @@ class RenderRun {
     check_outputs();
     preload_image_module();
     farm_ = start_farm();
-    read();
+    read(options_.frames ? options_.frames->first : 0);
     if (!options_.frames) return render_frame(std::nullopt, true);
     for (int frame = options_.frames->first; frame <= options_.frames->last; ++frame) {
+      if (loaded_.depends_on_frame && frame > options_.frames->first) read(frame);
       const bool last = frame == options_.frames->last;
       if (const ExitCode code = render_frame(frame, last); code != ExitCode::done) return code;
     }
@@ -84,9 +86,12 @@ class RenderRun {
     return start_local_workers(workers, options_.threads.value_or(1));
   }
 
-  void read() {
+  void read(int frame) {
     const auto start = Clock::now();
-    loaded_ = read_scene(options_.scene);
+    loaded_ = read_scene(options_.scene, {.decode_texture = decode_texture, .frame = frame});
+    if (options_.pinhole) {
+      for (v1::Camera& camera : *loaded_.scene.mutable_cameras()) camera.clear_lens();
+    }
     parse_seconds_ = seconds_since(start);
     scene_digest_ = Digest::of(serialize_scene(loaded_.scene)).hex();
     if (options_.quiet) return;

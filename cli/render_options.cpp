@@ -64,6 +64,9 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       [&options](const std::string& text) { options.crop = parse_crop("--crop", text); });
   add("--camera", "NAME", "Which of the scene's cameras [the first]",
       [&options](const std::string& text) { options.camera = text; });
+  command
+      .add_flag("--pinhole", options.pinhole, "Leave out the camera's lens: everything is in focus")
+      ->group("Picture");
   add("--time", "T", "The instant to render, in seconds [the scene's]",
       [&options](const std::string& text) { options.time = parse_number("--time", text); });
   add("--frames", "A-B", "Frames A to B of the animation, each to NAME.NNNN.png",

@@ -29,6 +29,7 @@ struct RenderOptions {
   std::optional<FrameRange> frames;
   std::optional<double> time;
   std::optional<std::string> camera;
+  bool pinhole = false;
 
   std::optional<int> workers;
   std::optional<int> threads;

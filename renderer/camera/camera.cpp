@@ -36,7 +36,10 @@ HalfSize perspective_window(const CameraSettings& settings, double width, double
 }  // namespace
 
 Camera::Camera(const CameraSettings& settings, int frame_width, int frame_height)
-    : projection_(settings.projection), near_(settings.near_distance), far_(settings.far_distance) {
+    : projection_(settings.projection),
+      near_(settings.near_distance),
+      far_(settings.far_distance),
+      lens_(settings.lens) {
   const Affine& m = settings.world_from_camera;
   const auto column = [&](size_t c) { return Vec3{m.m[0][c], m.m[1][c], m.m[2][c]}; };
   eye_ = Point3{} + column(3);
@@ -47,6 +50,9 @@ Camera::Camera(const CameraSettings& settings, int frame_width, int frame_height
   if (dot(right_, column(0)) < 0) right_ = -right_;
 
   const double width = frame_width, height = frame_height;
+  if (lens_.radius_over_frame) {
+    lens_.radius = {lens_.radius.x / width, lens_.radius.y / height};
+  }
   Vec2 center;
   HalfSize half{};
   switch (projection_) {
@@ -71,6 +77,17 @@ Camera::Camera(const CameraSettings& settings, int frame_width, int frame_height
   }
   scale_ = {2 * half.x / width, -2 * half.y / height};
   offset_ = {center.x - half.x, center.y + half.y};
+}
+
+Ray Camera::lens_ray(double x, double y, const Vec2& u) const {
+  Ray ray = this->ray(x, y);
+  const Vec2 p = sample_lens(lens_.shape, lens_.blades, u);
+  const Vec3 on_lens = right_ * (p.x * lens_.radius.x) + up_ * (p.y * lens_.radius.y);
+  const double to_focus =
+      lens_.focal_sphere ? lens_.focal_distance : lens_.focal_distance / dot(ray.direction, view_);
+  ray.direction = normalize(ray.direction * to_focus - on_lens);
+  ray.origin = ray.origin + on_lens;
+  return ray;
 }
 
 std::optional<Vec2> Camera::raster_of(const Point3& p) const {

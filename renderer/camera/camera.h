@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "renderer/camera/lens.h"
 #include "renderer/math/transform.h"
 #include "renderer/math/vec.h"
 #include "renderer/shapes/ray.h"
@@ -23,17 +24,22 @@ struct CameraSettings {
   double min_x = -1, min_y = -1, max_x = 1, max_y = 1;
   double near_distance = 0;  ///< metres along the ray; 0: no bound
   double far_distance = std::numeric_limits<double>::infinity();
+  LensSettings lens{};
 };
 
-/// A pinhole: from raster points of a whole frame to rays. A crop is a part of the same frame, so
+/// From raster points of a whole frame to rays. A crop is a part of the same frame, so
 /// its rays have the same bits. Immutable; thread-safe.
 class Camera {
  public:
   Camera(const CameraSettings& settings, int frame_width, int frame_height);
 
-  /// The ray through raster point (x, y), y downwards from the frame's top left corner. Its
-  /// direction is of unit length.
+  /// The ray of a pinhole through raster point (x, y), y downwards from the frame's top left
+  /// corner. Its direction is of unit length.
   Ray ray(double x, double y) const;
+  /// The ray through the point of the lens that the uniform numbers `u` choose.
+  Ray lens_ray(double x, double y, const Vec2& u) const;
+  /// How many rays through the lens make one sample; 0: there is no lens.
+  uint32_t lens_samples() const { return lens_.is_pinhole() ? 0 : lens_.samples; }
 
   /// The raster point whose ray passes through `p`; nothing where `p` is not clearly before the
   /// camera, or the projection is no plane one.
@@ -50,6 +56,7 @@ class Camera {
   /// A raster point's place on the image plane, or its angles, is offset + raster * scale.
   Vec2 offset_, scale_;
   double near_, far_;
+  LensSettings lens_;  ///< its radius in metres
 };
 
 }  // namespace tessera

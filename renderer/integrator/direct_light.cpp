@@ -93,6 +93,14 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
       continue;
     }
     if constexpr (kShadows) {
+      // Light behind a surface that subtracts it is in the shadow of that surface.
+      const bool shades_itself = material.diffuse_model == DiffuseModel::signed_lambert &&
+                                 light.shadow_intensity == 1 && material.is_opaque() &&
+                                 dot(point.geometric_normal, sample.wi) < 0;
+      if (light.casts_shadow && shades_itself) {
+        ++counters.shadow_rays_skipped;
+        continue;
+      }
       if (light.casts_shadow)
         arriving = arriving * visibility(scene, point, light, sample, counters);
     }

@@ -65,15 +65,26 @@ class SceneTileRenderer final : public TileRenderer {
  private:
   using SampleFunction = Color (SceneTileRenderer::*)(const SampleKey&, TraceState&) const;
 
-  Ray camera_ray(const SampleKey& key) const {
+  /// What `look` sees along the sample's camera ray, or the mean over the lens.
+  template <typename Look>
+  Color through_camera(const SampleKey& key, const Look& look) const {
     const Vec2 raster = scene_->sampler->raster_point(key.x, key.y, key.sample);
-    return scene_->camera->ray(raster.x, raster.y);
+    const uint32_t lens_samples = scene_->camera->lens_samples();
+    if (lens_samples == 0) return look(scene_->camera->ray(raster.x, raster.y));
+    Color sum = kBlack;
+    for (uint32_t i = 0; i < lens_samples; ++i) {
+      const Vec2 u =
+          scene_->sampler->pair(key.x, key.y, key.sample * lens_samples + i, SampleUse::lens);
+      sum += look(scene_->camera->lens_ray(raster.x, raster.y, u));
+    }
+    return sum * (1.0 / lens_samples);
   }
   Color trace(const SampleKey& key, TraceState& state) const {
-    return integrator_->radiance(camera_ray(key), key, state);
+    return through_camera(key,
+                          [&](const Ray& ray) { return integrator_->radiance(ray, key, state); });
   }
   Color look_past(const SampleKey& key, TraceState&) const {
-    return integrator_->background(camera_ray(key));
+    return through_camera(key, [&](const Ray& ray) { return integrator_->background(ray); });
   }
   Color constant_background(const SampleKey&, TraceState&) const {
     return integrator_->background({});

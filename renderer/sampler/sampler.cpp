@@ -86,7 +86,8 @@ Vec2 Sampler::pixel_square(int x, int y, uint32_t sample) const {
       return {0.5, 0.5};
     case SamplePattern::centered_grid:
     case SamplePattern::corner_grid: {
-      const double shift = settings_.pattern == SamplePattern::centered_grid ? 0.5 : 0.0;
+      const bool centered = settings_.pattern == SamplePattern::centered_grid || grid_ == 1;
+      const double shift = centered ? 0.5 : 0.0;
       const uint32_t column = sample % grid_, row = sample / grid_;
       return {(column + shift) / grid_, (row + shift) / grid_};
     }

@@ -2,6 +2,7 @@
 
 #include "renderer/math/elementary.h"
 #include "renderer/scene/read_shading.h"
+#include "renderer/scene/read_texture.h"
 #include "renderer/scene/read_transform.h"
 
 namespace tessera {
@@ -43,7 +44,8 @@ std::array<Vec3, 3> rotation_rows(const Affine& m) {
 
 }  // namespace
 
-Background read_background(const v1::Background& in) {
+Background read_background(const v1::Background& in, const v1::Scene& scene,
+                           const BlobStore& blobs) {
   const Where where{.kind = "background"};
   Background out;
   switch (in.kind_case()) {
@@ -64,7 +66,15 @@ Background read_background(const v1::Background& in) {
           read_rings(where, "ground", in.rings().ground(), in.rings().ground_angles(), 90);
       break;
     case v1::Background::kPanorama:
-      fail_unsupported(where, "a panorama");
+      out.kind = in.panorama().mapping() == v1::Background::Panorama::CYLINDRICAL_EQUAL_AREA
+                     ? BackgroundKind::panorama_equal_area
+                     : BackgroundKind::panorama_equirectangular;
+      out.picture = read_image_texture(where, scene, blobs, in.panorama().texture());
+      out.angle = portable::radians(checked(where, "panorama.angle", in.panorama().angle()));
+      if (in.panorama().has_intensity()) {
+        out.intensity =
+            checked(where, "panorama.intensity", in.panorama().intensity(), kNotNegative);
+      }
       break;
     case v1::Background::kSunAndSky:
       fail_unsupported(where, "sun_and_sky");

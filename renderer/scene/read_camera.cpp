@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <charconv>
 
 #include <vector>
@@ -78,6 +79,45 @@ void read_panoramic(const Where& where, const v1::Panoramic& in, Projection proj
   out.field_of_view = portable::radians(checked(where, "field_of_view", angle, range));
 }
 
+void read_lens(const Where& where, const v1::Lens& in, CameraSettings& settings) {
+  LensSettings& out = settings.lens;
+  out.radius.x = checked(where, "lens.radius_x", in.radius_x(), kNotNegative);
+  out.radius.y = checked(where, "lens.radius_y", in.radius_y(), kNotNegative);
+  if (out.is_pinhole()) return;
+  out.radius_over_frame = in.radius_unit() == v1::Lens::METRES_OVER_FRAME;
+  out.focal_distance = checked(where, "lens.focal_distance", in.focal_distance(), kPositive);
+  out.focal_sphere = in.focal_surface() == v1::Lens::SPHERE;
+  // Where rays run across the view there is no point of a plane to focus on.
+  const bool is_plane_projection = settings.projection == Projection::perspective ||
+                                   settings.projection == Projection::orthographic;
+  if (!out.focal_sphere && !is_plane_projection) {
+    fail_value(where, "lens.focal_surface", "PLANE", "SPHERE, for this projection");
+  }
+  constexpr double kMostSamples = 1 << 20;
+  out.samples = static_cast<uint32_t>(
+      checked(where, "lens.samples", in.samples(), {.min = 0, .max = kMostSamples}));
+  out.samples = std::max(out.samples, 1u);
+  switch (in.shape()) {
+    case v1::Lens::POLYGON:
+      out.shape = LensShape::polygon;
+      out.blades =
+          static_cast<uint32_t>(checked(where, "lens.blades", in.blades(), {.min = 3, .max = 64}));
+      break;
+    case v1::Lens::SQUARE_UNIFORM:
+      out.shape = LensShape::square;
+      break;
+    case v1::Lens::GAUSSIAN:
+      out.shape = LensShape::gaussian;
+      break;
+    case v1::Lens::LINE:
+      out.shape = LensShape::line;
+      break;
+    default:
+      out.shape = LensShape::circle;
+      break;
+  }
+}
+
 Affine read_frame(const Where& where, const v1::Camera& camera, bool is_default, double time) {
   if (is_default) return translation({0, 0, 10});
   const Affine frame = read_transform(where, camera.world_from_camera(), camera.keys(), time);
@@ -111,9 +151,7 @@ CameraChoice read_camera(const v1::Scene& scene, const std::string& name, double
     case v1::Camera::PROJECTION_NOT_SET:
       break;
   }
-  if (camera.lens().radius_x() != 0 || camera.lens().radius_y() != 0) {
-    fail_unsupported(where, "a lens");
-  }
+  if (camera.has_lens()) read_lens(where, camera.lens(), out);
   if (camera.frame_all()) fail_unsupported(where, "frame_all");
   out.near_distance = checked(where, "near_distance", camera.near_distance(), kNotNegative);
   if (checked(where, "far_distance", camera.far_distance(), kNotNegative) > 0) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "proto/tessera/v1/scene.pb.h"
+#include "proto/wire/blob_store.h"
 #include "renderer/math/transform.h"
 #include "renderer/scene/check.h"
 #include "renderer/shading/background.h"
@@ -21,7 +22,9 @@ Material read_material(const Where& where, const v1::Material& material);
 /// `world_from_light` must be invertible.
 Light read_light(const Where& where, const v1::Light& light, const Affine& world_from_light);
 
-Background read_background(const v1::Background& background);
+/// `scene` and `blobs` are where its pictures come from.
+Background read_background(const v1::Background& background, const v1::Scene& scene,
+                           const BlobStore& blobs);
 
 Fog read_fog(const v1::Fog& fog);
 

@@ -6,6 +6,7 @@
 #include "proto/wire/blob_store.h"
 #include "renderer/accel/accelerator.h"
 #include "renderer/scene/check.h"
+#include "renderer/scene/csg_plan.h"
 #include "renderer/shapes/shape.h"
 
 namespace tessera {
@@ -27,5 +28,13 @@ struct BuiltShape {
 /// Checks the shape's numbers, sizes, counts and indices before anything is allocated for them, and
 /// builds it. Throws a scene error that begins with `where`.
 BuiltShape read_shape(const Where& where, const v1::Shape& shape, const ShapeSource& source);
+
+/// The same of a CSG shape. Its materials are those of its solids, one after the other.
+BuiltShape read_csg(const CsgPlan& plan, const ShapeSource& source);
+
+/// How many materials a shape that is no CSG takes: one where it names none.
+inline int material_count(const v1::Shape& shape) {
+  return shape.materials_size() > 0 ? shape.materials_size() : 1;
+}
 
 }  // namespace tessera

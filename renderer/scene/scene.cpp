@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "renderer/accel/make_accelerator.h"
+#include "renderer/scene/csg_plan.h"
 #include "renderer/scene/material_table.h"
 #include "renderer/scene/read_shading.h"
 #include "renderer/scene/read_shape.h"
@@ -70,6 +71,7 @@ PixelRect seen_rect(const Scene& scene) {
   const RenderSettings& settings = scene.settings;
   const PixelRect frame{0, 0, settings.width, settings.height};
   if (!scene.surfaces) return {};
+  if (scene.camera->lens_samples() > 0) return frame;  // what is out of focus spreads
   const Bounds3 box = scene.surfaces->bounds();
   Vec2 low{1e30, 1e30}, high{-1e30, -1e30};
   for (int corner = 0; corner < 8; ++corner) {
@@ -107,7 +109,7 @@ class SceneBuilder {
     const CameraChoice choice = read_camera(description_, frame_.camera(), settings.time);
     scene_->camera.emplace(choice.settings, settings.width, settings.height);
     scene_->sampler.emplace(settings.sampler);
-    scene_->background = read_background(description_.background());
+    scene_->background = read_background(description_.background(), description_, source_.blobs);
     scene_->fog = read_fog(description_.fog());
     graph_ = unfold_graph(description_, settings.time);
     add_lights(choice.headlight);
@@ -151,16 +153,28 @@ class SceneBuilder {
       const Where where{.kind = graph_shape.path.c_str()};
       ShapeMaterials entry;
       entry.first = static_cast<uint32_t>(scene_->material_slots.size());
-      const auto& names = graph_shape.shape->materials();
-      for (const std::string& name : names) {
-        scene_->material_slots.push_back(materials_.use(where, name));
+      csg_plans_.emplace_back();
+      if (graph_shape.shape->has_csg()) {
+        CsgPlan& plan = csg_plans_.back();
+        plan = plan_csg(where, graph_shape.shape->csg(), description_, scene_->settings.time);
+        for (const CsgPlan::Step& step : plan.steps) {
+          if (step.solid) use_materials({.kind = step.path.c_str()}, *step.solid);
+        }
+      } else {
+        use_materials(where, *graph_shape.shape);
       }
-      if (names.empty()) scene_->material_slots.push_back(materials_.use(where, ""));
       entry.count = static_cast<uint32_t>(scene_->material_slots.size()) - entry.first;
       shape_materials_.push_back(entry);
     }
     scene_->materials = materials_.take();
     for (ShapeMaterials& entry : shape_materials_) classify(entry);
+  }
+
+  void use_materials(const Where& where, const v1::Shape& shape) {
+    for (const std::string& name : shape.materials()) {
+      scene_->material_slots.push_back(materials_.use(where, name));
+    }
+    if (shape.materials().empty()) scene_->material_slots.push_back(materials_.use(where, ""));
   }
 
   void classify(ShapeMaterials& entry) const {
@@ -186,8 +200,10 @@ class SceneBuilder {
     shapes_.resize(graph_.shapes.size());
     const auto build_one = [&](size_t i, int threads) {
       const Where where{.kind = graph_.shapes[i].path.c_str()};
+      const v1::Shape& shape = *graph_.shapes[i].shape;
+      const ShapeSource source{source_.blobs, source_.accelerator, threads};
       shapes_[i] =
-          read_shape(where, *graph_.shapes[i].shape, {source_.blobs, source_.accelerator, threads});
+          shape.has_csg() ? read_csg(csg_plans_[i], source) : read_shape(where, shape, source);
     };
     // Few shapes: each build uses all threads. Many: each is small beside their sum.
     if (shapes_.size() < 4 * static_cast<size_t>(std::max(source_.threads, 1))) {
@@ -276,6 +292,7 @@ class SceneBuilder {
   std::shared_ptr<Scene> scene_ = std::make_shared<Scene>();
   SceneGraph graph_;
   std::vector<ShapeMaterials> shape_materials_;  // one a graph shape
+  std::vector<CsgPlan> csg_plans_;               // one a graph shape, empty for most
   std::vector<BuiltShape> shapes_;               // one a graph shape
   std::vector<bool> is_clear_;                   // one an instance
 };

@@ -157,8 +157,6 @@ class Walker {
 
 }  // namespace
 
-SceneGraph unfold_graph(const v1::Scene& scene, double time) {
-  return Walker(scene, time).run();
-}
+SceneGraph unfold_graph(const v1::Scene& scene, double time) { return Walker(scene, time).run(); }
 
 }  // namespace tessera

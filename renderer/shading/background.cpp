@@ -31,6 +31,16 @@ Color rings_radiance(const Background& background, const Vec3& d) {
   return background.sky_rings.empty() ? kBlack : ring_color(background.sky_rings, from_zenith);
 }
 
+Color panorama_radiance(const Background& background, const Vec3& d) {
+  const double azimuth = portable::atan2(d.x, -d.z) + background.angle;
+  double s = 0.5 + azimuth / (2 * portable::kPi);
+  s -= std::floor(s);
+  const double t = background.kind == BackgroundKind::panorama_equal_area
+                       ? 0.5 - d.y / 2
+                       : portable::atan2(std::sqrt(d.x * d.x + d.z * d.z), d.y) / portable::kPi;
+  return background.picture->lookup(s, t) * background.intensity;
+}
+
 /// The share of light from every direction that a light is in: the sum over lights.
 double glow_towards(const Point3& origin, const Vec3& d, std::span<const Light> lights) {
   double sum = 0;
@@ -55,6 +65,10 @@ Color Background::radiance(const Point3& origin, const Vec3& d,
         break;
       case BackgroundKind::gradient_absolute:
         color = mix(ground, sky, std::min(std::abs(turned.y), 1.0));
+        break;
+      case BackgroundKind::panorama_equirectangular:
+      case BackgroundKind::panorama_equal_area:
+        color = panorama_radiance(*this, turned);
         break;
       default:
         color = rings_radiance(*this, turned);

@@ -2,16 +2,25 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "renderer/math/color.h"
 #include "renderer/math/vec.h"
+#include "renderer/shading/image_texture.h"
 #include "renderer/shading/light.h"
 
 namespace tessera {
 
-enum class BackgroundKind : uint8_t { solid, gradient_linear, gradient_absolute, rings };
+enum class BackgroundKind : uint8_t {
+  solid,
+  gradient_linear,
+  gradient_absolute,
+  rings,
+  panorama_equirectangular,  ///< the picture's height is the angle from the zenith
+  panorama_equal_area,       ///< it is the direction's y (Lambert's cylindrical projection)
+};
 
 /// What a ray sees that meets nothing. Immutable once built; thread-safe.
 struct Background {
@@ -24,6 +33,11 @@ struct Background {
     Color color;
   };
   std::vector<Ring> sky_rings, ground_rings;
+  /// Panoramas: the picture, turned about +y by `angle` radians; at 0 its middle lies at -z and its
+  /// right at +x.
+  std::shared_ptr<const ImageTexture> picture;
+  double angle = 0;
+  double intensity = 1;
   double glow = 0;
   /// Rows of the rotation from world to background directions.
   std::array<Vec3, 3> rotation{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};

@@ -12,21 +12,24 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "proto/wire/scene_codec.h"
+#include "scenes/formats/crt/crt_reader.h"
 #include "scenes/formats/default_view.h"
 #include "scenes/formats/include_resolver.h"
 #include "scenes/formats/obj/obj_reader.h"
 #include "scenes/formats/x3d/x3d_reader.h"
+#include "scenes/import/texture_loader.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 5> kFormats{"tessera", "tesserab", "json", "obj", "x3d"};
+constexpr std::array<std::string_view, 6> kFormats{"tessera", "tesserab", "json",
+                                                   "obj",     "x3d",      "crt"};
 /// Formats that users may well try, so that the error can say that they were recognised.
-constexpr std::array<std::string_view, 22> kOthers{
-    "x3dv",  "wrl", "vrml", "x3dz", "crt",  "gltf", "glb", "ply",  "stl", "fbx", "dae",
-    "blend", "3ds", "usd",  "usda", "usdc", "usdz", "abc", "pbrt", "mtl", "xml", "gz"};
+constexpr std::array<std::string_view, 21> kOthers{
+    "x3dv", "wrl", "vrml", "x3dz", "gltf", "glb", "ply",  "stl", "fbx", "dae", "blend",
+    "3ds",  "usd", "usda", "usdc", "usdz", "abc", "pbrt", "mtl", "xml", "gz"};
 
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -78,16 +81,24 @@ std::string format_of(const std::string& path, const std::string& asked) {
   return found;
 }
 
-LoadedScene read_one(const std::string& path, const std::string& asked,
-                     const ReadOptions& options) {
-  const std::string format = format_of(path, asked);
+LoadedScene read_format(const std::string& path, const std::string& format,
+                        const ReadOptions& options) {
   if (format == "obj") return read_obj(path);
   if (format == "x3d") return read_x3d(path, options);
+  if (format == "crt") return read_crt(path, options);
   const SceneEncoding encoding = format == "json"       ? SceneEncoding::json
                                  : format == "tesserab" ? SceneEncoding::binary
                                                         : SceneEncoding::text;
   SceneWithBlobs read = read_scene_file(path, encoding);
-  return {std::move(read.scene), std::move(read.blobs), {}};
+  return {.scene = std::move(read.scene), .blobs = std::move(read.blobs), .warnings = {}};
+}
+
+/// With its pictures, without its includes.
+LoadedScene read_one(const std::string& path, const std::string& asked,
+                     const ReadOptions& options) {
+  LoadedScene loaded = read_format(path, format_of(path, asked), options);
+  load_textures(loaded, fs::absolute(path).parent_path(), options.decode_texture);
+  return loaded;
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ TEST(SceneCodec, KnowsItsEndings) {
 TEST(SceneCodec, SaysWhereTextIsWrong) {
   EXPECT_EQ(text_error("cameras {\n  lens { radius: 1 } }\n"),
             "s:2:10: 'radius' is no field of Lens; expected one of radius_x, radius_y, "
-            "focal_distance, shape, blades, focal_surface, samples; did you mean 'radius_x'?");
+            "focal_distance, shape, blades, focal_surface, samples, radius_unit; did you mean 'radius_x'?");
   EXPECT_EQ(text_error("cameras { lens { shape: CIRCEL } }"),
             "s:1:25: 'CIRCEL' is no value of shape; expected one of CIRCLE, POLYGON, "
             "SQUARE_UNIFORM, GAUSSIAN, LINE; did you mean 'CIRCLE'?");

@@ -70,15 +70,48 @@ TEST(Validation, what_is_not_there_yet_is_named) {
                "texture 'wood' for diffuse is not supported yet");
   expect_error(material("normal_map: 'x'"), "a normal map is not supported yet");
   expect_error(material("bump { value: 1 }"), "a bump map");
-  expect_error("background { panorama {} }", "background: a panorama is not supported yet");
   expect_error("background { cube {} }", "a cube");
   expect_error("background { sun_and_sky {} }", "sun_and_sky");
-  expect_error("cameras { lens { radius_x: 1 } }", "a lens");
   expect_error("cameras { frame_all: true }", "frame_all");
   expect_error("settings { sampling { filter: MITCHELL } }", "MITCHELL");
   expect_error("settings { sampling { target_error: .1 } }", "target_error");
   expect_error("nodes { billboard_axis {} shape { sphere {} } }", "node 1: billboard_axis");
-  expect_error(shape("csg {}"), "node 'hall' > node 1 > shape");
+}
+
+TEST(Validation, lenses) {
+  expect_error("cameras { lens { radius_x: -1 } }", "lens.radius_x is -1");
+  expect_error("cameras { lens { radius_x: 1 } }", "lens.focal_distance is 0");
+  const std::string lens = "radius_y: 1 focal_distance: 2 ";
+  expect_error("cameras { lens { " + lens + "shape: POLYGON blades: 2 } }", "lens.blades is 2");
+  expect_error("cameras { lens { " + lens + "samples: 2000000 } }", "lens.samples is 2000000");
+  expect_error("cameras { spherical {} lens { " + lens + "} }", "lens.focal_surface is PLANE");
+}
+
+TEST(Validation, panoramas) {
+  const std::string background = "background { panorama { texture: 'sky' } } ";
+  expect_error(background, "background: texture is 'sky'; expected a texture of the scene");
+  expect_error(background + "textures { name: 'skY' }", "did you mean 'skY'?");
+  const auto image = [&](const std::string& fields) {
+    return background + "textures { name: 'sky' image { " + fields + " } }";
+  };
+  expect_error(image(""), "background > texture 'sky': image.width is 0");
+  expect_error(image("width: 2 height: 70000"), "image.height is 70000");
+  expect_error(image("width: 2 height: 2 channels: 5"), "image.channels is 5");
+  expect_error(image("width: 2 height: 2 channels: 3 bits: 7"), "image.bits is 7");
+  expect_error(image("width: 2 height: 2 channels: 3 bits: 8 file: 'a.png'"),
+               "image.texels is not read from its file");
+}
+
+TEST(Validation, round_and_flat_shapes) {
+  expect_error(shape("cylinder { radius: 0 }"), "cylinder.radius is 0");
+  expect_error(shape("cone { height: -1 }"), "cone.height is -1");
+  expect_error(shape("torus { minor_radius: nan }"), "torus.minor_radius is nan");
+  expect_error(shape("disc { inner_radius: 1 }"), "disc.inner_radius is 1");
+  expect_error(shape("half_plane { normal { x: 1 } }"), "half_plane.edge_normal is (0, 0, 0)");
+  expect_error(shape("half_plane { normal { x: 1 } edge_normal { x: 2 } }"),
+               "node 'hall' > node 1 > shape: ");
+  expect_error(shape("rectangle {}"), "node 'hall' > node 1 > shape: ");
+  expect_error(shape("polygon { points {} }"), "node 'hall' > node 1 > shape: ");
 }
 
 TEST(Validation, shapes) {
