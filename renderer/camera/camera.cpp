@@ -1,6 +1,7 @@
 #include "renderer/camera/camera.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "renderer/math/elementary.h"
 
@@ -88,6 +89,49 @@ Ray Camera::lens_ray(double x, double y, const Vec2& u) const {
   ray.direction = normalize(ray.direction * to_focus - on_lens);
   ray.origin = ray.origin + on_lens;
   return ray;
+}
+
+Camera::PixelCone Camera::pixel_cone() const {
+  const double side = std::sqrt(std::abs(scale_.x * scale_.y));
+  if (projection_ == Projection::orthographic) return {side, 0};
+  return {0, side};
+}
+
+CameraSettings grown_view(const CameraSettings& settings, int frame_width, int frame_height,
+                          std::span<const Point3> corners) {
+  CameraSettings out = settings;
+  const double width = frame_width, height = frame_height;
+  const Camera camera(settings, frame_width, frame_height);
+  constexpr double kMargin = 1.02;
+  double back = 0;  // metres by which the eye moves
+  if (settings.projection == Projection::perspective) {
+    const HalfSize half = perspective_window(settings, width, height);
+    for (const Point3& corner : corners) {
+      const Vec3 offset = corner - camera.position();
+      const double depth = dot(offset, camera.view());
+      const double across = std::max(std::abs(dot(offset, camera.right())) / half.x,
+                                     std::abs(dot(offset, camera.up())) / half.y);
+      // What fits the frame exactly is inside it.
+      if (depth > 0 && across <= depth && depth >= settings.near_distance) continue;
+      back = std::max({back, across * kMargin - depth, settings.near_distance * kMargin - depth});
+    }
+  } else if (settings.projection == Projection::orthographic) {
+    Vec2 low{out.min_x, out.min_y}, high{out.max_x, out.max_y};
+    for (const Point3& corner : corners) {
+      const Vec3 offset = corner - camera.position();
+      const double u = dot(offset, camera.right()), v = dot(offset, camera.up());
+      low = {std::min(low.x, u), std::min(low.y, v)};
+      high = {std::max(high.x, u), std::max(high.y, v)};
+      back = std::max(back, settings.near_distance - dot(offset, camera.view()));
+    }
+    out.min_x = low.x, out.min_y = low.y, out.max_x = high.x, out.max_y = high.y;
+    back *= kMargin;
+  }
+  const Vec3 move = camera.view() * -back;
+  for (size_t row = 0; row < 3; ++row) {
+    out.world_from_camera.m[row][3] += move[static_cast<int>(row)];
+  }
+  return out;
 }
 
 std::optional<Vec2> Camera::raster_of(const Point3& p) const {

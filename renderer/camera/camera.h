@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "renderer/camera/lens.h"
 #include "renderer/math/transform.h"
@@ -27,6 +28,12 @@ struct CameraSettings {
   LensSettings lens{};
 };
 
+/// `settings` with the view grown until every one of `corners` is inside the frame: a
+/// perspective camera moves back along its view, a little farther than needed; an orthographic one
+/// widens its window too. Panoramas are left alone, and so is a view that has them all already.
+CameraSettings grown_view(const CameraSettings& settings, int frame_width, int frame_height,
+                          std::span<const Point3> corners);
+
 /// From raster points of a whole frame to rays. A crop is a part of the same frame, so
 /// its rays have the same bits. Immutable; thread-safe.
 class Camera {
@@ -45,6 +52,15 @@ class Camera {
   /// camera, or the projection is no plane one.
   std::optional<Vec2> raster_of(const Point3& p) const;
 
+  /// How wide the patch of one pixel is at a distance along its ray: at_eye + distance * spread;
+  /// the middle of the frame stands for all of it.
+  struct PixelCone {
+    double at_eye = 0, spread = 0;
+  };
+  PixelCone pixel_cone() const;
+
+  const Vec3& right() const { return right_; }
+  const Vec3& up() const { return up_; }
   const Point3& position() const { return eye_; }
   /// Unit; the way that the camera looks.
   const Vec3& view() const { return view_; }

@@ -1,43 +1,43 @@
 #include "renderer/integrator/views.h"
 
-#include <optional>
-
+#include "renderer/integrator/direct_light.h"
 #include "renderer/integrator/surface_point.h"
 
 namespace tessera {
 
 namespace {
 
-struct FirstSurface {
-  SurfacePoint point;
-  double distance = 0;
-};
-
-std::optional<FirstSurface> first_surface(const Scene& scene, Ray ray, TraceState& state) {
+/// Finds the first surface that is there at all; false where there is none. Sets the distance in
+/// metres. What covers less than half of what is behind it is passed by.
+bool find_first_surface(const Scene& scene, Ray ray, TraceState& state, SurfacePoint& point,
+                        double& distance) {
   ++state.counters.rays_primary;
   double start = 0;
-  Hit hit;
   for (uint32_t pass = 0; scene.surfaces && pass < kMaxPasses; ++pass) {
+    Hit hit;
     if (!scene.surfaces->closest_hit(ray, hit, state.counters.traversal)) break;
-    const SurfacePoint point = surface_point(scene, hit.instance, ray, hit);
+    find_surface_point<true>(scene, hit.instance, ray, hit, cone_width(scene, start + hit.t),
+                             point);
     ++state.counters.hits;
-    if (!point.is_hidden) return FirstSurface{point, start + hit.t};
+    distance = start + hit.t;
+    const bool is_there = point.surface.vertex_alpha * point.material->alpha >= 0.5;
+    if (!point.is_hidden && is_there) return true;
     start += hit.t;
     const double t_max = ray.t_max - hit.t;
     ray = spawn_ray(point.surface, ray.direction);
     ray.t_max = t_max;
-    hit = {};
   }
-  return std::nullopt;
+  return false;
 }
 
 class NormalsView final : public Integrator {
  public:
   explicit NormalsView(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
   Color radiance(const Ray& ray, const SampleKey&, TraceState& state) const override {
-    const auto first = first_surface(*scene_, ray, state);
-    if (!first) return kBlack;
-    const Vec3& n = first->point.normal;
+    SurfacePoint point;
+    double distance;
+    if (!find_first_surface(*scene_, ray, state, point, distance)) return kBlack;
+    const Vec3& n = point.normal;
     return Color{n.x + 1, n.y + 1, n.z + 1} * 0.5;
   }
   Color background(const Ray&) const override { return kBlack; }
@@ -50,8 +50,9 @@ class DepthView final : public Integrator {
  public:
   explicit DepthView(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
   Color radiance(const Ray& ray, const SampleKey&, TraceState& state) const override {
-    const auto first = first_surface(*scene_, ray, state);
-    return first ? kWhite * first->distance : kBlack;
+    SurfacePoint point;
+    double distance;
+    return find_first_surface(*scene_, ray, state, point, distance) ? kWhite * distance : kBlack;
   }
   Color background(const Ray&) const override { return kBlack; }
 

@@ -12,7 +12,8 @@ namespace {
 /// Branches whose whole weight is below this are not followed, so that two pieces of glass do not
 /// cost 2^depth rays. Far below what a float pixel resolves.
 constexpr double kNegligible = 1e-9;
-template <bool kShadows, bool kSecondary>
+
+template <bool kShadows, bool kSecondary, bool kRich>
 class WhittedIntegrator final : public Integrator {
  public:
   explicit WhittedIntegrator(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
@@ -48,8 +49,10 @@ class WhittedIntegrator final : public Integrator {
       return segment.throughput * background(segment.ray);
     }
     ++state.counters.hits;
-    const SurfacePoint point = surface_point(*scene_, hit.instance, segment.ray, hit);
     const double path_length = segment.path_length + hit.t;
+    SurfacePoint point;
+    find_surface_point<kRich>(*scene_, hit.instance, segment.ray, hit,
+                              kRich ? cone_width(*scene_, path_length) : 0, point);
     Color throughput = segment.throughput;
     Coverage coverage;
     if constexpr (kSecondary) {
@@ -59,8 +62,8 @@ class WhittedIntegrator final : public Integrator {
     const double clearness = scene_->fog.clearness(segment.view_distance + hit.t);
     Color result = kBlack;
     if (coverage.covered > 0) {
-      Color seen = local_radiance<kShadows>(*scene_, point, -segment.ray.direction, path_length,
-                                            state.counters);
+      Color seen = local_radiance<kShadows, kRich>(*scene_, point, -segment.ray.direction,
+                                                   path_length, state.counters);
       if (point.material->grain > 0) seen = seen - kWhite * grain(*point.material, segment, key);
       seen = seen * clearness + scene_->fog.color * (1 - clearness);
       result = throughput * seen * coverage.covered;
@@ -81,10 +84,11 @@ class WhittedIntegrator final : public Integrator {
 
   /// A ray that meets a back face came through that material; else through what it last entered.
   static Color medium_before(const PathSegment& segment, const SurfacePoint& point) {
-    return point.is_back && !point.is_hidden ? point.material->absorption : segment.medium;
+    const bool from_inside = point.is_back && !point.is_hidden && !point.material->thin;
+    return from_inside ? point.material->absorption : segment.medium;
   }
   static Color medium_beyond(const PathSegment& end, const SurfacePoint& point) {
-    if (point.is_hidden) return end.medium;
+    if (point.is_hidden || point.material->thin) return end.medium;
     return point.is_back ? kBlack : point.material->absorption;
   }
   static Color transmittance_along(const PathSegment& segment, const SurfacePoint& point,
@@ -121,16 +125,21 @@ class WhittedIntegrator final : public Integrator {
     if (!bends && !material.is_mirror()) return kBlack;
     const Vec3 d = end.ray.direction;
     const Vec3 n = dot(point.normal, d) < 0 ? point.normal : point.geometric_normal;
-    Color mirrored = material.reflectivity;
+    const double cosine = std::min(1.0, -dot(d, n));
+    Color mirrored = kRich ? mirrored_share(material, cosine) : material.reflectivity;
     Color result = kBlack;
     if (bends) {
-      const double eta = point.is_back ? 1 / material.refractive_index : material.refractive_index;
-      const double fresnel = fresnel_dielectric(std::min(1.0, -dot(d, n)), eta);
+      const bool from_inside = point.is_back && !material.thin;
+      const double eta = from_inside ? 1 / material.refractive_index : material.refractive_index;
+      double fresnel = fresnel_dielectric(cosine, eta);
+      // Both faces of a sheet reflect, and what is between them does so again and again.
+      if (material.thin) fresnel = 2 * fresnel / (1 + fresnel);
       mirrored += kWhite * (material.transparency * fresnel);
-      Vec3 beyond;
-      if (fresnel < 1 && refract(d, n, eta, beyond)) {
+      Vec3 beyond = d;
+      if (fresnel < 1 && (material.thin || refract(d, n, eta, beyond))) {
         const double share = weight * material.transparency * (1 - fresnel);
-        result += bend(end, point, beyond, kWhite * share, medium_beyond(end, point),
+        const Color tint = kRich ? transmission_tint(material) : kWhite;
+        result += bend(end, point, beyond, tint * share, medium_beyond(end, point),
                        state.counters.rays_refraction, state);
       }
     }
@@ -162,16 +171,22 @@ class WhittedIntegrator final : public Integrator {
   std::shared_ptr<const Scene> scene_;
 };
 
+template <bool kShadows, bool kSecondary>
+std::unique_ptr<const Integrator> make_variant(std::shared_ptr<const Scene> scene) {
+  if (scene->features.rich) {
+    return std::make_unique<WhittedIntegrator<kShadows, kSecondary, true>>(std::move(scene));
+  }
+  return std::make_unique<WhittedIntegrator<kShadows, kSecondary, false>>(std::move(scene));
+}
+
 }  // namespace
 
 std::unique_ptr<const Integrator> make_whitted(std::shared_ptr<const Scene> scene) {
-  const SceneFeatures& features = scene->features;
-  if (features.shadows && features.secondary) {
-    return std::make_unique<WhittedIntegrator<true, true>>(std::move(scene));
-  }
-  if (features.shadows) return std::make_unique<WhittedIntegrator<true, false>>(std::move(scene));
-  if (features.secondary) return std::make_unique<WhittedIntegrator<false, true>>(std::move(scene));
-  return std::make_unique<WhittedIntegrator<false, false>>(std::move(scene));
+  const SceneFeatures features = scene->features;
+  if (features.shadows && features.secondary) return make_variant<true, true>(std::move(scene));
+  if (features.shadows) return make_variant<true, false>(std::move(scene));
+  if (features.secondary) return make_variant<false, true>(std::move(scene));
+  return make_variant<false, false>(std::move(scene));
 }
 
 }  // namespace tessera

@@ -2,7 +2,6 @@
 
 #include "renderer/math/elementary.h"
 #include "renderer/scene/read_shading.h"
-#include "renderer/scene/read_texture.h"
 #include "renderer/scene/read_transform.h"
 
 namespace tessera {
@@ -42,10 +41,25 @@ std::array<Vec3, 3> rotation_rows(const Affine& m) {
   return {x, y, z};  // the columns of world from background are the rows of its inverse
 }
 
+void read_cube(const Where& where, const v1::Background::Cube& in, TextureTable& textures,
+               Background& out) {
+  const Where place{.parent = &where, .kind = "cube"};
+  const auto face = [&](Background::Face number, const std::string& name) {
+    if (name.empty()) return;
+    out.cube[number] = textures.use_image(place, name);
+    out.has_cube = true;
+  };
+  face(Background::front, in.front());
+  face(Background::back, in.back());
+  face(Background::left, in.left());
+  face(Background::right, in.right());
+  face(Background::top, in.top());
+  face(Background::bottom, in.bottom());
+}
+
 }  // namespace
 
-Background read_background(const v1::Background& in, const v1::Scene& scene,
-                           const BlobStore& blobs) {
+Background read_background(const v1::Background& in, TextureTable& textures) {
   const Where where{.kind = "background"};
   Background out;
   switch (in.kind_case()) {
@@ -69,7 +83,7 @@ Background read_background(const v1::Background& in, const v1::Scene& scene,
       out.kind = in.panorama().mapping() == v1::Background::Panorama::CYLINDRICAL_EQUAL_AREA
                      ? BackgroundKind::panorama_equal_area
                      : BackgroundKind::panorama_equirectangular;
-      out.picture = read_image_texture(where, scene, blobs, in.panorama().texture());
+      out.picture = textures.use_image(where, in.panorama().texture());
       out.angle = portable::radians(checked(where, "panorama.angle", in.panorama().angle()));
       if (in.panorama().has_intensity()) {
         out.intensity =
@@ -82,9 +96,9 @@ Background read_background(const v1::Background& in, const v1::Scene& scene,
     case v1::Background::KIND_NOT_SET:
       break;
   }
-  if (in.has_cube()) fail_unsupported(where, "a cube of pictures");
+  if (in.has_cube()) read_cube(where, in.cube(), textures, out);
   out.glow = checked(where, "glow", in.glow(), kNotNegative);
-  checked(where, "transparency", in.transparency(), kUnitRange);
+  out.transparency = checked(where, "transparency", in.transparency(), kUnitRange);
   if (in.has_orientation()) {
     const Affine orientation = read_transform(where, in.orientation());
     if (!is_invertible(orientation)) {

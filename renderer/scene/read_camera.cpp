@@ -152,18 +152,20 @@ CameraChoice read_camera(const v1::Scene& scene, const std::string& name, double
       break;
   }
   if (camera.has_lens()) read_lens(where, camera.lens(), out);
-  if (camera.frame_all()) fail_unsupported(where, "frame_all");
+  choice.frame_all = camera.frame_all();
   out.near_distance = checked(where, "near_distance", camera.near_distance(), kNotNegative);
   if (checked(where, "far_distance", camera.far_distance(), kNotNegative) > 0) {
     out.far_distance = checked(where, "far_distance", camera.far_distance(),
                                {.min = out.near_distance, .above_min = true});
   }
-  if (camera.has_headlight() && !camera.headlight().off()) {
-    const Where light{.parent = &where, .kind = "headlight"};
-    choice.headlight = read_light(light, camera.headlight(), out.world_from_camera);
-    choice.headlight->casts_shadow = false;
-  }
+  if (camera.has_headlight() && !camera.headlight().off()) choice.headlight = &camera.headlight();
   return choice;
+}
+
+Light read_headlight(const v1::Light& in, const Affine& world_from_camera) {
+  Light light = read_light({.kind = "headlight"}, in, world_from_camera);
+  light.casts_shadow = false;
+  return light;
 }
 
 }  // namespace tessera

@@ -116,10 +116,9 @@ TriangleMesh read_mesh(const Where& where, const v1::TriangleMesh& in, const Blo
   check_count(where, "colors", mesh.colors.size(), mesh.positions.size(), "vertex");
   check_count(where, "face_materials", mesh.face_materials.size(), mesh.triangles.size(),
               "triangle");
-  // Texture coordinates are checked, but nothing reads them yet: they are not kept.
-  const auto uvs = read_array<Float2>(where, "uvs", in.uvs(), in.inline_uvs(), blobs);
-  check_count(where, "uvs", uvs.size(), mesh.positions.size(), "vertex");
-  check_finite(where, "uvs", uvs);
+  mesh.uvs = read_array<Float2>(where, "uvs", in.uvs(), in.inline_uvs(), blobs);
+  check_count(where, "uvs", mesh.uvs.size(), mesh.positions.size(), "vertex");
+  check_finite(where, "uvs", mesh.uvs);
   check_finite(where, "positions", mesh.positions);
   check_finite(where, "normals", mesh.normals);
   check_finite(where, "colors", mesh.colors);

@@ -35,8 +35,13 @@ RenderSettings read_settings(const v1::Settings& settings, const v1::FrameSettin
 
 struct CameraChoice {
   CameraSettings settings;
-  std::optional<Light> headlight;
+  /// Sits in the camera's frame.
+  const v1::Light* headlight = nullptr;
+  bool frame_all = false;
 };
+
+/// The light that a camera at `world_from_camera` carries.
+Light read_headlight(const v1::Light& light, const Affine& world_from_camera);
 
 /// The camera called `name` (or described so, or of that number counting from 1; empty: the first)
 /// at `time`. Throws a usage error for an unknown one.

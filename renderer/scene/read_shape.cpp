@@ -32,6 +32,11 @@ BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSou
   auto mesh = std::make_shared<TriangleMesh>(
       read_mesh(where, shape.mesh(), source.blobs, static_cast<size_t>(shape.materials_size())));
   BuiltShape built;
+  if (!source.keep_uvs) {
+    built.bytes_dropped = mesh->uvs.size() * sizeof(Float2);
+    mesh->uvs = {};
+  }
+  built.bytes = mesh->bytes();
   built.triangles_dropped = drop_degenerate(*mesh).total();
   built.triangles = mesh->triangles.size();
   built.has_clear_vertices = std::any_of(mesh->colors.begin(), mesh->colors.end(),
@@ -163,6 +168,11 @@ BuiltShape build_solid(const Where& where, const v1::Shape& shape, const ShapeSo
   auto mesh = std::make_shared<TriangleMesh>(
       read_mesh(where, shape.mesh(), source.blobs, static_cast<size_t>(shape.materials_size())));
   BuiltShape built;
+  if (!source.keep_uvs) {
+    built.bytes_dropped = mesh->uvs.size() * sizeof(Float2);
+    mesh->uvs = {};
+  }
+  built.bytes = mesh->bytes();
   built.triangles_dropped = drop_degenerate(*mesh).total();
   built.triangles = mesh->triangles.size();
   built.shape = std::make_shared<ClosedMesh>(std::move(mesh));
@@ -184,6 +194,8 @@ BuiltShape read_csg(const CsgPlan& plan, const ShapeSource& source) {
         const BuiltShape built = build_solid(where, *step.solid, source);
         whole.triangles += built.triangles;
         whole.triangles_dropped += built.triangles_dropped;
+        whole.bytes += built.bytes;
+        whole.bytes_dropped += built.bytes_dropped;
         nodes.push_back(tree.add(built.shape, Transform(step.csg_from_solid), first_material));
         first_material += static_cast<uint32_t>(material_count(*step.solid));
       } else {

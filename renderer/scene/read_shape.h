@@ -15,6 +15,7 @@ struct ShapeSource {
   const BlobStore& blobs;
   AcceleratorKind accelerator;
   int threads;
+  bool keep_uvs = false;  ///< some material of the shape looks at texture coordinates
 };
 
 /// A built shape, and what building it left out.
@@ -22,6 +23,8 @@ struct BuiltShape {
   std::shared_ptr<const Shape> shape;  ///< null where nothing is left of it
   size_t triangles = 0;
   size_t triangles_dropped = 0;     ///< degenerate ones
+  size_t bytes = 0;                 ///< of the arrays of its meshes
+  size_t bytes_dropped = 0;         ///< of arrays that the picture does not depend on
   bool has_clear_vertices = false;  ///< some vertex colour lets light through
 };
 

@@ -36,6 +36,7 @@ struct ShapeMaterials {
   uint32_t first = 0, count = 0;
   bool is_clear = false;       ///< may let shadow rays through
   bool has_secondary = false;  ///< may send a ray on
+  bool keep_uvs = false;       ///< some texture looks at texture coordinates
   Cull cull = Cull::none;
 };
 
@@ -98,7 +99,8 @@ class SceneBuilder {
       : description_(description),
         frame_(frame),
         source_{blobs, read_accelerator(description.settings(), frame), threads},
-        materials_(description) {}
+        textures_(description, blobs),
+        materials_(description, textures_) {}
 
   std::shared_ptr<const Scene> build() {
     if (description_.includes_size() > 0) {
@@ -106,16 +108,16 @@ class SceneBuilder {
     }
     scene_->settings = read_settings(description_.settings(), frame_);
     const RenderSettings& settings = scene_->settings;
-    const CameraChoice choice = read_camera(description_, frame_.camera(), settings.time);
-    scene_->camera.emplace(choice.settings, settings.width, settings.height);
+    CameraChoice choice = read_camera(description_, frame_.camera(), settings.time);
     scene_->sampler.emplace(settings.sampler);
-    scene_->background = read_background(description_.background(), description_, source_.blobs);
+    scene_->background = read_background(description_.background(), textures_);
     scene_->fog = read_fog(description_.fog());
-    graph_ = unfold_graph(description_, settings.time);
-    add_lights(choice.headlight);
+    graph_ = unfold_graph(description_, settings.time, choice.settings.world_from_camera);
     add_materials();
     build_shapes();
     add_instances();
+    add_camera(choice);
+    add_lights(choice);
     build_accelerators();
     scene_->seen = seen_rect(*scene_);
     count();
@@ -123,7 +125,35 @@ class SceneBuilder {
   }
 
  private:
-  void add_lights(const std::optional<Light>& headlight) {
+  void add_camera(CameraChoice& choice) {
+    const RenderSettings& settings = scene_->settings;
+    if (choice.frame_all) {
+      choice.settings =
+          grown_view(choice.settings, settings.width, settings.height, bounded_corners());
+    }
+    scene_->camera.emplace(choice.settings, settings.width, settings.height);
+    // More samples share the pixel; but few look at exactly their own part of it.
+    const double share =
+        std::max(1 / std::sqrt(static_cast<double>(settings.sampler.samples_per_pixel)), 0.125);
+    scene_->cone = scene_->camera->pixel_cone();
+    scene_->cone = {scene_->cone.at_eye * share, scene_->cone.spread * share};
+  }
+
+  /// Of the boxes of all instances that end somewhere.
+  std::vector<Point3> bounded_corners() const {
+    std::vector<Point3> corners;
+    for (const Instance& instance : scene_->instances) {
+      const Bounds3 box = bounds_of(instance);
+      if (!is_finite(box.max - box.min)) continue;
+      for (int i = 0; i < 8; ++i) {
+        corners.push_back({i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y,
+                           i & 4 ? box.max.z : box.min.z});
+      }
+    }
+    return corners;
+  }
+
+  void add_lights(const CameraChoice& choice) {
     using Settings = v1::IntegratorSettings;
     for (Light& light : graph_.lights) {
       if (scene_->settings.shadows != Settings::SHADOWS_BY_LIGHT) {
@@ -131,9 +161,9 @@ class SceneBuilder {
       }
       if (light.shadow_intensity == 0) light.casts_shadow = false;
     }
-    if (headlight) {
+    if (choice.headlight) {
       graph_.global_lights.push_back(static_cast<uint32_t>(graph_.lights.size()));
-      graph_.lights.push_back(*headlight);
+      graph_.lights.push_back(read_headlight(*choice.headlight, choice.settings.world_from_camera));
     }
     scene_->lights = graph_.lights;
     for (const std::vector<uint32_t>& scope : graph_.scopes) {
@@ -166,8 +196,14 @@ class SceneBuilder {
       entry.count = static_cast<uint32_t>(scene_->material_slots.size()) - entry.first;
       shape_materials_.push_back(entry);
     }
-    scene_->materials = materials_.take();
     for (ShapeMaterials& entry : shape_materials_) classify(entry);
+    for (const Material& material : materials_.materials()) {
+      scene_->features.rich |= material.is_rich();
+    }
+    scene_->materials = materials_.take();
+    scene_->inputs = materials_.take_inputs();
+    texture_count_ = textures_.size();
+    scene_->textures = textures_.take();
   }
 
   void use_materials(const Where& where, const v1::Shape& shape) {
@@ -180,13 +216,15 @@ class SceneBuilder {
   void classify(ShapeMaterials& entry) const {
     uint32_t one_sided = 0;
     for (uint32_t i = 0; i < entry.count; ++i) {
-      const Material* material = &scene_->materials[scene_->material_slots[entry.first + i]];
+      const uint32_t index = scene_->material_slots[entry.first + i];
+      const Material* material = &materials_.materials()[index];
       if (material->sides == Sides::front_only) ++one_sided;
-      const Material* sides[] = {material, &scene_->materials[material->back]};
+      const Material* sides[] = {material, &materials_.materials()[material->back]};
       const size_t count = material->sides == Sides::back_material ? 2 : 1;
       for (size_t side = 0; side < count; ++side) {
         if (!sides[side]->is_opaque()) entry.is_clear = entry.has_secondary = true;
         if (sides[side]->is_mirror()) entry.has_secondary = true;
+        entry.keep_uvs |= materials_.needs_uv(side == 0 ? index : material->back);
       }
     }
     if (one_sided == entry.count) {
@@ -201,7 +239,8 @@ class SceneBuilder {
     const auto build_one = [&](size_t i, int threads) {
       const Where where{.kind = graph_.shapes[i].path.c_str()};
       const v1::Shape& shape = *graph_.shapes[i].shape;
-      const ShapeSource source{source_.blobs, source_.accelerator, threads};
+      const ShapeSource source{source_.blobs, source_.accelerator, threads,
+                               shape_materials_[i].keep_uvs};
       shapes_[i] =
           shape.has_csg() ? read_csg(csg_plans_[i], source) : read_shape(where, shape, source);
     };
@@ -273,11 +312,20 @@ class SceneBuilder {
     counters["lights_off"] = graph_.lights_off;
     counters["nodes_hidden"] = graph_.hidden_nodes;
     counters["nodes_flat"] = graph_.flat_nodes;
+    counters["textures_total"] = static_cast<uint64_t>(description_.textures_size());
+    counters["textures_used"] = texture_count_;
+    counters["texture_bytes"] = textures_.texel_bytes();
+    uint64_t& mesh_bytes = counters["mesh_bytes"];
+    uint64_t& mesh_bytes_dropped = counters["mesh_bytes_dropped"];
+    uint64_t& attributes_dropped = counters["attributes_dropped"];
     uint64_t& triangles = counters["triangles"];
     uint64_t& dropped = counters["triangles_dropped"];
     for (const BuiltShape& built : shapes_) {
       triangles += built.triangles;
       dropped += built.triangles_dropped;
+      mesh_bytes += built.bytes;
+      mesh_bytes_dropped += built.bytes_dropped;
+      if (built.bytes_dropped > 0) ++attributes_dropped;
     }
     if (graph_.flat_nodes > 0) {
       spdlog::warn("{} nodes are scaled to nothing or out of range: left out", graph_.flat_nodes);
@@ -288,7 +336,9 @@ class SceneBuilder {
   const v1::Scene& description_;
   const v1::FrameSettings& frame_;
   ShapeSource source_;
+  TextureTable textures_;
   MaterialTable materials_;
+  size_t texture_count_ = 0;
   std::shared_ptr<Scene> scene_ = std::make_shared<Scene>();
   SceneGraph graph_;
   std::vector<ShapeMaterials> shape_materials_;  // one a graph shape

@@ -17,6 +17,7 @@
 #include "renderer/shading/background.h"
 #include "renderer/shading/light.h"
 #include "renderer/shading/material.h"
+#include "renderer/shading/material_inputs.h"
 
 namespace tessera {
 
@@ -31,6 +32,7 @@ struct InstanceShading {
 struct SceneFeatures {
   bool shadows = false;    ///< some light casts shadows and something may
   bool secondary = false;  ///< mirrors, transparency, absorption, surfaces without back faces
+  bool rich = false;       ///< materials with textures, or of other models than classic and unlit
 };
 
 /// One frame, ready to be traced: made of exactly what its picture depends on. Immutable once built
@@ -44,6 +46,9 @@ struct Scene {
   SceneFeatures features;
 
   std::vector<Material> materials;
+  std::vector<MaterialInputs> inputs;  ///< by Material::inputs
+  std::vector<Texture> textures;
+  Camera::PixelCone cone;                ///< of one sample
   std::vector<uint32_t> material_slots;  ///< indices into materials
   std::vector<Instance> instances;
   std::vector<InstanceShading> shading;  ///< one an instance

@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "base/error.h"
+#include "renderer/math/elementary.h"
 #include "renderer/scene/read_shading.h"
 #include "renderer/scene/read_transform.h"
 #include "renderer/scene/scene.h"
@@ -24,9 +25,35 @@ struct Inherited {
   int depth = 0;
 };
 
+Vec3 column(const Affine& frame, size_t number) {
+  return {frame.m[0][number], frame.m[1][number], frame.m[2][number]};
+}
+
+/// The turn that takes +z towards the viewer (whose frame is given in the node's): about `axis`, or
+/// where that is 0, fully, with +y as the viewer's (ISO/IEC 19775-1, 23.4.1).
+Affine billboard_turn(const Vec3& axis, const Affine& viewer) {
+  const Vec3 to_viewer = column(viewer, 3);
+  if (axis == Vec3{}) {
+    const Vec3 x = cross(column(viewer, 1), to_viewer);
+    if (!(length_squared(x) > 0)) return {};
+    const Vec3 unit_x = normalize(x), z = normalize(to_viewer), y = cross(z, unit_x);
+    Affine turn;
+    for (size_t row = 0; row < 3; ++row) {
+      const int r = static_cast<int>(row);
+      turn.m[row] = {unit_x[r], y[r], z[r], 0};
+    }
+    return turn;
+  }
+  const Vec3 a = normalize(axis);
+  const Vec3 from = Vec3{0, 0, 1} - a * a.z, to = to_viewer - a * dot(a, to_viewer);
+  if (!(length_squared(from) > 0) || !(length_squared(to) > 0)) return {};
+  return rotation(a, portable::atan2(dot(a, cross(from, to)), dot(from, to)));
+}
+
 class Walker {
  public:
-  Walker(const v1::Scene& scene, double time) : scene_(scene), time_(time) {
+  Walker(const v1::Scene& scene, double time, const Affine& viewer)
+      : scene_(scene), time_(time), viewer_(viewer) {
     graph_.scopes.emplace_back();
     for (const v1::Object& object : scene.objects()) {
       const Where where{.kind = "object", .name = object.name()};
@@ -67,9 +94,7 @@ class Walker {
                  fmt::format("more than {} nodes once unfolded", kMaxNodeVisits), "fewer");
     }
     if (!has_content(node)) return;
-    if (node.has_billboard_axis()) fail_unsupported(where, "billboard_axis");
-    inherited.world_from_parent =
-        inherited.world_from_parent * read_transform(where, node.transform(), node.keys(), time_);
+    inherited.world_from_parent = world_from_node(where, node, inherited);
     if (!is_invertible(inherited.world_from_parent)) {
       ++graph_.flat_nodes;
       return;
@@ -79,6 +104,15 @@ class Walker {
     if (node.has_shape()) add_instance(where, node.shape(), inherited);
     if (!node.instance_of().empty()) enter_object(where, node.instance_of(), inherited);
     if (!node.children().empty()) walk(&where, node.children(), inherited);
+  }
+
+  Affine world_from_node(const Where& where, const v1::Node& node,
+                         const Inherited& inherited) const {
+    const Affine frame =
+        inherited.world_from_parent * read_transform(where, node.transform(), node.keys(), time_);
+    if (!node.has_billboard_axis() || !is_invertible(frame)) return frame;
+    return frame * billboard_turn(checked(where, "billboard_axis", node.billboard_axis()),
+                                  inverse(frame) * viewer_);
   }
 
   static bool has_content(const v1::Node& node) {
@@ -128,8 +162,7 @@ class Walker {
       if (!node.has_light() || node.hidden()) continue;
       const Where node_where{.parent = parent, .kind = "node", .name = node.name(), .index = i};
       const Where where{.parent = &node_where, .kind = "light", .name = node.light().name()};
-      const Affine frame = inherited.world_from_parent *
-                           read_transform(node_where, node.transform(), node.keys(), time_);
+      const Affine frame = world_from_node(node_where, node, inherited);
       if (node.light().off() || !is_invertible(frame)) {
         ++graph_.lights_off;
         continue;
@@ -147,6 +180,7 @@ class Walker {
 
   const v1::Scene& scene_;
   const double time_;
+  const Affine viewer_;
   SceneGraph graph_;
   std::unordered_map<std::string_view, const v1::Object*> objects_;
   std::unordered_map<const v1::Shape*, uint32_t> shapes_;
@@ -157,6 +191,8 @@ class Walker {
 
 }  // namespace
 
-SceneGraph unfold_graph(const v1::Scene& scene, double time) { return Walker(scene, time).run(); }
+SceneGraph unfold_graph(const v1::Scene& scene, double time, const Affine& viewer) {
+  return Walker(scene, time, viewer).run();
+}
 
 }  // namespace tessera

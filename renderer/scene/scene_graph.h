@@ -35,6 +35,7 @@ struct SceneGraph {
 
 /// Unfolds the scene's nodes and objects at `time`. Throws a scene error for cycles, unknown names,
 /// and what is too deep or too much.
-SceneGraph unfold_graph(const v1::Scene& scene, double time);
+/// `viewer` is the frame of the camera that billboards turn to.
+SceneGraph unfold_graph(const v1::Scene& scene, double time, const Affine& viewer);
 
 }  // namespace tessera

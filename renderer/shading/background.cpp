@@ -38,7 +38,37 @@ Color panorama_radiance(const Background& background, const Vec3& d) {
   const double t = background.kind == BackgroundKind::panorama_equal_area
                        ? 0.5 - d.y / 2
                        : portable::atan2(std::sqrt(d.x * d.x + d.z * d.z), d.y) / portable::kPi;
-  return background.picture->lookup(s, t) * background.intensity;
+  return background.picture->lookup(s, t).color * background.intensity;
+}
+
+/// The picture of the face that `d` points to over `behind`.
+Color over_cube(const Background& background, const Vec3& d, const Color& behind) {
+  const Vec3 size = abs(d);
+  const double most = max_component(size);
+  if (!(most > 0)) return behind;
+  const Vec3 p = d / most;
+  Background::Face face;
+  double right, down;
+  if (size.z == most) {
+    face = d.z < 0 ? Background::front : Background::back;
+    right = d.z < 0 ? p.x : -p.x, down = -p.y;
+  } else if (size.x == most) {
+    face = d.x > 0 ? Background::right : Background::left;
+    right = d.x > 0 ? p.z : -p.z, down = -p.y;
+  } else {
+    face = d.y > 0 ? Background::top : Background::bottom;
+    right = p.x, down = d.y > 0 ? -p.z : p.z;
+  }
+  const ImageTexture* const picture = background.cube[face].get();
+  if (!picture) return behind;
+  // Up to the middle of the outer texels: beyond the edge comes another picture.
+  const auto inside = [](double at, uint32_t texels) {
+    const double half = 0.5 / texels;
+    return std::clamp((at + 1) / 2, half, 1 - half);
+  };
+  const Texel texel = picture->lookup(inside(right, picture->settings().width),
+                                      inside(down, picture->settings().height));
+  return mix(behind, texel.color, texel.alpha);
 }
 
 /// The share of light from every direction that a light is in: the sum over lights.
@@ -57,7 +87,7 @@ double glow_towards(const Point3& origin, const Vec3& d, std::span<const Light> 
 Color Background::radiance(const Point3& origin, const Vec3& d,
                            std::span<const Light> lights) const {
   Color color = sky;
-  if (kind != BackgroundKind::solid) {
+  if (kind != BackgroundKind::solid || has_cube) {
     const Vec3 turned{dot(rotation[0], d), dot(rotation[1], d), dot(rotation[2], d)};
     switch (kind) {
       case BackgroundKind::gradient_linear:
@@ -70,11 +100,15 @@ Color Background::radiance(const Point3& origin, const Vec3& d,
       case BackgroundKind::panorama_equal_area:
         color = panorama_radiance(*this, turned);
         break;
-      default:
+      case BackgroundKind::rings:
         color = rings_radiance(*this, turned);
         break;
+      case BackgroundKind::solid:
+        break;
     }
+    if (has_cube) color = over_cube(*this, turned, color);
   }
+  if (transparency != 0) color = color * (1 - transparency);
   if (glow != 0) color += kWhite * (glow * glow_towards(origin, d, lights));
   return color;
 }

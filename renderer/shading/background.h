@@ -38,12 +38,17 @@ struct Background {
   std::shared_ptr<const ImageTexture> picture;
   double angle = 0;
   double intensity = 1;
+  /// Pictures on the faces of a cube, drawn over the colours; null: none there.
+  enum Face { front, back, left, right, top, bottom };
+  std::array<std::shared_ptr<const ImageTexture>, 6> cube;
+  bool has_cube = false;
+  double transparency = 0;  ///< the share of colours and pictures that is not there
   double glow = 0;
   /// Rows of the rotation from world to background directions.
   std::array<Vec3, 3> rotation{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
   /// Whether every ray sees the same.
-  bool is_constant() const { return kind == BackgroundKind::solid && glow == 0; }
+  bool is_constant() const { return kind == BackgroundKind::solid && !has_cube && glow == 0; }
   /// Radiance along unit direction `d`, for a ray from `origin`.
   Color radiance(const Point3& origin, const Vec3& d, std::span<const Light> lights) const;
 };

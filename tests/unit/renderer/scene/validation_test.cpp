@@ -37,9 +37,7 @@ std::string material(const std::string& fields) {
 std::string shape(const std::string& fields) {
   return "nodes { name: 'hall' children { shape { " + fields + " } } }";
 }
-std::string light(const std::string& fields) {
-  return "nodes { light { " + fields + " } }";
-}
+std::string light(const std::string& fields) { return "nodes { light { " + fields + " } }"; }
 
 TEST(Validation, materials) {
   expect_error(material("classic { diffuse { value { r: nan } } }"),
@@ -63,43 +61,97 @@ TEST(Validation, materials) {
 }
 
 TEST(Validation, what_is_not_there_yet_is_named) {
-  expect_error(material("physical {}"), "material 'm': a physical material is not supported yet");
-  expect_error(material("conductor {}"), "conductor");
-  expect_error(material("dielectric {}"), "dielectric");
-  expect_error(material("classic { diffuse { texture: 'wood' } }"),
-               "texture 'wood' for diffuse is not supported yet");
-  expect_error(material("normal_map: 'x'"), "a normal map is not supported yet");
-  expect_error(material("bump { value: 1 }"), "a bump map");
-  expect_error("background { cube {} }", "a cube");
   expect_error("background { sun_and_sky {} }", "sun_and_sky");
-  expect_error("cameras { frame_all: true }", "frame_all");
   expect_error("settings { sampling { filter: MITCHELL } }", "MITCHELL");
   expect_error("settings { sampling { target_error: .1 } }", "target_error");
-  expect_error("nodes { billboard_axis {} shape { sphere {} } }", "node 1: billboard_axis");
 }
 
 TEST(Validation, lenses) {
-  expect_error("cameras { lens { radius_x: -1 } }", "lens.radius_x is -1");
-  expect_error("cameras { lens { radius_x: 1 } }", "lens.focal_distance is 0");
-  const std::string lens = "radius_y: 1 focal_distance: 2 ";
-  expect_error("cameras { lens { " + lens + "shape: POLYGON blades: 2 } }", "lens.blades is 2");
-  expect_error("cameras { lens { " + lens + "samples: 2000000 } }", "lens.samples is 2000000");
-  expect_error("cameras { spherical {} lens { " + lens + "} }", "lens.focal_surface is PLANE");
+  const auto lens = [](const std::string& fields) {
+    return "cameras { name: 'c' lens { " + fields + " } }";
+  };
+  expect_error(lens("radius_x: -1"), "camera 'c': lens.radius_x is -1");
+  expect_error(lens("radius_x: 1"), "lens.focal_distance is 0; expected a number > 0");
+  expect_error(lens("radius_y: 1 focal_distance: 1 shape: POLYGON blades: 2"), "lens.blades is 2");
+  expect_error(lens("radius_y: 1 focal_distance: 1 samples: 9999999"), "lens.samples is 9999999");
+  expect_error("cameras { spherical {} lens { radius_x: 1 focal_distance: 1 } }",
+               "lens.focal_surface is PLANE; expected SPHERE");
 }
 
-TEST(Validation, panoramas) {
-  const std::string background = "background { panorama { texture: 'sky' } } ";
-  expect_error(background, "background: texture is 'sky'; expected a texture of the scene");
-  expect_error(background + "textures { name: 'skY' }", "did you mean 'skY'?");
-  const auto image = [&](const std::string& fields) {
-    return background + "textures { name: 'sky' image { " + fields + " } }";
+std::string texture(const std::string& fields) {
+  return "textures { name: 't' " + fields + " } " +
+         material("classic { diffuse { texture: 't' } }");
+}
+
+TEST(Validation, textures) {
+  expect_error(
+      material("classic { diffuse { texture: 'wod' } }") + "textures { name: 'wood' }",
+      "material 'm' > field 'diffuse': texture 'wod' is not defined; did you mean 'wood'?");
+  expect_error(material("normal_map: 'x'"), "field 'normal_map': texture 'x' is not defined");
+  expect_error(material("bump { texture: 'x' }"), "field 'bump': texture 'x' is not defined");
+  expect_error(texture(""), "texture 't': its kind is missing");
+  expect_error("textures {}", "name is empty");
+  expect_error("textures { name: 'a' } textures { name: 'a' }", "texture 'a': name is used twice");
+  expect_error(texture("checker { odd { texture: 't' } }"),
+               "texture 't': checker is made of itself");
+  expect_error(texture("checker { even { value { r: -1 } } }"), "checker.even is (-1, 0, 0)");
+  expect_error(texture("noise { octaves: 17 }"), "noise.octaves is 17; expected 1 to 16");
+  expect_error(texture("noise { frequency: 0 }"), "noise.frequency is 0");
+  expect_error(texture("gradient {}"), "the number of gradient.positions is 0");
+  expect_error(texture("gradient { positions: .5 positions: .4 colors {} colors {} }"),
+               "gradient.positions is 0.4; expected a number in (0.5, 1]");
+  expect_error(texture("noise {} transform { steps { rotate { angle: 5 } } }"), "rotate.axis");
+  // What nothing uses is not looked at.
+  EXPECT_EQ(message_of("textures { name: 'unused' image { width: 99 } }"), "no error");
+  std::string nest = "textures { name: 'n0' checker {} } ";
+  for (int i = 1; i < 9; ++i) {
+    nest += "textures { name: 'n" + std::to_string(i) + "' checker { odd { texture: 'n" +
+            std::to_string(i - 1) + "' } } } ";
+  }
+  expect_error(nest + material("classic { diffuse { texture: 'n8' } }"),
+               "checkers in checkers is 9 deep; expected at most 8");
+}
+
+TEST(Validation, images) {
+  BlobStore blobs;
+  const auto image = [&](const std::string& fields, size_t bytes, std::byte fill = {}) {
+    const std::string digest = blobs.put(std::vector<std::byte>(bytes, fill)).hex();
+    return message_of(texture("image { texels { digest: '" + digest + "' } " + fields + " }"),
+                      blobs);
   };
-  expect_error(image(""), "background > texture 'sky': image.width is 0");
-  expect_error(image("width: 2 height: 70000"), "image.height is 70000");
-  expect_error(image("width: 2 height: 2 channels: 5"), "image.channels is 5");
-  expect_error(image("width: 2 height: 2 channels: 3 bits: 7"), "image.bits is 7");
-  expect_error(image("width: 2 height: 2 channels: 3 bits: 8 file: 'a.png'"),
-               "image.texels is not read from its file");
+  EXPECT_EQ(image("width: 4 height: 2 channels: 3 bits: 8", 24), "no error");
+  EXPECT_EQ(image("width: 5 height: 2 channels: 1 bits: 8 levels: 4", 10 + 3 + 2 + 1), "no error");
+  expect_contains(image("width: 4 height: 2 channels: 3 bits: 8", 23),
+                  "texture 't': image.texels is 23 bytes; expected 24");
+  expect_contains(image("width: 0 height: 2 channels: 3 bits: 8", 24), "image.width is 0");
+  expect_contains(image("width: 1 height: 4000000000 channels: 3 bits: 8", 24), "image.height is");
+  expect_contains(image("width: 4 height: 2 channels: 5 bits: 8", 40), "image.channels is 5");
+  expect_contains(image("width: 4 height: 2 channels: 3 bits: 12", 40), "image.bits is 12");
+  expect_contains(image("width: 4 height: 2 channels: 3 bits: 8 levels: 4", 40),
+                  "image.levels is 4; expected 1 to 3");
+  const auto all_ones = std::byte{0xff};
+  expect_contains(image("width: 1 height: 1 channels: 1 bits: 32", 4, all_ones), "infinite or no");
+  expect_contains(image("width: 1 height: 1 channels: 1 bits: 16", 2, all_ones), "infinite or no");
+  expect_contains(message_of(texture("image { width: 1 height: 1 channels: 1 bits: 8 file: 'x' }")),
+                  "image.texels is not read from 'x'");
+  expect_error("background { panorama {} }", "background: texture '' is not defined");
+  expect_error("textures { name: 'n' noise {} } background { panorama { texture: 'n' } }",
+               "texture 'n' is no image");
+  expect_error("textures { name: 'n' noise {} } background { cube { top: 'n' } }",
+               "background > cube: texture 'n' is no image");
+}
+
+TEST(Validation, other_materials) {
+  expect_error(material("physical { metallic { value: 2 } }"), "metallic is 2");
+  expect_error(material("physical { roughness { value: -1 } }"), "roughness is -1");
+  expect_error(material("physical { refractive_index: 0 }"), "refractive_index is 0");
+  expect_error(material("physical { transparency { texture: 'x' } }"),
+               "transparency is a texture; expected a number; opacity takes a texture");
+  expect_error(material("conductor { k { g: -1 } }"), "k is (0, -1, 0)");
+  expect_error(material("dielectric { roughness { value: 2 } }"), "roughness is 2");
+  expect_error(material("opacity { value: 2 }"), "opacity is 2");
+  expect_error(material("normal_scale: inf"), "normal_scale is inf");
+  expect_error("nodes { billboard_axis { x: inf } shape { sphere {} } }", "billboard_axis is (inf");
 }
 
 TEST(Validation, round_and_flat_shapes) {
