@@ -204,37 +204,56 @@ void describe(const BuiltScene& built, OctreeBenchRow& row) {
   }
 }
 
-OctreeBenchRow measure(const OctreeScene& scene, const std::string& name,
-                       const OctreeBenchOptions& options, std::vector<double>& picture) {
-  const Maker maker(name);
-  OctreeBenchRow row;
-  row.scene = scene.name;
-  row.accelerator = name;
-  row.sampled = maker.scans();
-  const int step = row.sampled ? kSampleStep : 1;
-  const int rounds = row.sampled ? 1 : std::max(1, options.rounds);
-  row.build_seconds = row.trace_seconds = std::numeric_limits<double>::infinity();
+size_t pixels_traced(const OctreeBenchOptions& options, int step) {
   size_t rays = 0;
   for_each_pixel(options.width, options.height, step, [&](int, int) { ++rays; });
-  const double per_ray = 1 / static_cast<double>(rays);
-  for (int round = 0; round < rounds; ++round) {
-    const BuiltScene built = build(scene, maker, nullptr);
-    TraversalCounters counters;
-    const double seconds = trace(scene, options, built, step, picture, counters);
-    const double scale = static_cast<double>(picture.size()) * per_ray;
-    row.build_seconds = std::min(row.build_seconds, built.build_seconds);
-    row.trace_seconds = std::min(row.trace_seconds, seconds * scale);
-    row.primitive_tests_per_ray = static_cast<double>(counters.primitive_tests) * per_ray;
-    row.node_visits_per_ray = static_cast<double>(counters.node_visits) * per_ray;
-    describe(built, row);
-  }
+  return rays;
+}
+
+int step_of(const OctreeBenchRow& row) {
+  return row.sampled ? kSampleStep : 1;
+}
+
+/// Builds and traces once more; the fastest counts.
+void measure(const OctreeScene& scene, const OctreeBenchOptions& options, OctreeBenchRow& row,
+             std::vector<double>& picture) {
+  const double per_ray = 1 / static_cast<double>(pixels_traced(options, step_of(row)));
+  const BuiltScene built = build(scene, Maker(row.accelerator), nullptr);
+  TraversalCounters counters;
+  const double seconds = trace(scene, options, built, step_of(row), picture, counters);
+  const double scale = static_cast<double>(picture.size()) * per_ray;
+  const auto keep_least = [](double& least, double value) {
+    if (least == 0 || value < least) least = value;
+  };
+  keep_least(row.build_seconds, built.build_seconds);
+  keep_least(row.trace_seconds, seconds * scale);
   row.seconds = row.build_seconds + row.trace_seconds;
-  uint64_t object_tests = 0;
+  row.primitive_tests_per_ray = static_cast<double>(counters.primitive_tests) * per_ray;
+  row.node_visits_per_ray = static_cast<double>(counters.node_visits) * per_ray;
+  describe(built, row);
+}
+
+/// In a run of its own, as the counting costs time.
+void count_object_tests(const OctreeScene& scene, const OctreeBenchOptions& options,
+                        OctreeBenchRow& row) {
+  uint64_t tests = 0;
   TraversalCounters ignored;
-  std::vector<double> again;
-  trace(scene, options, build(scene, maker, &object_tests), step, again, ignored);
-  row.object_tests_per_ray = static_cast<double>(object_tests) * per_ray;
-  return row;
+  std::vector<double> picture;
+  trace(scene, options, build(scene, Maker(row.accelerator), &tests), step_of(row), picture,
+        ignored);
+  row.object_tests_per_ray =
+      static_cast<double>(tests) / static_cast<double>(pixels_traced(options, step_of(row)));
+}
+
+size_t count_differing(const OctreeBenchOptions& options, int step, const std::vector<double>& a,
+                       const std::vector<double>& b) {
+  size_t count = 0;
+  for_each_pixel(options.width, options.height, step, [&](int x, int y) {
+    const auto at =
+        static_cast<size_t>(y) * static_cast<size_t>(options.width) + static_cast<size_t>(x);
+    if (std::bit_cast<uint64_t>(a[at]) != std::bit_cast<uint64_t>(b[at])) ++count;
+  });
+  return count;
 }
 
 std::optional<PublishedOctree> published(std::string_view scene, std::string_view accelerator) {
@@ -262,20 +281,26 @@ std::optional<PublishedOctree> published(std::string_view scene, std::string_vie
 std::vector<OctreeBenchRow> bench_octree(const OctreeScene& scene,
                                          const OctreeBenchOptions& options) {
   std::vector<OctreeBenchRow> rows;
-  std::vector<double> first, picture;
   for (const std::string& name : options.accelerators) {
-    OctreeBenchRow row = measure(scene, name, options, picture);
+    OctreeBenchRow& row = rows.emplace_back();
+    row.scene = scene.name;
+    row.accelerator = name;
+    row.sampled = Maker(name).scans();
     row.published = published(scene.name, name);
-    rows.push_back(row);
-    if (rows.size() == 1) first = picture;
-    const int step = row.sampled || rows.front().sampled ? kSampleStep : 1;
-    for_each_pixel(options.width, options.height, step, [&](int x, int y) {
-      const auto at =
-          static_cast<size_t>(y) * static_cast<size_t>(options.width) + static_cast<size_t>(x);
-      if (std::bit_cast<uint64_t>(first[at]) != std::bit_cast<uint64_t>(picture[at]))
-        ++rows.back().differing_pixels;
-    });
   }
+  std::vector<double> first, picture;
+  // In turn, so that a machine that slows down does so for all.
+  for (int round = 0; round < std::max(1, options.rounds); ++round) {
+    for (OctreeBenchRow& row : rows) {
+      if (round > 0 && row.sampled) continue;
+      measure(scene, options, row, picture);
+      if (round > 0) continue;
+      if (&row == &rows.front()) first = picture;
+      const int step = std::max(step_of(row), step_of(rows.front()));
+      row.differing_pixels = count_differing(options, step, first, picture);
+    }
+  }
+  for (OctreeBenchRow& row : rows) count_object_tests(scene, options, row);
   return rows;
 }
 

@@ -37,7 +37,7 @@ struct OctreeBenchOptions {
   std::vector<std::string> accelerators{"octree", "nonuniform-octree", "nonuniform-octree-nlopt",
                                         "bvh", "linear"};
   int width = 1920, height = 1080;
-  int rounds = 3;  ///< builds and traces; the fastest of each counts
+  int rounds = 5;  ///< builds and traces; the fastest of each counts
 };
 
 /// The study's experiment on one scene: a primary ray through the centre of each pixel, and from

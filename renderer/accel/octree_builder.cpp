@@ -16,6 +16,10 @@ namespace {
 // the box test, whose margin is of this size.
 constexpr float kMinWidth = 0x1p-19f;
 
+// The study searches between the spatial and the objects' median. Where both are one, as in a regular
+// lattice, there would be no choice; so this much of the voxel's width is added on either side.
+constexpr float kSearchMargin = 0.1f;
+
 template <typename Work>
 void run_parallel(size_t tasks, int threads, const Work& work) {
   std::atomic<size_t> next{0};
@@ -64,7 +68,8 @@ class Builder {
       }
       begin = end;
     }
-    for (size_t i = voxels.size(); i-- > 0;) weigh(voxels, i);
+    if (options_.few_objects == 0)
+      for (size_t i = voxels.size(); i-- > 0;) weigh(voxels, i);
     return voxels;
   }
 
@@ -103,14 +108,15 @@ class Builder {
     const float least = std::min(stretch.low + min_width_, centre);
     const float most = std::max(stretch.high - min_width_, centre);
     const float median = std::max(least, std::min(*middle, most));
-    stretch.search_low = std::min(centre, median);
-    stretch.search_high = std::max(centre, median);
+    const float more = (stretch.high - stretch.low) * kSearchMargin;
+    stretch.search_low = std::max(least, std::min(centre, median) - more);
+    stretch.search_high = std::min(most, std::max(centre, median) + more);
     return stretch;
   }
 
   /// The voxel's children; none where it stays a leaf.
   std::vector<Voxel> split(const Voxel& voxel) const {
-    if (voxel.count <= options_.block_size) return {};
+    if (too_few(voxel.count)) return {};
     const std::array<float, 3> at = place(voxel);
     std::vector<Voxel> children;
     size_t total = 0;
@@ -133,6 +139,12 @@ class Builder {
       child.budget = voxel.budget * share;
     }
     return children;
+  }
+
+  /// Whether no split could pay.
+  bool too_few(size_t count) const {
+    if (options_.few_objects > 0) return count <= options_.few_objects;
+    return count <= options_.block_size || options_.block_cost * blocks(count) <= options_.interior_cost;
   }
 
   static bool octant_of(const FloatBox& box, const std::array<float, 3>& at, unsigned octant,
@@ -185,7 +197,10 @@ class Builder {
   }
 
   double leaf_cost(double area, size_t count) const {
-    return area * (options_.leaf_cost + options_.object_cost * static_cast<double>(count));
+    return area * (options_.leaf_cost + options_.block_cost * blocks(count));
+  }
+  double blocks(size_t count) const {
+    return static_cast<double>((count + options_.block_size - 1) / options_.block_size);
   }
 
   static void gather(std::vector<Voxel>& voxels, const Voxel& voxel, std::vector<uint32_t>& into) {

@@ -10,20 +10,20 @@ namespace tessera {
 
 /// How an octree is built. Costs are in visits of a node.
 struct OctreeOptions {
-  const SplitSearch* search = nullptr;  ///< null: every node splits at its centre (uniform)
+  const SplitSearch* search = nullptr;  ///< null: every voxel splits at its centre (uniform)
   uint32_t block_size = 1;              ///< slots of a leaf come in blocks of so many
-  double interior_cost = 1;
-  double leaf_cost = 0.5;
-  double object_cost = 1;
+  uint32_t few_objects = 0;  ///< if not 0: each voxel of more objects splits, whatever the cost
+  double interior_cost = 1, leaf_cost = 0, block_cost = 1;
   int max_depth = 24;
-  /// References a object on the average that the whole tree may hold.
-  double max_duplication = 4;
+  double max_duplication = 4;  ///< references to each box, on the average, that a tree may have
 };
 
 /// Builds an octree over boxes: a voxel that splits does so at one point into eight voxels, and each
-/// box is referenced from every leaf voxel that it overlaps. A split is kept only where it lowers
+/// box is referenced from every leaf voxel that it overlaps. Unless few_objects says otherwise, a
+/// split is kept only where it lowers
 ///   SAH = C_i sum SA(interior) + C_l sum SA(leaf) + C_o sum SA(leaf) N(leaf)
-/// with the areas of what the voxels hold, as a ray enters no empty space here. The result is laid
+/// where N counts blocks, and the areas are of what the voxels hold, as a ray enters no empty space
+/// here. The result is laid
 /// out for the traversal of the BVH: the box of a child is its voxel cut down to its contents, so
 /// a hit may be accepted wherever it is found, and later voxels that begin beyond it are skipped.
 ///

@@ -29,20 +29,30 @@ struct Best {
 
 /// Tries each end of an object inside the search stretch, and the stretch's own ends.
 float sweep(const AxisStretch& axis) {
-  std::vector<float> lows = axis.lows, highs = axis.highs;
-  std::sort(lows.begin(), lows.end());
-  std::sort(highs.begin(), highs.end());
-  std::vector<float> places{axis.search_low, axis.search_high};
-  const auto inside = [&axis](float x) { return x > axis.search_low && x < axis.search_high; };
-  std::copy_if(lows.begin(), lows.end(), std::back_inserter(places), inside);
-  std::copy_if(highs.begin(), highs.end(), std::back_inserter(places), inside);
+  std::vector<float> lows, highs, places{axis.search_low, axis.search_high};
+  size_t begun_before = 0, ended_before = 0;
+  const auto sort_in = [&](const std::vector<float>& ends, std::vector<float>& inside,
+                           size_t& before) {
+    for (const float x : ends) {
+      if (x < axis.search_low)
+        ++before;
+      else if (x <= axis.search_high)
+        inside.push_back(x);
+    }
+    std::sort(inside.begin(), inside.end());
+  };
+  sort_in(axis.lows, lows, begun_before);
+  sort_in(axis.highs, highs, ended_before);
+  places.insert(places.end(), lows.begin(), lows.end());
+  places.insert(places.end(), highs.begin(), highs.end());
   std::sort(places.begin(), places.end());
   Best best{std::numeric_limits<double>::infinity(), axis.search_low};
   size_t begun = 0, ended = 0;
   for (const float at : places) {
     while (begun < lows.size() && lows[begun] < at) ++begun;
     while (ended < highs.size() && highs[ended] <= at) ++ended;
-    best.offer(weigh(axis, at, begun, highs.size() - ended), at);
+    best.offer(
+        weigh(axis, at, begun_before + begun, axis.highs.size() - ended_before - ended), at);
   }
   return best.split;
 }
