@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <functional>
 #include <numeric>
 #include <random>
@@ -112,15 +112,16 @@ class RayMaker {
 /// One thing that traces a ray set, with its answers.
 struct Contestant {
   std::string name;
-  std::function<void(const RaySet&)> trace;
+  std::function<void(const RaySet&, size_t begin, size_t end)> trace;
   std::vector<Answer> answers;
   double build_seconds = 0, bytes_per_triangle = 0;
 };
 
-void trace_all(const Accelerator& accelerator, const RaySet& set, std::vector<Answer>& answers) {
+void trace_stretch(const Accelerator& accelerator, const RaySet& set, size_t begin, size_t end,
+                   std::vector<Answer>& answers) {
   TraversalCounters counters;
   answers.resize(set.rays.size());
-  for (size_t i = 0; i < set.rays.size(); ++i) {
+  for (size_t i = begin; i < end; ++i) {
     if (set.any) {
       const bool hit = accelerator.any_hit(set.rays[i], counters);
       answers[i] = {0, hit ? 0 : EmbreeScene::kNothing};
@@ -169,10 +170,18 @@ size_t differing(const RaySet& set, const std::vector<Answer>& a, const std::vec
   return count;
 }
 
-double seconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
+/// Processor time of this thread: what other programs take of the machine does not count.
+double thread_seconds() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+template <typename Work>
+double seconds_of(Work&& work) {
+  const double start = thread_seconds();
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return thread_seconds() - start;
 }
 
 void bench_set(const BenchMesh& scene, const RaySet& set, std::vector<Contestant>& contestants,
@@ -180,21 +189,22 @@ void bench_set(const BenchMesh& scene, const RaySet& set, std::vector<Contestant
                std::vector<RayBenchRow>& rows) {
   if (set.rays.empty()) return;
   std::vector<EmbreeRay> floats = to_float(set);
+  // Short stretches in turn, so that whatever else the machine does falls on all alike.
+  constexpr size_t kStretch = 4096;
   std::vector<std::vector<double>> seconds(contestants.size() + 1);
   for (int round = 0; round < options.rounds + 1; ++round) {
-    for (size_t c = 0; c <= contestants.size(); ++c) {
-      if (c == contestants.size() && !embree) continue;
-      const double taken = seconds_of([&] {
-        if (c < contestants.size()) {
-          contestants[c].trace(set);
-        } else if (set.any) {
-          embree->any_hits(floats);
-        } else {
-          embree->closest_hits(floats);
-        }
-      });
-      if (round > 0) seconds[c].push_back(taken);  // the first round warms up
+    std::vector<double> taken(contestants.size() + 1, 0);
+    for (size_t begin = 0; begin < floats.size(); begin += kStretch) {
+      const size_t end = std::min(floats.size(), begin + kStretch);
+      for (size_t c = 0; c < contestants.size(); ++c)
+        taken[c] += seconds_of([&] { contestants[c].trace(set, begin, end); });
+      if (!embree) continue;
+      const std::span<EmbreeRay> stretch{floats.data() + begin, end - begin};
+      taken.back() +=
+          seconds_of([&] { set.any ? embree->any_hits(stretch) : embree->closest_hits(stretch); });
     }
+    if (round == 0) continue;  // warms up
+    for (size_t c = 0; c < taken.size(); ++c) seconds[c].push_back(taken[c]);
   }
   const double mrays = static_cast<double>(set.rays.size()) * 1e-6;
   const double size = length(scene.mesh.bounds().diagonal());
@@ -204,7 +214,10 @@ void bench_set(const BenchMesh& scene, const RaySet& set, std::vector<Contestant
     row.build_seconds = contestants[c].build_seconds;
     row.bytes_per_triangle = contestants[c].bytes_per_triangle;
     if (embree) {
-      row.ratio_to_embree = median(seconds.back()) / median(seconds[c]);
+      std::vector<double> ratios;
+      for (size_t round = 0; round < seconds[c].size(); ++round)
+        ratios.push_back(seconds.back()[round] / seconds[c][round]);
+      row.ratio_to_embree = median(std::move(ratios));
       row.mismatches = differing(set, contestants[c].answers, floats, size);
     }
     rows.push_back(row);
@@ -236,8 +249,9 @@ std::vector<RayBenchRow> bench_rays(const std::vector<BenchMesh>& meshes,
       added.build_seconds = statistics.build_seconds;
       added.bytes_per_triangle =
           static_cast<double>(statistics.bytes) / static_cast<double>(mesh->triangles.size());
-      added.trace = [&added, &accelerator = *built.back()](const RaySet& set) {
-        trace_all(accelerator, set, added.answers);
+      added.trace = [&added, &accelerator = *built.back()](const RaySet& set, size_t begin,
+                                                           size_t end) {
+        trace_stretch(accelerator, set, begin, end, added.answers);
       };
     }
     const auto shape =

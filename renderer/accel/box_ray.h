@@ -28,53 +28,62 @@ struct BoxRay {
   Real limit(double t) const { return static_cast<Real>((t - t_shift) + t * kMargin); }
 };
 
-/// What both precisions need first.
+/// What both precisions need first. Written without branches on signs: directions are random.
 struct RayFrame {
-  Point3 origin;  ///< moved to where the ray enters the whole
-  Vec3 inverse;
-  double t_shift = 0;
-  double margin = 0;  ///< in space, on each axis
-  bool misses = false;
-  bool fits_float = false;
+  double origin[3];  ///< moved to where the ray enters the whole, if it starts far away
+  double inverse[3];
+  double t_shift, t_min, t_max;
+  double margin;  ///< in space, on each axis
+  bool misses, fits_float;
 };
 
-inline RayFrame make_ray_frame(const Ray& ray, const Bounds3& whole, double extent) {
-  RayFrame f;
-  const Vec3& d = ray.direction;
-  const double longest = max_component(abs(d));
-  const double far_origin =
-      std::max(std::max(std::abs(ray.origin.x), std::abs(ray.origin.y)), std::abs(ray.origin.z));
-  // A component too short to matter within the scene's extent gets a finite reciprocal; the margin
-  // makes up for it.
-  const double shortest = longest * 0x1p-30;
-  double enter = std::min(0.0, ray.t_min), leave = ray.t_max * (1 + BoxRay<double>::kMargin);
+inline double largest(const double* v) {
+  return std::max(std::max(std::abs(v[0]), std::abs(v[1])), std::abs(v[2]));
+}
+
+/// Moves the origin of a ray from far away, where single precision is coarse, to the whole's box.
+inline void move_origin(RayFrame& f, const double* d, const Bounds3& whole, double extent,
+                        double shortest, double far_origin) {
+  constexpr double kInf = Bounds3::kInfinity;
+  const double low[3] = {whole.min.x, whole.min.y, whole.min.z};
+  const double high[3] = {whole.max.x, whole.max.y, whole.max.z};
   const double pad = (far_origin + extent) * 0x1p-40;
+  double enter = std::min(0.0, f.t_min), leave = f.t_max * (1 + BoxRay<float>::kMargin);
   for (int a = 0; a < 3; ++a) {
-    if (!(std::abs(d[a]) >= shortest)) {
-      f.inverse[a] = 1 / std::copysign(shortest, d[a]);
-      continue;
-    }
-    f.inverse[a] = 1 / d[a];
-    const bool down = d[a] < 0;
-    const double low = whole.min[a] - pad, high = whole.max[a] + pad;
-    enter = std::max(enter, ((down ? high : low) - ray.origin[a]) * f.inverse[a]);
-    leave = std::min(leave, ((down ? low : high) - ray.origin[a]) * f.inverse[a]);
+    const bool matters = std::abs(d[a]) >= shortest;
+    const double t0 = ((low[a] - pad) - f.origin[a]) * f.inverse[a];
+    const double t1 = ((high[a] + pad) - f.origin[a]) * f.inverse[a];
+    enter = std::max(enter, matters ? std::min(t0, t1) : -kInf);
+    leave = std::min(leave, matters ? std::max(t0, t1) : kInf);
   }
   f.misses = enter > leave * (1 + 0x1p-40);
   f.t_shift = std::max(0.0, enter);
-  f.origin = enter > 0 ? ray.at(enter) : ray.origin;
-  const double near_origin =
-      std::max(std::max(std::abs(f.origin.x), std::abs(f.origin.y)), std::abs(f.origin.z));
-  const double size = std::max(extent, near_origin);
+  for (int a = 0; a < 3; ++a) f.origin[a] += d[a] * f.t_shift;
+  const double size = std::max(extent, largest(f.origin));
   f.margin = size * BoxRay<float>::kMargin + far_origin * 0x1p-46;
-  // Products of size and reciprocals must neither overflow nor underflow.
-  f.fits_float = size > 1e-25 && size < 1e25 && size / shortest < 1e36 && size / longest > 1e-25 &&
-                 1 / longest > 1e-25 && 1 / shortest < 1e36;
+  f.fits_float = f.fits_float && size < 1e15;
+}
+
+inline RayFrame make_ray_frame(const Ray& ray, double t_max, const Bounds3& whole, double extent) {
+  const double d[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
+  RayFrame f{{ray.origin.x, ray.origin.y, ray.origin.z}, {}, 0, ray.t_min, t_max, 0, false, false};
+  const double longest = largest(d), far_origin = largest(f.origin);
+  // A component too short to matter within the scene's extent gets a finite reciprocal; the margin
+  // makes up for it.
+  const double shortest = longest * 0x1p-30;
+  for (int a = 0; a < 3; ++a)
+    f.inverse[a] = 1 / (std::abs(d[a]) >= shortest ? d[a] : std::copysign(shortest, d[a]));
+  // Then no product of sizes and reciprocals overflows or underflows.
+  f.fits_float = extent > 1e-15 && extent < 1e14 && longest > 1e-9 && longest < 1e9;
+  if (far_origin <= 4 * extent) [[likely]]
+    f.margin = std::max(extent, far_origin) * BoxRay<float>::kMargin;
+  else
+    move_origin(f, d, whole, extent, shortest, far_origin);
   return f;
 }
 
 template <typename Real>
-BoxRay<Real> make_box_ray(const Ray& ray, const RayFrame& f) {
+inline BoxRay<Real> make_box_ray(const RayFrame& f) {
   BoxRay<Real> b;
   for (int a = 0; a < 3; ++a) {
     const Real inverse = static_cast<Real>(f.inverse[a]);
@@ -83,13 +92,13 @@ BoxRay<Real> make_box_ray(const Ray& ray, const RayFrame& f) {
     b.inverse[a] = inverse;
     b.enter_offset[a] = static_cast<Real>(at + slack);
     b.leave_offset[a] = static_cast<Real>(at - slack);
-    b.near_row[a] = 2 * a + (f.inverse[a] < 0 ? 1 : 0);
-    b.far_row[a] = 2 * a + (f.inverse[a] < 0 ? 0 : 1);
+    const int backward = std::signbit(f.inverse[a]) ? 1 : 0;
+    b.near_row[a] = 2 * a + backward;
+    b.far_row[a] = 2 * a + 1 - backward;
   }
   b.t_shift = f.t_shift;
-  b.t_min =
-      static_cast<Real>((ray.t_min - f.t_shift) - std::abs(ray.t_min) * BoxRay<Real>::kMargin);
-  b.t_max = b.limit(ray.t_max);
+  b.t_min = static_cast<Real>((f.t_min - f.t_shift) - std::abs(f.t_min) * BoxRay<Real>::kMargin);
+  b.t_max = b.limit(f.t_max);
   return b;
 }
 

@@ -45,31 +45,66 @@ HWY_INLINE uint32_t bits_of(Tag tag, Mask mask) {
   return bytes[0];
 }
 
-/// Which children the ray enters, and where.
-HWY_INLINE uint32_t enter_children(const WideNode& node, const BoxRay<float>& ray, float* entered) {
-  const FloatTag tag;
-  uint32_t mask = 0;
-  for (size_t lane = 0; lane < 8; lane += hn::MaxLanes(tag)) {
-    auto enter = hn::Set(tag, ray.t_min);
-    auto leave = hn::Set(tag, ray.t_max);
-    for (int a = 0; a < 3; ++a) {
-      const auto inverse = hn::Set(tag, ray.inverse[a]);
-      const auto near = hn::MulSub(hn::Load(tag, node.bounds[ray.near_row[a]] + lane), inverse,
-                                   hn::Set(tag, ray.enter_offset[a]));
-      const auto far = hn::MulSub(hn::Load(tag, node.bounds[ray.far_row[a]] + lane), inverse,
-                                  hn::Set(tag, ray.leave_offset[a]));
-      enter = hn::Max(enter, near);
-      leave = hn::Min(leave, far);
-    }
-    hn::Store(enter, tag, entered + lane);
-    mask |= bits_of(tag, hn::Le(enter, leave)) << lane;
-  }
-  return mask;
-}
+/// What a box test wants of a ray in every lane, kept in registers.
+struct RayLanes {
+  using Lanes = hn::Vec<FloatTag>;
+  Lanes inverse_x, inverse_y, inverse_z, enter_x, enter_y, enter_z, leave_x, leave_y, leave_z,
+      t_min;
+  size_t near_x, near_y, near_z, far_x, far_y, far_z;  // in floats from the start of a node
 
-HWY_INLINE void prefetch_node(const WideNode* nodes, uint32_t reference) {
-  if (reference & NodeReference::kLeaf) return;
-  const char* at = reinterpret_cast<const char*>(nodes + reference);
+  HWY_INLINE explicit RayLanes(const BoxRay<float>& r) {
+    const FloatTag tag;
+    inverse_x = hn::Set(tag, r.inverse[0]);
+    inverse_y = hn::Set(tag, r.inverse[1]);
+    inverse_z = hn::Set(tag, r.inverse[2]);
+    enter_x = hn::Set(tag, r.enter_offset[0]);
+    enter_y = hn::Set(tag, r.enter_offset[1]);
+    enter_z = hn::Set(tag, r.enter_offset[2]);
+    leave_x = hn::Set(tag, r.leave_offset[0]);
+    leave_y = hn::Set(tag, r.leave_offset[1]);
+    leave_z = hn::Set(tag, r.leave_offset[2]);
+    t_min = hn::Set(tag, r.t_min);
+    near_x = 8 * static_cast<size_t>(r.near_row[0]);
+    near_y = 8 * static_cast<size_t>(r.near_row[1]);
+    near_z = 8 * static_cast<size_t>(r.near_row[2]);
+    far_x = 8 * static_cast<size_t>(r.far_row[0]);
+    far_y = 8 * static_cast<size_t>(r.far_row[1]);
+    far_z = 8 * static_cast<size_t>(r.far_row[2]);
+  }
+
+  /// Which children the ray enters before t_max, and where.
+  HWY_INLINE uint32_t enter(const WideNode& node, float t_max, float* entered) const {
+    const FloatTag tag;
+    const float* rows = node.bounds[0];
+    uint32_t mask = 0;
+    for (size_t lane = 0; lane < 8; lane += hn::MaxLanes(tag), rows += hn::MaxLanes(tag)) {
+      const auto nx = hn::MulSub(hn::Load(tag, rows + near_x), inverse_x, enter_x);
+      const auto ny = hn::MulSub(hn::Load(tag, rows + near_y), inverse_y, enter_y);
+      const auto nz = hn::MulSub(hn::Load(tag, rows + near_z), inverse_z, enter_z);
+      const auto fx = hn::MulSub(hn::Load(tag, rows + far_x), inverse_x, leave_x);
+      const auto fy = hn::MulSub(hn::Load(tag, rows + far_y), inverse_y, leave_y);
+      const auto fz = hn::MulSub(hn::Load(tag, rows + far_z), inverse_z, leave_z);
+      // Paired, for the shortest chain of dependent operations.
+      const auto first = hn::Max(hn::Max(nx, ny), hn::Max(nz, t_min));
+      const auto last = hn::Min(hn::Min(fx, fy), hn::Min(fz, hn::Set(tag, t_max)));
+      hn::Store(first, tag, entered + lane);
+      mask |= bits_of(tag, hn::Le(first, last)) << lane;
+    }
+    return mask;
+  }
+};
+
+/// Starts to load what is visited next or soon: most of the time of a ray is waiting.
+struct LeafMemory {
+  const void* first;
+  size_t block_bytes;
+};
+HWY_INLINE void prefetch(const WideNode* nodes, LeafMemory blocks, uint32_t reference) {
+  const NodeReference r{reference};
+  const char* node = reinterpret_cast<const char*>(nodes + reference);
+  const char* at =
+      r.is_leaf() ? static_cast<const char*>(blocks.first) + r.first_block() * blocks.block_bytes
+                  : node;
   __builtin_prefetch(at);
   __builtin_prefetch(at + 64);
   __builtin_prefetch(at + 128);
@@ -79,19 +114,20 @@ HWY_INLINE void prefetch_node(const WideNode* nodes, uint32_t reference) {
 /// Visits nodes nearest first. `leaf(reference)` tests a leaf and says whether a nearer hit was
 /// found, having lowered ray.t_max.
 template <typename Leaf>
-HWY_INLINE bool closest_in_tree(const WideTree& tree, BoxRay<float>& ray, uint64_t& visits,
-                                Leaf&& leaf) {
+HWY_INLINE bool closest_in_tree(const WideTree& tree, LeafMemory blocks, BoxRay<float>& ray,
+                                uint64_t& visits, Leaf&& leaf) {
   const WideNode* nodes = tree.nodes.data();
   Entry stack[kStackSize];
   size_t size = 0;
   uint32_t current = tree.root.bits;
   bool found = false;
+  const RayLanes lanes(ray);
   HWY_ALIGN float entered[8];
   for (;;) {
     while (!(current & NodeReference::kLeaf)) {
       ++visits;
       const WideNode& node = nodes[current];
-      uint32_t mask = enter_children(node, ray, entered);
+      uint32_t mask = lanes.enter(node, ray.t_max, entered);
       if (mask == 0) goto pop;
       const auto first = static_cast<uint32_t>(std::countr_zero(mask));
       current = node.child[first];
@@ -101,8 +137,8 @@ HWY_INLINE bool closest_in_tree(const WideTree& tree, BoxRay<float>& ray, uint64
       mask &= mask - 1;
       Entry a = make_entry(entered[first], current);
       Entry b = make_entry(entered[second], node.child[second]);
-      prefetch_node(nodes, current);
-      prefetch_node(nodes, node.child[second]);
+      prefetch(nodes, blocks, current);
+      prefetch(nodes, blocks, node.child[second]);
       if (mask == 0) {
         stack[size++] = std::max(a, b);
         current = static_cast<uint32_t>(std::min(a, b));
@@ -115,7 +151,7 @@ HWY_INLINE bool closest_in_tree(const WideTree& tree, BoxRay<float>& ray, uint64
         const auto next = static_cast<uint32_t>(std::countr_zero(mask));
         mask &= mask - 1;
         const Entry c = make_entry(entered[next], node.child[next]);
-        prefetch_node(nodes, node.child[next]);
+        prefetch(nodes, blocks, node.child[next]);
         size_t at = size++;
         for (; at > base && stack[at - 1] < c; --at) stack[at] = stack[at - 1];
         stack[at] = c;
@@ -134,24 +170,25 @@ HWY_INLINE bool closest_in_tree(const WideTree& tree, BoxRay<float>& ray, uint64
 
 /// `leaf(reference)` says whether anything in it is hit.
 template <typename Leaf>
-HWY_INLINE bool any_in_tree(const WideTree& tree, const BoxRay<float>& ray, uint64_t& visits,
-                            Leaf&& leaf) {
+HWY_INLINE bool any_in_tree(const WideTree& tree, LeafMemory blocks, const BoxRay<float>& ray,
+                            uint64_t& visits, Leaf&& leaf) {
   const WideNode* nodes = tree.nodes.data();
   uint32_t stack[kStackSize];
   size_t size = 0;
   uint32_t current = tree.root.bits;
+  const RayLanes lanes(ray);
   HWY_ALIGN float entered[8];
   for (;;) {
     while (!(current & NodeReference::kLeaf)) {
       ++visits;
       const WideNode& node = nodes[current];
-      uint32_t mask = enter_children(node, ray, entered);
+      uint32_t mask = lanes.enter(node, ray.t_max, entered);
       if (mask == 0) goto pop;
       current = node.child[std::countr_zero(mask)];
-      prefetch_node(nodes, current);
+      prefetch(nodes, blocks, current);
       for (mask &= mask - 1; mask != 0; mask &= mask - 1) {
         stack[size++] = node.child[std::countr_zero(mask)];
-        prefetch_node(nodes, stack[size - 1]);
+        prefetch(nodes, blocks, stack[size - 1]);
       }
     }
     if (leaf(NodeReference{current})) return true;
@@ -201,8 +238,47 @@ class TriangleTester {
  public:
   TriangleTester(const MeshTree& mesh, const TriangleRay& ray) : mesh_(mesh), ray_(ray) {}
 
+  HWY_INLINE bool closest(NodeReference leaf, Hit& hit, uint64_t& tests) const {
+    bool found = false;
+    ShearedLanes lanes;
+    const TriangleBlock* block = mesh_.blocks.data() + leaf.first_block();
+    for (uint32_t left = leaf.blocks(); left > 0; --left, ++block) {
+      tests += 4;
+      for (uint32_t mask = candidates(*block, hit.t, lanes); mask != 0; mask &= mask - 1) {
+        const int lane = std::countr_zero(mask);
+        TriangleHit h;
+        if (!confirm(*block, lanes, lane, h)) continue;
+        const uint32_t primitive = block->primitive[lane];
+        if (h.t > hit.t || (h.t == hit.t && primitive >= hit.primitive)) continue;
+        hit = {h.t, h.u, h.v, hit.instance, primitive};
+        found = true;
+      }
+    }
+    return found;
+  }
+
+  HWY_INLINE bool any(NodeReference leaf, uint64_t& tests) const {
+    ShearedLanes lanes;
+    const TriangleBlock* block = mesh_.blocks.data() + leaf.first_block();
+    for (uint32_t left = leaf.blocks(); left > 0; --left, ++block) {
+      tests += 4;
+      for (uint32_t mask = candidates(*block, ray_.t_max, lanes); mask != 0; mask &= mask - 1) {
+        TriangleHit h;
+        if (confirm(*block, lanes, std::countr_zero(mask), h)) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  /// ShearedTriangle for each lane of a block: rows are its members in order.
+  struct alignas(32) ShearedLanes {
+    double row[12][4];
+  };
+
   /// Triangles of a block whose edge functions do not differ in sign and that begin before `t_max`.
-  HWY_INLINE uint32_t candidates(const TriangleBlock& block, double t_max) const {
+  HWY_INLINE uint32_t candidates(const TriangleBlock& block, double t_max,
+                                 ShearedLanes& lanes) const {
     const DoubleTag tag;
     const HalfFloatTag half;
     uint32_t mask = 0;
@@ -211,7 +287,7 @@ class TriangleTester {
       const auto oz = hn::Set(tag, ray_.origin.z), sx = hn::Set(tag, ray_.sx);
       const auto sy = hn::Set(tag, ray_.sy), sz = hn::Set(tag, ray_.sz);
       const auto load = [&](int vertex, int axis) HWY_ATTR {
-        return hn::PromoteTo(tag, hn::LoadU(half, block.vertex[vertex][axis] + lane));
+        return hn::PromoteTo(tag, hn::Load(half, block.vertex[vertex][axis] + lane));
       };
       const auto adz = hn::Sub(load(0, ray_.kz), oz);
       const auto bdz = hn::Sub(load(1, ray_.kz), oz);
@@ -229,50 +305,35 @@ class TriangleTester {
       const auto one_sided =
           hn::Or(hn::Ge(hn::Min(hn::Min(u, v), w), zero), hn::Le(hn::Max(hn::Max(u, v), w), zero));
       // t is never below the nearest vertex by more than rounding.
-      const auto nearest =
-          hn::Mul(hn::Min(hn::Min(hn::Mul(sz, adz), hn::Mul(sz, bdz)), hn::Mul(sz, cdz)),
-                  hn::Set(tag, 1 - 0x1p-40));
+      const auto az = hn::Mul(sz, adz), bz = hn::Mul(sz, bdz), cz = hn::Mul(sz, cdz);
+      const auto nearest = hn::Mul(hn::Min(hn::Min(az, bz), cz), hn::Set(tag, 1 - 0x1p-40));
       const auto in_reach = hn::Le(nearest, hn::Set(tag, t_max));
-      mask |= bits_of(tag, hn::And(one_sided, in_reach)) << lane;
+      const uint32_t bits = bits_of(tag, hn::And(one_sided, in_reach));
+      if (bits == 0) continue;
+      mask |= bits << lane;
+      const auto keep = [&](size_t row, auto value)
+                            HWY_ATTR { hn::Store(value, tag, lanes.row[row] + lane); };
+      keep(0, ax), keep(1, ay), keep(2, az);
+      keep(3, bx), keep(4, by), keep(5, bz);
+      keep(6, cx), keep(7, cy), keep(8, cz);
+      keep(9, u), keep(10, v), keep(11, w);
     }
     return mask;
   }
 
-  HWY_INLINE bool confirm(const TriangleBlock& block, int lane, TriangleHit& hit) const {
-    Point3 corner[3];
-    for (int vertex = 0; vertex < 3; ++vertex)
-      for (int a = 0; a < 3; ++a) corner[vertex][a] = block.vertex[vertex][a][lane];
-    return intersect_triangle(ray_, corner[0], corner[1], corner[2], hit);
-  }
-
-  HWY_INLINE bool closest(NodeReference leaf, Hit& hit, uint64_t& tests) const {
-    bool found = false;
-    const TriangleBlock* block = mesh_.blocks.data() + leaf.first_block();
-    for (uint32_t left = leaf.blocks(); left > 0; --left, ++block) {
-      tests += 4;
-      for (uint32_t mask = candidates(*block, hit.t); mask != 0; mask &= mask - 1) {
-        const int lane = std::countr_zero(mask);
-        TriangleHit h;
-        if (!confirm(*block, lane, h)) continue;
-        const uint32_t primitive = block->primitive[lane];
-        if (h.t > hit.t || (h.t == hit.t && primitive >= hit.primitive)) continue;
-        hit = {h.t, h.u, h.v, hit.instance, primitive};
-        found = true;
-      }
-    }
-    return found;
-  }
-
-  HWY_INLINE bool any(NodeReference leaf, uint64_t& tests) const {
-    const TriangleBlock* block = mesh_.blocks.data() + leaf.first_block();
-    for (uint32_t left = leaf.blocks(); left > 0; --left, ++block) {
-      tests += 4;
-      for (uint32_t mask = candidates(*block, ray_.t_max); mask != 0; mask &= mask - 1) {
-        TriangleHit h;
-        if (confirm(*block, std::countr_zero(mask), h)) return true;
-      }
-    }
-    return false;
+  HWY_INLINE bool confirm(const TriangleBlock& block, const ShearedLanes& lanes, int lane,
+                          TriangleHit& hit) const {
+    const auto at = [&](int row) HWY_ATTR { return lanes.row[row][lane]; };
+    ShearedTriangle s{at(0), at(1), at(2), at(3), at(4),  at(5),
+                      at(6), at(7), at(8), at(9), at(10), at(11)};
+    const auto corners = [&]() HWY_ATTR {
+      std::array<Point3, 3> corner;
+      for (int vertex = 0; vertex < 3; ++vertex)
+        for (int a = 0; a < 3; ++a)
+          corner[static_cast<size_t>(vertex)][a] = block.vertex[vertex][a][lane];
+      return corner;
+    };
+    return finish_triangle(ray_, s, corners, hit);
   }
 
  private:
@@ -280,47 +341,71 @@ class TriangleTester {
   const TriangleRay& ray_;
 };
 
+/// The way out for rays that single precision cannot hold; kept apart so that the usual way stays
+/// short.
+HWY_NOINLINE bool mesh_closest_in_double(const MeshTree& mesh, const TriangleRay& ray,
+                                         const RayFrame& frame, Hit& hit,
+                                         TraversalCounters& counters) {
+  const TriangleTester tester(mesh, ray);
+  bool found = false;
+  visit_in_double(mesh.tree, make_box_ray<double>(frame), counters.node_visits,
+                  [&](NodeReference leaf) HWY_ATTR {
+                    found |= tester.closest(leaf, hit, counters.primitive_tests);
+                    return false;
+                  });
+  return found;
+}
+
+HWY_NOINLINE bool mesh_any_in_double(const MeshTree& mesh, const TriangleRay& ray,
+                                     const RayFrame& frame, TraversalCounters& counters) {
+  const TriangleTester tester(mesh, ray);
+  bool found = false;
+  visit_in_double(mesh.tree, make_box_ray<double>(frame), counters.node_visits,
+                  [&](NodeReference leaf)
+                      HWY_ATTR { return found = tester.any(leaf, counters.primitive_tests); });
+  return found;
+}
+
 bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCounters& counters) {
   const TriangleRay prepared(ray);
   if (!prepared.valid()) return false;
-  Ray within = ray;
-  within.t_max = std::min(ray.t_max, hit.t);
-  const RayFrame frame = make_ray_frame(within, mesh.bounds, double{mesh.tree.extent});
+  const RayFrame frame =
+      make_ray_frame(ray, std::min(ray.t_max, hit.t), mesh.bounds, double{mesh.tree.extent});
   if (frame.misses) return false;
+  if (!frame.fits_float) [[unlikely]]
+    return mesh_closest_in_double(mesh, prepared, frame, hit, counters);
   const TriangleTester tester(mesh, prepared);
-  if (!frame.fits_float) [[unlikely]] {
-    bool found = false;
-    visit_in_double(mesh.tree, make_box_ray<double>(within, frame), counters.node_visits,
-                    [&](NodeReference leaf) HWY_ATTR {
-                      found |= tester.closest(leaf, hit, counters.primitive_tests);
-                      return false;
-                    });
-    return found;
-  }
-  BoxRay<float> box_ray = make_box_ray<float>(within, frame);
-  return closest_in_tree(mesh.tree, box_ray, counters.node_visits,
-                         [&](NodeReference leaf) HWY_ATTR {
-                           if (!tester.closest(leaf, hit, counters.primitive_tests)) return false;
-                           box_ray.t_max = box_ray.limit(hit.t);
-                           return true;
-                         });
+  BoxRay<float> box_ray = make_box_ray<float>(frame);
+  TraversalCounters done;
+  const bool found = closest_in_tree(
+      mesh.tree, {mesh.blocks.data(), sizeof(TriangleBlock)}, box_ray,
+      done.node_visits, [&](NodeReference leaf) HWY_ATTR __attribute__((always_inline)) {
+        if (!tester.closest(leaf, hit, done.primitive_tests)) return false;
+        box_ray.t_max = box_ray.limit(hit.t);
+        return true;
+      });
+  counters.node_visits += done.node_visits;
+  counters.primitive_tests += done.primitive_tests;
+  return found;
 }
 
 bool mesh_any(const MeshTree& mesh, const Ray& ray, TraversalCounters& counters) {
   const TriangleRay prepared(ray);
   if (!prepared.valid()) return false;
-  const RayFrame frame = make_ray_frame(ray, mesh.bounds, double{mesh.tree.extent});
+  const RayFrame frame = make_ray_frame(ray, ray.t_max, mesh.bounds, double{mesh.tree.extent});
   if (frame.misses) return false;
+  if (!frame.fits_float) [[unlikely]]
+    return mesh_any_in_double(mesh, prepared, frame, counters);
   const TriangleTester tester(mesh, prepared);
-  const auto leaf = [&](NodeReference at)
-                        HWY_ATTR { return tester.any(at, counters.primitive_tests); };
-  if (!frame.fits_float) [[unlikely]] {
-    bool found = false;
-    visit_in_double(mesh.tree, make_box_ray<double>(ray, frame), counters.node_visits,
-                    [&](NodeReference at) HWY_ATTR { return found = leaf(at); });
-    return found;
-  }
-  return any_in_tree(mesh.tree, make_box_ray<float>(ray, frame), counters.node_visits, leaf);
+  TraversalCounters done;
+  const bool found = any_in_tree(
+      mesh.tree, {mesh.blocks.data(), sizeof(TriangleBlock)}, make_box_ray<float>(frame),
+      done.node_visits, [&](NodeReference leaf) HWY_ATTR __attribute__((always_inline)) {
+        return tester.any(leaf, done.primitive_tests);
+      });
+  counters.node_visits += done.node_visits;
+  counters.primitive_tests += done.primitive_tests;
+  return found;
 }
 
 bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
@@ -337,25 +422,24 @@ bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
     }
     return nearer;
   };
-  Ray within = ray;
-  within.t_max = std::min(ray.t_max, hit.t);
-  const RayFrame frame = make_ray_frame(within, scene.tree_bounds, double{scene.tree.extent});
+  const RayFrame frame =
+      make_ray_frame(ray, std::min(ray.t_max, hit.t), scene.tree_bounds, double{scene.tree.extent});
   if (frame.misses) return found;
   if (!frame.fits_float) [[unlikely]] {
-    visit_in_double(scene.tree, make_box_ray<double>(within, frame), counters.node_visits,
+    visit_in_double(scene.tree, make_box_ray<double>(frame), counters.node_visits,
                     [&](NodeReference leaf) HWY_ATTR {
                       found |= test(leaf);
                       return false;
                     });
     return found;
   }
-  BoxRay<float> box_ray = make_box_ray<float>(within, frame);
-  const bool in_tree =
-      closest_in_tree(scene.tree, box_ray, counters.node_visits, [&](NodeReference leaf) HWY_ATTR {
-        if (!test(leaf)) return false;
-        box_ray.t_max = box_ray.limit(hit.t);
-        return true;
-      });
+  BoxRay<float> box_ray = make_box_ray<float>(frame);
+  const bool in_tree = closest_in_tree(scene.tree, {scene.tree.slots.data(), 4}, box_ray,
+                                       counters.node_visits, [&](NodeReference leaf) HWY_ATTR {
+                                         if (!test(leaf)) return false;
+                                         box_ray.t_max = box_ray.limit(hit.t);
+                                         return true;
+                                       });
   return found || in_tree;
 }
 
@@ -370,15 +454,17 @@ bool instance_any(const InstanceTree& scene, const Ray& ray, TraversalCounters& 
     }
     return false;
   };
-  const RayFrame frame = make_ray_frame(ray, scene.tree_bounds, double{scene.tree.extent});
+  const RayFrame frame =
+      make_ray_frame(ray, ray.t_max, scene.tree_bounds, double{scene.tree.extent});
   if (frame.misses) return false;
   if (!frame.fits_float) [[unlikely]] {
     bool found = false;
-    visit_in_double(scene.tree, make_box_ray<double>(ray, frame), counters.node_visits,
+    visit_in_double(scene.tree, make_box_ray<double>(frame), counters.node_visits,
                     [&](NodeReference at) HWY_ATTR { return found = test(at); });
     return found;
   }
-  return any_in_tree(scene.tree, make_box_ray<float>(ray, frame), counters.node_visits, test);
+  return any_in_tree(scene.tree, {scene.tree.slots.data(), 4}, make_box_ray<float>(frame),
+                     counters.node_visits, test);
 }
 
 BvhKernels kernels_of_target() {

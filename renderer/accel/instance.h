@@ -14,7 +14,7 @@ namespace tessera {
 /// what its shape calls so, under mirroring transforms too.
 struct Instance {
   std::shared_ptr<const Shape> shape;
-  Transform world_from_object;
+  Transform world_from_object{};
   bool casts_shadow = true;   ///< else any_hit passes through it
   Cull cull = Cull::none;     ///< sides that no ray sees, besides those that the ray culls
   bool flip_normals = false;  ///< front and back, and the normals, change places

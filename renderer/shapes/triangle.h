@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "renderer/math/rounding.h"
 #include "renderer/shapes/ray.h"
@@ -13,23 +15,18 @@ namespace tessera {
 // vertices is exact, so a ray through a closed mesh hits at least one triangle. Every accelerator
 // decides its hits here, or by the same operations in the same order.
 
-/// What the test needs of a ray, computed once.
+/// What the test needs of a ray, computed once. Refers to the ray.
 struct TriangleRay {
   int kx, ky, kz;     ///< axes after the permutation that makes z the longest and keeps the winding
   Point3 origin;      ///< permuted
   double sx, sy, sz;  ///< shear and scale
   double t_min, t_max;
-  Cull cull;
-  Point3 world_origin;
-  Vec3 direction;
+  const Ray& ray;
 
   explicit TriangleRay(const Ray& ray);
   /// False where the direction is zero or not finite, or the origin not finite: hits nothing.
-  bool valid() const { return std::isfinite(sz) && std::isfinite(sx + sy) && finite_origin(); }
-
- private:
-  bool finite_origin() const {
-    return std::isfinite(origin.x) && std::isfinite(origin.y) && std::isfinite(origin.z);
+  bool valid() const {
+    return sx * 0 + sy * 0 + sz * 0 + (origin.x * 0 + origin.y * 0 + origin.z * 0) == 0;
   }
 };
 
@@ -45,22 +42,21 @@ struct TriangleHit {
   double u = 0, v = 0;  ///< barycentric weights of vertices 1 and 2
 };
 
-inline TriangleRay::TriangleRay(const Ray& ray)
-    : t_min(ray.t_min),
-      t_max(ray.t_max),
-      cull(ray.cull),
-      world_origin(ray.origin),
-      direction(ray.direction) {
-  const Vec3& d = ray.direction;
-  kz = std::abs(d.x) > std::abs(d.y) ? 0 : 1;
-  if (std::abs(d.z) > std::abs(d[kz])) kz = 2;
-  kx = kz == 2 ? 0 : kz + 1;
-  ky = kx == 2 ? 0 : kx + 1;
-  if (d[kz] < 0) std::swap(kx, ky);
-  origin = {ray.origin[kx], ray.origin[ky], ray.origin[kz]};
+inline TriangleRay::TriangleRay(const Ray& r) : t_min(r.t_min), t_max(r.t_max), ray(r) {
+  // By tables, not by branches: directions are random, and each wrong guess costs as much as a
+  // node.
+  static constexpr int8_t kAxes[6][2] = {{1, 2}, {2, 1}, {2, 0}, {0, 2}, {0, 1}, {1, 0}};
+  const double d[3] = {r.direction.x, r.direction.y, r.direction.z};
+  const double o[3] = {r.origin.x, r.origin.y, r.origin.z};
+  const double x = std::abs(d[0]), y = std::abs(d[1]), z = std::abs(d[2]);
+  kz = z > std::max(x, y) ? 2 : x > y ? 0 : 1;
+  const int backward = d[kz] < 0 ? 1 : 0;
+  kx = kAxes[2 * kz + backward][0];
+  ky = kAxes[2 * kz + backward][1];
+  origin = {o[kx], o[ky], o[kz]};
   sz = 1 / d[kz];
-  sx = d[kx] / d[kz];
-  sy = d[ky] / d[kz];
+  sx = d[kx] * sz;
+  sy = d[ky] * sz;
 }
 
 inline ShearedTriangle shear(const TriangleRay& ray, const Point3& a, const Point3& b,
@@ -100,9 +96,35 @@ inline double t_error(const ShearedTriangle& s, double inverse_det) {
          std::abs(inverse_det);
 }
 
+/// Makes the edge functions accurate where one is zero: that may be a rounded zero, and then a
+/// sliver far away would count as hit. False where their signs differ after all, or all are zero.
+bool sharpen_edges(ShearedTriangle& s);
+/// Decides on a hit whose t is known badly: rejects it where it may be behind the origin, else
+/// moves t to where the ray is inside the triangle's box.
+bool settle_uncertain_t(const TriangleRay& ray, const ShearedTriangle& s,
+                        const std::array<Point3, 3>& corners, double error, double& t);
+
 /// The rest of the test, for the few triangles whose edge functions do not differ in sign.
-bool finish_triangle(const TriangleRay& ray, const Point3& a, const Point3& b, const Point3& c,
-                     ShearedTriangle& s, TriangleHit& hit);
+/// `corners()` gives the three vertices, where they are needed.
+template <typename Corners>
+inline bool finish_triangle(const TriangleRay& ray, ShearedTriangle& s, Corners&& corners,
+                            TriangleHit& hit) {
+  if (s.u == 0 || s.v == 0 || s.w == 0) [[unlikely]] {
+    if (!sharpen_edges(s)) return false;
+  }
+  const double det = s.u + s.v + s.w;
+  const Cull cull = ray.ray.cull;
+  if (cull != Cull::none && (cull == Cull::back ? det < 0 : det > 0)) return false;
+  const double inverse_det = 1 / det;
+  double t = (s.u * s.az + s.v * s.bz + s.w * s.cz) * inverse_det;
+  const double error = t_error(s, inverse_det);
+  if (!(error <= t * 0x1p-30)) [[unlikely]] {
+    if (!settle_uncertain_t(ray, s, corners(), error, t)) return false;
+  }
+  if (!(t > ray.t_min && t < ray.t_max)) return false;
+  hit = {t, s.v * inverse_det, s.w * inverse_det};
+  return true;
+}
 
 /// Whether the ray hits the triangle inside (t_min, t_max).
 inline bool intersect_triangle(const TriangleRay& ray, const Point3& a, const Point3& b,
@@ -110,7 +132,13 @@ inline bool intersect_triangle(const TriangleRay& ray, const Point3& a, const Po
   ShearedTriangle s = shear(ray, a, b, c);
   const bool all_up = s.u >= 0 && s.v >= 0 && s.w >= 0;
   const bool all_down = s.u <= 0 && s.v <= 0 && s.w <= 0;
-  return (all_up || all_down) && finish_triangle(ray, a, b, c, s, hit);
+  if (!(all_up || all_down)) return false;
+  return finish_triangle(
+      ray, s,
+      [&] {
+        return std::array<Point3, 3>{a, b, c};
+      },
+      hit);
 }
 
 }  // namespace tessera

@@ -13,6 +13,16 @@ Vec3 accurate_cross(const Vec3& a, const Vec3& b) {
           difference_of_products(a.x, b.y, a.y, b.x)};
 }
 
+/// Of unit length. Corners in a line have no normal of their own: any that is square to the line
+/// serves the rare ray that rounding lets hit there.
+Vec3 unit_normal(const std::array<Point3, 3>& corner) {
+  const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+  const Vec3 n = accurate_cross(e1, e2);
+  if (max_component(abs(n)) > 0) return normalize(n);
+  const Vec3 line = normalize(e1);
+  return normalize(cross(line, std::abs(line.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+}
+
 bool finite(const Float3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
@@ -64,8 +74,8 @@ MeshDefects drop_degenerate(TriangleMesh& mesh) {
       ++defects.not_finite;
     } else {
       const auto [a, b, c] = mesh.corners(i);
-      if (accurate_cross(b - a, c - a) == Vec3{}) {
-        ++defects.no_area;
+      if (a == b || b == c || c == a) {
+        ++defects.coincident;
         continue;
       }
       mesh.triangles[kept] = index;
@@ -92,8 +102,7 @@ LocalSurface triangle_surface(const TriangleMesh& mesh, uint32_t triangle, doubl
     surface.point[axis] = sum;
     surface.point_error[axis] = gamma(7) * size;
   }
-  const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
-  surface.geometric_normal = to_normal(normalize(accurate_cross(e1, e2)));
+  surface.geometric_normal = to_normal(unit_normal(corner));
   surface.shading_normal = surface.geometric_normal;
   if (!mesh.normals.empty()) {
     const Vec3 n = to_vec(mesh.normals[index[0]]) * weight[0] +

@@ -47,12 +47,13 @@ struct TriangleMesh {
 
 /// Triangles that drop_degenerate() took away, by reason.
 struct MeshDefects {
-  size_t bad_index = 0, not_finite = 0, no_area = 0;
-  size_t total() const { return bad_index + not_finite + no_area; }
+  size_t bad_index = 0, not_finite = 0;
+  size_t coincident = 0;  ///< two corners at one place
+  size_t total() const { return bad_index + not_finite + coincident; }
 };
 
-/// Removes every triangle that no ray can sensibly hit, with its face material; keeps the order of
-/// the rest.
+/// Removes every triangle that no accelerator may hold, with its face material; keeps the order of
+/// the rest. Three distinct corners in a line stay: without them a closed mesh would have a slit.
 MeshDefects drop_degenerate(TriangleMesh& mesh);
 
 /// The surface at barycentric weights u, v of vertices 1 and 2 of a triangle.

@@ -16,9 +16,9 @@ using Quad = __float128;
 double ulps(double got, Quad exact) {
   const double nearest = static_cast<double>(exact);
   if (got == nearest) return 0;
-  const double ulp = std::max(
-      std::abs(std::nextafter(nearest, std::numeric_limits<double>::infinity()) - nearest),
-      std::numeric_limits<double>::denorm_min());
+  const double ulp =
+      std::max(std::abs(std::nextafter(nearest, std::numeric_limits<double>::infinity()) - nearest),
+               std::numeric_limits<double>::denorm_min());
   return std::abs(static_cast<double>((static_cast<Quad>(got) - exact) / ulp));
 }
 

@@ -72,7 +72,8 @@ TEST(Transform, BoundsHoldEveryMappedPoint) {
     EXPECT_TRUE(t.bounds(box).contains(t.point(Point3{d(random), d(random), d(random)})));
   }
   const double inf = Bounds3::kInfinity;
-  const Bounds3 all = Transform(rotation({1, 2, 3}, 1)).bounds({{-inf, -inf, -inf}, {inf, inf, inf}});
+  const Bounds3 all =
+      Transform(rotation({1, 2, 3}, 1)).bounds({{-inf, -inf, -inf}, {inf, inf, inf}});
   EXPECT_EQ(all.min.x, -inf);
   EXPECT_EQ(all.max.z, inf);
 }

@@ -1,0 +1,299 @@
+// N15, N16, N18, N20: every accelerator gives the bits of the linear scan.
+#include "bench/generated_meshes.h"
+#include "renderer/accel/make_accelerator.h"
+#include "renderer/shapes/box.h"
+#include "renderer/shapes/plane.h"
+#include "renderer/shapes/sphere.h"
+#include "tests/numerics/support.h"
+
+namespace tessera::numerics {
+namespace {
+
+std::vector<Vec3> axis_directions() {
+  std::vector<Vec3> all;
+  const double parts[4] = {0.0, -0.0, 1.0, -1.0};
+  for (const double x : parts)
+    for (const double y : parts)
+      for (const double z : parts)
+        if (x != 0 || y != 0 || z != 0) all.push_back({x, y, z});
+  return all;
+}
+
+TriangleMesh grid_of_boxes(int n) {
+  TriangleMesh mesh;
+  for (int i = 0; i < n * n * n; ++i) {
+    const auto x = static_cast<float>(i % n), y = static_cast<float>(i / n % n);
+    const auto z = static_cast<float>(i / n / n);
+    const auto base = static_cast<uint32_t>(mesh.positions.size());
+    for (int c = 0; c < 8; ++c)
+      mesh.positions.push_back(
+          {x + (c & 1 ? 0.5f : 0), y + (c & 2 ? 0.5f : 0), z + (c & 4 ? 0.5f : 0)});
+    for (const auto& q : {std::array<uint32_t, 4>{0, 2, 3, 1},
+                          {4, 5, 7, 6},
+                          {0, 1, 5, 4},
+                          {2, 6, 7, 3},
+                          {0, 4, 6, 2},
+                          {1, 3, 7, 5}}) {
+      mesh.triangles.push_back({base + q[0], base + q[1], base + q[2]});
+      mesh.triangles.push_back({base + q[0], base + q[2], base + q[3]});
+    }
+  }
+  return mesh;
+}
+
+TEST(N15, AxisParallelRaysInFacesEdgesAndCorners) {
+  const auto mesh = std::make_shared<const TriangleMesh>(grid_of_boxes(4));
+  const Accelerators all = Accelerators::over(mesh);
+  size_t wrong = 0, hits = 0;
+  for (const Vec3& d : axis_directions()) {
+    for (int i = 0; i < 9 * 9 * 9; ++i) {
+      // Every half step is a face, an edge or a corner of some box.
+      const Point3 origin{i % 9 * 0.5 - 0.5, i / 9 % 9 * 0.5 - 0.5, i / 81 * 0.5 - 0.5};
+      wrong += static_cast<size_t>(disagreements(all, {origin, d}));
+      Hit hit;
+      TraversalCounters counters;
+      hits += all.all[0]->closest_hit({origin, d}, hit, counters);
+    }
+  }
+  EXPECT_GT(hits, 1000u);
+  EXPECT_EQ(wrong, 0u);
+}
+
+TEST(N16, WhatIsNotANumberHitsNothingAndSpreadsNowhere) {
+  const double inf = Bounds3::kInfinity, nan = std::nan("");
+  const double odd[] = {nan, inf, -inf, 1e308, -1e308, 0, 1e-310};
+  Pcg32 random(1, 16);
+  const auto mesh = std::make_shared<const TriangleMesh>(icosphere(2));
+  const Accelerators meshes = Accelerators::over(mesh);
+  const std::shared_ptr<const Shape> shape = make_mesh_shape(mesh, AcceleratorKind::bvh, 1);
+  const std::vector<Instance> scene{{shape},
+                                    {std::make_shared<Sphere>(Point3{5, 0, 0}, 1)},
+                                    {std::make_shared<Plane>(Vec3{0, 1, 0}, -3)},
+                                    {std::make_shared<Box>(Bounds3{{-5, -1, -1}, {-4, 1, 1}})}};
+  const Accelerators instances = Accelerators::over(scene);
+  for (int i = 0; i < 20000; ++i) {
+    Ray ray{Point3{} + random.in_cube(1), random.direction()};
+    double* parts[8] = {&ray.origin.x,    &ray.origin.y,    &ray.origin.z, &ray.direction.x,
+                        &ray.direction.y, &ray.direction.z, &ray.t_min,    &ray.t_max};
+    for (uint32_t k = 0; k <= random.below(3); ++k) *parts[random.below(8)] = odd[random.below(7)];
+    EXPECT_EQ(disagreements(meshes, ray), 0) << describe(ray) << ray.t_min << " " << ray.t_max;
+    EXPECT_EQ(disagreements(instances, ray), 0) << describe(ray) << ray.t_min << " " << ray.t_max;
+    Hit hit;
+    TraversalCounters counters;
+    if (instances.all[0]->closest_hit(ray, hit, counters)) {
+      EXPECT_FALSE(std::isnan(hit.t));
+    }
+  }
+}
+
+TEST(N16, BadTrianglesAreDroppedAndCounted) {
+  TriangleMesh mesh = icosphere(1);
+  const size_t good = mesh.triangles.size();
+  const float nan = std::nanf("");
+  const auto base = static_cast<uint32_t>(mesh.positions.size());
+  mesh.positions.push_back({nan, 0, 0});
+  mesh.positions.push_back({0, HUGE_VALF, 0});
+  mesh.triangles.insert(mesh.triangles.begin(), {base, 0, 1});
+  mesh.triangles.push_back({0, 1, base + 1});
+  mesh.triangles.push_back({0, 1, 4000000000u});
+  mesh.triangles.push_back({3, 3, 1});
+  const MeshDefects defects = drop_degenerate(mesh);
+  EXPECT_EQ(defects.not_finite, 2u);
+  EXPECT_EQ(defects.bad_index, 1u);
+  EXPECT_EQ(defects.coincident, 1u);
+  EXPECT_EQ(mesh.triangles.size(), good);
+}
+
+void add_triangle(TriangleMesh& mesh, Pcg32& random, const Vec3& at, double size) {
+  const auto base = static_cast<uint32_t>(mesh.positions.size());
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 p = at + random.in_cube(size);
+    mesh.positions.push_back(
+        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+  }
+  mesh.triangles.push_back({base, base + 1, base + 2});
+}
+
+void expect_sound_tree(TriangleMesh mesh, const char* name, double spread, int rays) {
+  drop_degenerate(mesh);
+  const auto shared = std::make_shared<const TriangleMesh>(std::move(mesh));
+  const Accelerators all = Accelerators::over(shared);
+  for (size_t i = 1; i < all.all.size(); ++i) {
+    EXPECT_LE(all.all[i]->statistics().depth, WideTree::kMaxDepth) << name;
+    EXPECT_LE(all.all[i]->statistics().nodes, shared->triangles.size() + 1) << name;
+  }
+  Pcg32 random(1, 18);
+  int wrong = 0;
+  for (int i = 0; i < rays; ++i) {
+    const Point3 origin = Point3{} + random.in_cube(spread);
+    wrong += disagreements(all, {origin, (Point3{} + random.in_cube(spread * 0.3)) - origin});
+  }
+  EXPECT_EQ(wrong, 0) << name;
+}
+
+TEST(N18, DegenerateInputBuildsABoundedTree) {
+  Pcg32 random(1, 18);
+  TriangleMesh same;
+  for (int i = 0; i < 100000; ++i) {
+    if (i == 0) add_triangle(same, random, {}, 1);
+    same.triangles.push_back({0, 1, 2});
+  }
+  expect_sound_tree(same, "identical triangles", 2, 20);
+  TriangleMesh line;
+  for (int i = 0; i < 2000; ++i) add_triangle(line, random, Vec3{i * 1.0, 0, 0}, 0.5);
+  expect_sound_tree(line, "collinear", 2000, 100);
+  TriangleMesh centred;
+  for (int i = 0; i < 2000; ++i) {
+    const auto base = static_cast<uint32_t>(centred.positions.size());
+    const float r = 0.001f * static_cast<float>(i + 1);
+    centred.positions.insert(centred.positions.end(), {{-r, -r, -r}, {r, r, r}, {r, -r, 0}});
+    centred.triangles.push_back({base, base + 1, base + 2});
+  }
+  expect_sound_tree(centred, "one centre", 3, 200);
+  TriangleMesh mixed;
+  add_triangle(mixed, random, {}, 1e6);
+  for (int i = 0; i < 2000; ++i) add_triangle(mixed, random, random.in_cube(1), 0.01);
+  expect_sound_tree(mixed, "one huge among tiny", 2, 200);
+  TriangleMesh doubling;
+  for (int k = -120; k <= 120; ++k) {
+    const double size = std::ldexp(1, k);
+    add_triangle(doubling, random, Vec3{size, 0, 0}, size * 0.5);
+  }
+  expect_sound_tree(doubling, "doubling sizes", 1, 500);
+  for (int n = 1; n <= 5; ++n) {
+    TriangleMesh few;
+    for (int i = 0; i < n; ++i) add_triangle(few, random, {}, 1);
+    expect_sound_tree(few, "few", 2, 100);
+  }
+}
+
+TEST(N18, TreesDoNotDependOnThreads) {
+  const TriangleMesh mesh = triangle_soup(300000, 5);
+  const MeshBvh one(mesh, 1), three(mesh, 3);
+  EXPECT_EQ(one.statistics().nodes, three.statistics().nodes);
+  EXPECT_EQ(one.statistics().bytes, three.statistics().bytes);
+  Pcg32 random(1, 118);
+  TraversalCounters a, b;
+  for (int i = 0; i < 2000; ++i) {
+    const Ray ray{Point3{} + random.in_cube(2), random.direction()};
+    Hit hit_a, hit_b;
+    one.closest_hit(ray, hit_a, a);
+    three.closest_hit(ray, hit_b, b);
+    EXPECT_EQ(hit_a, hit_b);
+  }
+  EXPECT_EQ(a.node_visits, b.node_visits);
+  EXPECT_EQ(a.primitive_tests, b.primitive_tests);
+}
+
+TEST(N18, AnEmptySceneHitsNothing) {
+  const auto empty = std::make_shared<const TriangleMesh>();
+  Hit hit;
+  TraversalCounters counters;
+  const Ray ray{{0, 0, 0}, {0, 0, 1}};
+  EXPECT_FALSE(
+      make_mesh_accelerator(empty, AcceleratorKind::bvh, 2)->closest_hit(ray, hit, counters));
+  EXPECT_FALSE(make_instance_accelerator({}, AcceleratorKind::bvh, 2)->any_hit(ray, counters));
+  std::vector<Instance> hollow(5, {make_mesh_shape(empty, AcceleratorKind::bvh, 1)});
+  EXPECT_FALSE(
+      make_instance_accelerator(hollow, AcceleratorKind::bvh, 2)->closest_hit(ray, hit, counters));
+}
+
+Transform random_placement(Pcg32& random) {
+  Affine a;
+  do {
+    for (auto& row : a.m)
+      for (double& entry : row) entry = random.between(-1, 1);
+  } while (std::abs(a.determinant()) < 0.02);
+  for (auto& row : a.m) row[3] *= 6;
+  return Transform(a);
+}
+
+std::vector<Instance> random_scene(Pcg32& random) {
+  std::vector<std::shared_ptr<const Shape>> shapes{
+      make_mesh_shape(std::make_shared<TriangleMesh>(icosphere(1)), AcceleratorKind::bvh, 1),
+      make_mesh_shape(std::make_shared<TriangleMesh>(triangle_soup(60, random.next())),
+                      AcceleratorKind::bvh, 1),
+      std::make_shared<Sphere>(Point3{0.3, 0, 0}, 1.0), std::make_shared<Plane>(Vec3{0, 1, 0}, -8),
+      std::make_shared<Box>(Bounds3{{-1, -1, -1}, {1, 1, 1}})};
+  std::vector<Instance> scene;
+  const uint32_t count = 1 + random.below(40);
+  for (uint32_t i = 0; i < count; ++i) {
+    Instance& added = scene.emplace_back();
+    added.shape = shapes[random.below(20) == 0 ? 3 : random.below(4) == 3 ? 4 : random.below(3)];
+    // Whole-numbered places make many exact ties.
+    if (random.below(2)) {
+      added.world_from_object = Transform(translation(
+          {random.below(5) * 2.0 - 4, random.below(5) * 2.0 - 4, random.below(5) * 2.0 - 4}));
+    } else {
+      added.world_from_object = random_placement(random);
+    }
+    added.casts_shadow = random.below(8) != 0;
+    added.cull = random.below(6) == 0   ? Cull::back
+                 : random.below(6) == 0 ? Cull::front
+                                        : Cull::none;
+    added.flip_normals = random.below(8) == 0;
+  }
+  return scene;
+}
+
+TEST(N20, AcceleratorsAgreeToTheLastBitOnMixedScenes) {
+  const std::vector<Vec3> axes = axis_directions();
+  for (uint64_t seed = 1; seed <= 60; ++seed) {
+    Pcg32 random(seed, 20);
+    const std::vector<Instance> scene = random_scene(random);
+    const Accelerators all = Accelerators::over(scene);
+    int wrong = 0;
+    for (int i = 0; i < 600; ++i) {
+      Ray ray{Point3{} + random.in_cube(8), random.direction()};
+      if (i % 3 == 0) {
+        ray.origin = {random.below(17) * 1.0 - 8, random.below(17) * 1.0 - 8,
+                      random.below(17) * 1.0 - 8};
+        ray.direction = axes[random.below(static_cast<uint32_t>(axes.size()))];
+      }
+      if (random.below(4) == 0) ray.cull = random.below(2) ? Cull::back : Cull::front;
+      if (random.below(4) == 0) ray.t_max = random.between(0, 10);
+      if (random.below(4) == 0) ray.t_min = random.between(0, 5);
+      wrong += disagreements(all, ray);
+    }
+    EXPECT_EQ(wrong, 0) << "seed " << seed << " stream 20";
+  }
+}
+
+TEST(N20, AcceleratorsAgreeOnSliversSeenEdgeOn) {
+  for (uint64_t seed = 1; seed <= 8; ++seed) {
+    Pcg32 random(seed, 120);
+    TriangleMesh mesh;
+    for (int i = 0; i < 400; ++i) {
+      const Vec3 a = random.in_cube(1), b = a + random.in_cube(1);
+      const Vec3 c =
+          a + (b - a) * random.unit() + random.in_cube(std::pow(10, random.between(-9, -2)));
+      const auto base = static_cast<uint32_t>(mesh.positions.size());
+      for (const Vec3& p : {a, b, c})
+        mesh.positions.push_back(
+            {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+      mesh.triangles.push_back({base, base + 1, base + 2});
+    }
+    drop_degenerate(mesh);
+    const auto shared = std::make_shared<const TriangleMesh>(mesh);
+    const Accelerators all = Accelerators::over(shared);
+    int wrong = 0;
+    size_t hits = 0;
+    for (int i = 0; i < 4000; ++i) {
+      // In the plane of a triangle, through two points of it.
+      const auto t = random.below(static_cast<uint32_t>(shared->triangles.size()));
+      const auto [a, b, c] = shared->corners(t);
+      const Point3 p = a + (b - a) * random.unit(), q = a + (c - a) * random.unit();
+      const double back = random.between(0, 5);
+      const Ray ray{p + (p - q) * back, (q - p) * std::pow(10, random.between(-3, 3))};
+      wrong += disagreements(all, ray);
+      Hit hit;
+      TraversalCounters counters;
+      hits += all.all[0]->closest_hit(ray, hit, counters);
+    }
+    EXPECT_GT(hits, 100u);
+    EXPECT_EQ(wrong, 0) << "seed " << seed << " stream 120";
+  }
+}
+
+}  // namespace
+}  // namespace tessera::numerics

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "renderer/accel/bvh.h"
+#include "renderer/accel/linear_scan.h"
+#include "renderer/math/rounding.h"
+#include "renderer/shapes/triangle_mesh.h"
+
+namespace tessera::numerics {
+
+/// PCG32 (O'Neill 2014). The stream is the test's number in docs, so that a failure that names seed
+/// and stream can be replayed alone.
+class Pcg32 {
+ public:
+  Pcg32(uint64_t seed, uint64_t stream) : step_(stream << 1 | 1) {
+    next();
+    state_ += seed;
+    next();
+  }
+  uint32_t next() {
+    const uint64_t old = state_;
+    state_ = old * 6364136223846793005ULL + step_;
+    const auto mixed = static_cast<uint32_t>(((old >> 18) ^ old) >> 27);
+    const auto turn = static_cast<uint32_t>(old >> 59);
+    return mixed >> turn | mixed << (-turn & 31);
+  }
+  uint32_t below(uint32_t bound) { return static_cast<uint32_t>(uint64_t{next()} * bound >> 32); }
+  /// In [0, 1).
+  double unit() { return (uint64_t{next()} << 21 ^ next() >> 11) * 0x1p-53; }
+  double between(double low, double high) { return low + (high - low) * unit(); }
+  Vec3 in_cube(double half) {
+    return {between(-half, half), between(-half, half), between(-half, half)};
+  }
+  Vec3 direction() {
+    for (;;) {
+      const Vec3 v = in_cube(1);
+      if (const double l = length(v); l > 0.01 && l < 1) return v / l;
+    }
+  }
+
+ private:
+  uint64_t state_ = 0, step_;
+};
+
+/// The linear scan and the BVH compiled for every instruction set of this machine.
+struct Accelerators {
+  std::vector<std::unique_ptr<const Accelerator>> all;  ///< the oracle first
+
+  static Accelerators over(const std::shared_ptr<const TriangleMesh>& mesh, bool with_scan = true) {
+    Accelerators a;
+    if (with_scan) a.all.push_back(std::make_unique<MeshLinearScan>(mesh));
+    for (const BvhKernels& code : all_kernels())
+      a.all.push_back(std::make_unique<MeshBvh>(*mesh, 2, code));
+    return a;
+  }
+  static Accelerators over(const std::vector<Instance>& instances) {
+    Accelerators a;
+    a.all.push_back(std::make_unique<InstanceLinearScan>(instances));
+    bool any_bounded = false;
+    for (const Instance& i : instances) any_bounded |= is_bounded(bounds_of(i));
+    if (!any_bounded) return a;
+    for (const BvhKernels& code : all_kernels())
+      a.all.push_back(std::make_unique<InstanceBvh>(instances, 2, code));
+    return a;
+  }
+};
+
+/// How many accelerators give an answer other than the first, bit for bit.
+inline int disagreements(const Accelerators& accelerators, const Ray& ray) {
+  TraversalCounters counters;
+  int count = 0;
+  Hit expected;
+  const bool expected_found = accelerators.all[0]->closest_hit(ray, expected, counters);
+  const bool expected_any = accelerators.all[0]->any_hit(ray, counters);
+  for (size_t i = 1; i < accelerators.all.size(); ++i) {
+    Hit hit;
+    const bool found = accelerators.all[i]->closest_hit(ray, hit, counters);
+    const bool any = accelerators.all[i]->any_hit(ray, counters);
+    if (found != expected_found || any != expected_any || !(hit == expected)) ++count;
+  }
+  return count;
+}
+
+inline std::string describe(const Ray& r) {
+  char text[400];
+  std::snprintf(text, sizeof text, "origin {%a, %a, %a} direction {%a, %a, %a}", r.origin.x,
+                r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z);
+  return text;
+}
+
+/// Sphere of radius 2 as an n x n grid of quads in which each vertex but the poles and the seam
+/// stands off by its own random factor: PBRT's watertightness mesh.
+inline TriangleMesh bumpy_sphere(uint32_t n, Pcg32& random) {
+  TriangleMesh mesh;
+  const double pi = 3.14159265358979323846;
+  const auto place = [&](double theta, double phi, double r) {
+    mesh.positions.push_back({static_cast<float>(r * std::sin(theta) * std::cos(phi)),
+                              static_cast<float>(r * std::cos(theta)),
+                              static_cast<float>(r * std::sin(theta) * std::sin(phi))});
+  };
+  place(0, 0, 2);
+  place(pi, 0, 2);
+  for (uint32_t row = 1; row < n; ++row)
+    for (uint32_t column = 0; column < n; ++column)
+      place(pi * row / n, 2 * pi * column / n, 2 + 5 * random.unit());
+  const auto at = [n](uint32_t row, uint32_t column) {
+    return row == 0 ? 0u : row == n ? 1u : 2 + (row - 1) * n + column % n;
+  };
+  for (uint32_t row = 0; row < n; ++row) {
+    for (uint32_t column = 0; column < n; ++column) {
+      const uint32_t a = at(row, column), b = at(row, column + 1);
+      const uint32_t c = at(row + 1, column), d = at(row + 1, column + 1);
+      if (a != b) mesh.triangles.push_back({a, b, d});
+      if (c != d) mesh.triangles.push_back({a, d, c});
+    }
+  }
+  return mesh;
+}
+
+inline TriangleMesh moved(TriangleMesh mesh, double scale, const Vec3& by) {
+  for (Float3& p : mesh.positions) {
+    p = {static_cast<float>(p.x * scale + by.x), static_cast<float>(p.y * scale + by.y),
+         static_cast<float>(p.z * scale + by.z)};
+  }
+  drop_degenerate(mesh);
+  return mesh;
+}
+
+}  // namespace tessera::numerics
