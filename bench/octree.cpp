@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <time.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <chrono>
 #include <functional>
 
 #include "base/error.h"
@@ -17,10 +18,11 @@
 namespace tessera {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
+/// Processor time of this thread: other work on the machine does not count.
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 constexpr std::string_view kNloptName = "nonuniform-octree-nlopt";
@@ -93,7 +95,7 @@ BuiltScene build(const OctreeScene& scene, const Maker& maker, uint64_t* object_
   const auto diamond = to_triangles(diamond_mesh());
   const auto mesh = to_triangles(scene.mesh);
   BuiltScene built;
-  const Clock::time_point start = Clock::now();
+  const double start = thread_seconds();
   const auto mesh_shape = [&](const std::shared_ptr<const TriangleMesh>& triangles) {
     return built.meshes.emplace_back(
         std::make_shared<MeshShape>(triangles, maker.over(triangles)));
@@ -114,7 +116,7 @@ BuiltScene build(const OctreeScene& scene, const Maker& maker, uint64_t* object_
   }
   if (!mesh->triangles.empty()) place(mesh_shape(mesh), Affine{});
   built.accelerator = maker.over(built.instances);
-  built.build_seconds = seconds_since(start);
+  built.build_seconds = thread_seconds() - start;
   return built;
 }
 
@@ -182,12 +184,12 @@ double trace(const OctreeScene& scene, const OctreeBenchOptions& options, const 
   const View view(scene, options);
   const Shader shader(scene, view, built);
   picture.assign(static_cast<size_t>(options.width) * static_cast<size_t>(options.height), 0);
-  const Clock::time_point start = Clock::now();
+  const double start = thread_seconds();
   for_each_pixel(options.width, options.height, step, [&](int x, int y) {
     picture[static_cast<size_t>(y) * static_cast<size_t>(options.width) + static_cast<size_t>(x)] =
         shader.shade(view.ray(x, y), counters);
   });
-  return seconds_since(start);
+  return thread_seconds() - start;
 }
 
 void describe(const BuiltScene& built, OctreeBenchRow& row) {

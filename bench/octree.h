@@ -26,7 +26,8 @@ struct OctreeBenchRow {
   int mesh_depth = 0;        ///< of the deepest tree over the triangles of an object
   size_t mesh_voxels = 0;    ///< of all trees over triangles
   double object_tests_per_ray = 0, primitive_tests_per_ray = 0, node_visits_per_ray = 0;
-  double build_seconds = 0, trace_seconds = 0, seconds = 0;  ///< one thread; seconds is the sum
+  double build_seconds = 0, trace_seconds = 0, seconds = 0;  ///< one thread's processor
+                                                             ///< time; seconds is the sum
   size_t differing_pixels = 0;  ///< from the first accelerator of the run
   bool sampled = false;         ///< only each 16th pixel of each 16th row; trace_seconds scaled up
   std::optional<PublishedOctree> published;

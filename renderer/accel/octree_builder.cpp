@@ -20,6 +20,8 @@ constexpr float kMinWidth = 0x1p-19f;
 // lattice, there would be no choice; so this much of the voxel's width is added on either side.
 constexpr float kSearchMargin = 0.1f;
 
+constexpr size_t kWorthThreads = 4096;
+
 template <typename Work>
 void run_parallel(size_t tasks, int threads, const Work& work) {
   std::atomic<size_t> next{0};
@@ -55,7 +57,7 @@ class Builder {
     for (int depth = 1; depth < options_.max_depth && begin < voxels.size(); ++depth) {
       const size_t end = voxels.size();
       std::vector<std::vector<Voxel>> children(end - begin);
-      run_parallel(end - begin, end - begin < 16 && begin < 64 ? 1 : threads,
+      run_parallel(end - begin, boxes_.size() < kWorthThreads ? 1 : threads,
                    [&](size_t i) { children[i] = split(voxels[begin + i]); });
       for (size_t i = 0; i < children.size(); ++i) {
         if (children[i].empty()) continue;
