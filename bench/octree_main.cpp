@@ -23,7 +23,7 @@ OctreeScene scene_of(const std::string& name) {
     scene.mesh.positions.push_back(mesh.vertex(i));
   for (const TriangleIndices& t : mesh.triangles)
     scene.mesh.triangles.insert(scene.mesh.triangles.end(), t.begin(), t.end());
-  look_at_all(mesh.bounds(), scene);
+  look_at_box(mesh.bounds(), scene);
   return scene;
 }
 

@@ -31,7 +31,7 @@ OctreeScene random_diamonds() {
   Random random(1);
   OctreeScene scene;
   for (int i = 0; i < 1000; ++i)
-    scene.diamonds.push_back({Point3{} + random.in_cube() * 500, 20});
+    scene.diamonds.push_back({Point3{} + random.in_cube() * 500, 25});
   return scene;
 }
 
@@ -45,7 +45,7 @@ OctreeScene concentric_spheres() {
       const double y = 1 - (2 * i + 1) / double{kOnEach}, ring = std::sqrt(1 - y * y);
       const double turn = golden * i + shell;
       const Vec3 out{ring * portable::cos(turn), y, ring * portable::sin(turn)};
-      scene.spheres.push_back({Point3{} + out * (100.0 * shell), 4});
+      scene.spheres.push_back({Point3{} + out * (100.0 * shell), 8});
     }
   }
   return scene;
@@ -53,7 +53,7 @@ OctreeScene concentric_spheres() {
 
 /// One clump somewhere inside each cell of a grid of 4 x 4 x 4.
 OctreeScene clumped_diamonds() {
-  constexpr double kCell = 250, kClump = 60, kRadius = 6;
+  constexpr double kCell = 250, kClump = 60, kRadius = 10;
   Random random(2);
   OctreeScene scene;
   for (int cell = 0; cell < 64; ++cell) {
@@ -169,10 +169,11 @@ PlainMesh pot_mesh() {
   return mesh;
 }
 
-void look_at_all(const Bounds3& box, OctreeScene& scene) {
+void look_at_box(const Bounds3& box, OctreeScene& scene) {
   scene.target = box.center();
   const double radius = length(box.diagonal()) / 2;
-  const double reach = radius / portable::sin(portable::radians(scene.field_of_view / 2));
+  // Near enough for a cube to reach the picture's upper and lower edge.
+  const double reach = 0.6 * radius / portable::sin(portable::radians(scene.field_of_view / 2));
   scene.eye = scene.target + normalize(Vec3{.45, .35, 1}) * reach;
 }
 
@@ -199,7 +200,7 @@ OctreeScene make_octree_scene(std::string_view name) {
       }
     }
     for (const Point3& p : scene.mesh.positions) box.extend(p);
-    look_at_all(box, scene);
+    look_at_box(box, scene);
     if (scene.mesh.triangles.empty()) scene.point_light = box.center();
     return scene;
   }

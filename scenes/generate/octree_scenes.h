@@ -40,7 +40,7 @@ PlainMesh diamond_mesh();
 /// A pot with lid, spout and handle in about 25,000 triangles, made of revolved and swept curves of
 /// our own; about 3 wide, standing on y = 0.
 PlainMesh pot_mesh();
-/// Puts the camera where it sees all of `box`.
-void look_at_all(const Bounds3& box, OctreeScene& scene);
+/// Puts the camera where `box` fills the picture's height.
+void look_at_box(const Bounds3& box, OctreeScene& scene);
 
 }  // namespace tessera
