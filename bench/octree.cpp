@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <functional>
 
 #include "base/error.h"
 #include "renderer/accel/make_accelerator.h"
@@ -77,8 +76,7 @@ std::shared_ptr<const TriangleMesh> to_triangles(const PlainMesh& plain) {
     mesh->positions.push_back(
         {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
   for (size_t i = 0; i + 2 < plain.triangles.size(); i += 3)
-    mesh->triangles.push_back(
-        {plain.triangles[i], plain.triangles[i + 1], plain.triangles[i + 2]});
+    mesh->triangles.push_back({plain.triangles[i], plain.triangles[i + 1], plain.triangles[i + 2]});
   drop_degenerate(*mesh);
   return mesh;
 }
@@ -97,8 +95,7 @@ BuiltScene build(const OctreeScene& scene, const Maker& maker, uint64_t* object_
   BuiltScene built;
   const double start = thread_seconds();
   const auto mesh_shape = [&](const std::shared_ptr<const TriangleMesh>& triangles) {
-    return built.meshes.emplace_back(
-        std::make_shared<MeshShape>(triangles, maker.over(triangles)));
+    return built.meshes.emplace_back(std::make_shared<MeshShape>(triangles, maker.over(triangles)));
   };
   const auto place = [&](std::shared_ptr<const Shape> shape, const Affine& world_from_object) {
     if (object_tests) shape = std::make_shared<CountingShape>(std::move(shape), object_tests);
@@ -135,7 +132,8 @@ struct View {
   }
   /// Through the centre of the pixel.
   Ray ray(int x, int y) const {
-    const double px = (2 * x + 1 - width) / double(height), py = (height - 2 * y - 1) / double(height);
+    const double px = (2 * x + 1 - width) / double(height),
+                 py = (height - 2 * y - 1) / double(height);
     return {eye, forward + right * px + up * py};
   }
 };
@@ -153,9 +151,9 @@ class Shader {
     if (dot(s.geometric_normal, ray.direction) > 0) s.geometric_normal = -s.geometric_normal;
     double value = 0.1;
     const auto add = [&](const Ray& shadow) {
+      const double facing = dot(s.geometric_normal, shadow.direction);
       const bool dark = built_.accelerator->any_hit(shadow, counters);
-      const double cosine = dot(s.geometric_normal, normalize(shadow.direction));
-      if (!dark && cosine > 0) value += cosine;
+      if (!dark && facing > 0) value += facing / length(shadow.direction);
     };
     if (light_) add(spawn_ray_to(s, *light_));
     add(spawn_ray(s, sun_));
@@ -169,7 +167,8 @@ class Shader {
 };
 
 /// Tiles as the farm cuts them, pixel after pixel; `each(x, y)`.
-void for_each_pixel(int width, int height, int step, const std::function<void(int, int)>& each) {
+template <typename Each>
+void for_each_pixel(int width, int height, int step, const Each& each) {
   constexpr int kTile = 32;
   for (int ty = 0; ty < height; ty += kTile)
     for (int tx = 0; tx < width; tx += kTile)

@@ -19,12 +19,12 @@ struct PublishedOctree {
 /// rays, as the study counts them.
 struct OctreeBenchRow {
   std::string scene, accelerator;
-  int depth = 0;             ///< 1 for a single voxel; of the tree over the objects
-  size_t voxels = 0;         ///< leaf voxels, empty ones too; of a BVH its leaves
-  size_t references = 0;     ///< of objects from voxels
-  size_t bytes = 0;          ///< tree over the objects and trees of their meshes
-  int mesh_depth = 0;        ///< of the deepest tree over the triangles of an object
-  size_t mesh_voxels = 0;    ///< of all trees over triangles
+  int depth = 0;           ///< 1 for a single voxel; of the tree over the objects
+  size_t voxels = 0;       ///< leaf voxels, empty ones too; of a BVH its leaves
+  size_t references = 0;   ///< of objects from voxels
+  size_t bytes = 0;        ///< tree over the objects and trees of their meshes
+  int mesh_depth = 0;      ///< of the deepest tree over the triangles of an object
+  size_t mesh_voxels = 0;  ///< of all trees over triangles
   double object_tests_per_ray = 0, primitive_tests_per_ray = 0, node_visits_per_ray = 0;
   double build_seconds = 0, trace_seconds = 0, seconds = 0;  ///< one thread's processor
                                                              ///< time; seconds is the sum

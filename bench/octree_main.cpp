@@ -47,7 +47,8 @@ int run(int argc, char** argv) {
     const bool more = i + 1 < argc;
     if (argument == "--size" && more) {
       if (std::sscanf(argv[++i], "%dx%d", &options.width, &options.height) != 2 ||
-          options.width < 1 || options.height < 1 || options.width > 65536 || options.height > 65536)
+          options.width < 1 || options.height < 1 || options.width > 65536 ||
+          options.height > 65536)
         throw usage_error("--size: expected WxH");
     } else if (argument == "--rounds" && more) {
       options.rounds = std::atoi(argv[++i]);

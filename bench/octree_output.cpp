@@ -7,24 +7,25 @@
 namespace tessera {
 
 std::string octree_table(const std::vector<OctreeBenchRow>& rows) {
-  constexpr const char* kLine = "{:19} {:24} {:>5} {:>7} {:>8} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7} {:>5}\n";
-  std::string text = fmt::format(kLine, "scene", "accelerator", "depth", "voxels", "refs", "KiB",
-                                 "obj/ray", "prim/ray", "node/ray", "build s", "trace s", "seconds",
-                                 "diff");
+  constexpr const char* kLine =
+      "{:19} {:24} {:>5} {:>7} {:>8} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7} {:>5}\n";
+  std::string text =
+      fmt::format(kLine, "scene", "accelerator", "depth", "voxels", "refs", "KiB", "obj/ray",
+                  "prim/ray", "node/ray", "build s", "trace s", "seconds", "diff");
   const auto number = [](double x) { return fmt::format("{:.2f}", x); };
   const auto seconds = [](double x) { return fmt::format("{:.3f}", x); };
   for (const OctreeBenchRow& r : rows) {
     const std::string approximately = r.sampled ? "~" : "";
-    text += fmt::format(kLine, r.scene, r.accelerator, r.depth, r.voxels, r.references,
-                        r.bytes / 1024, number(r.object_tests_per_ray),
-                        number(r.primitive_tests_per_ray), number(r.node_visits_per_ray),
-                        fmt::format("{:.4f}", r.build_seconds),
-                        approximately + seconds(r.trace_seconds), approximately + seconds(r.seconds),
-                        r.differing_pixels);
+    text +=
+        fmt::format(kLine, r.scene, r.accelerator, r.depth, r.voxels, r.references, r.bytes / 1024,
+                    number(r.object_tests_per_ray), number(r.primitive_tests_per_ray),
+                    number(r.node_visits_per_ray), fmt::format("{:.4f}", r.build_seconds),
+                    approximately + seconds(r.trace_seconds), approximately + seconds(r.seconds),
+                    r.differing_pixels);
     if (const auto& p = r.published)
       text += fmt::format(kLine, "", "  published", p->depth, p->voxels, "", "",
-                          number(p->object_tests_per_ray), "", number(p->node_visits_per_ray), "", "",
-                          seconds(p->seconds), "");
+                          number(p->object_tests_per_ray), "", number(p->node_visits_per_ray), "",
+                          "", seconds(p->seconds), "");
   }
   return text;
 }

@@ -32,10 +32,6 @@ std::optional<Ray> culled_local_ray(const Instance& instance, const Ray& ray) {
 
 }  // namespace
 
-bool can_hit(const Ray& ray) {
-  return is_finite(ray.origin - Point3{}) && is_finite(ray.direction) && ray.direction != Vec3{};
-}
-
 bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
                     TraversalCounters& counters) {
   const std::optional<Ray> local = culled_local_ray(instance, ray);

@@ -16,8 +16,9 @@ namespace {
 // the box test, whose margin is of this size.
 constexpr float kMinWidth = 0x1p-19f;
 
-// The study searches between the spatial and the objects' median. Where both are one, as in a regular
-// lattice, there would be no choice; so this much of the voxel's width is added on either side.
+// The study searches between the spatial and the objects' median. Where both are one, as in a
+// regular lattice, there would be no choice; so this much of the voxel's width is added on either
+// side.
 constexpr float kSearchMargin = 0.1f;
 
 constexpr size_t kWorthThreads = 4096;
@@ -146,7 +147,8 @@ class Builder {
   /// Whether no split could pay.
   bool too_few(size_t count) const {
     if (options_.few_objects > 0) return count <= options_.few_objects;
-    return count <= options_.block_size || options_.block_cost * blocks(count) <= options_.interior_cost;
+    return count <= options_.block_size ||
+           options_.block_cost * blocks(count) <= options_.interior_cost;
   }
 
   static bool octant_of(const FloatBox& box, const std::array<float, 3>& at, unsigned octant,

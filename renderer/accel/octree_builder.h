@@ -18,9 +18,9 @@ struct OctreeOptions {
   double max_duplication = 4;  ///< references to each box, on the average, that a tree may have
 };
 
-/// Builds an octree over boxes: a voxel that splits does so at one point into eight voxels, and each
-/// box is referenced from every leaf voxel that it overlaps. Unless few_objects says otherwise, a
-/// split is kept only where it lowers
+/// Builds an octree over boxes: a voxel that splits does so at one point into eight voxels, and
+/// each box is referenced from every leaf voxel that it overlaps. Unless few_objects says
+/// otherwise, a split is kept only where it lowers
 ///   SAH = C_i sum SA(interior) + C_l sum SA(leaf) + C_o sum SA(leaf) N(leaf)
 /// where N counts blocks, and the areas are of what the voxels hold, as a ray enters no empty space
 /// here. The result is laid

@@ -30,7 +30,8 @@ class Layout {
     tree.slots = std::move(slots_);
     tree.leaves = leaves_;
     for (int a = 0; a < 3; ++a)
-      tree.extent = std::max({tree.extent, std::abs(root.bounds.low[a]), std::abs(root.bounds.high[a])});
+      tree.extent =
+          std::max({tree.extent, std::abs(root.bounds.low[a]), std::abs(root.bounds.high[a])});
     return tree;
   }
 
@@ -57,7 +58,8 @@ class Layout {
     size_t size = block_size_;
     while (size * 8 < item.references.size()) size *= 8;
     for (size_t i = 0; i < item.references.size(); i += size) {
-      Item part{{}, item.voxel, item.references.subspan(i, std::min(size, item.references.size() - i))};
+      Item part{
+          {}, item.voxel, item.references.subspan(i, std::min(size, item.references.size() - i))};
       for (const uint32_t r : part.references)
         part.box.extend(intersection(boxes_[r], item.voxel->bounds));
       found.push_back(part);

@@ -39,9 +39,10 @@ inline FloatBox intersection(const BuildBox& a, const FloatBox& b) {
 /// A voxel of an octree while it is built.
 struct Voxel {
   FloatBox bounds;
-  FloatBox held;                     ///< around its boxes, cut to `bounds`; empty without any
-  std::vector<uint32_t> references;  ///< boxes that overlap it, ascending; none where it has children
-  size_t count = 0;                  ///< of them, kept when they are handed on
+  FloatBox held;  ///< around its boxes, cut to `bounds`; empty without any
+  std::vector<uint32_t>
+      references;    ///< boxes that overlap it, ascending; none where it has children
+  size_t count = 0;  ///< of them, kept when they are handed on
   uint32_t first_child = 0, child_count = 0;
   double budget = 0;  ///< references that the leaves below may have
   double cost = 0;

@@ -51,8 +51,7 @@ float sweep(const AxisStretch& axis) {
   for (const float at : places) {
     while (begun < lows.size() && lows[begun] < at) ++begun;
     while (ended < highs.size() && highs[ended] <= at) ++ended;
-    best.offer(
-        weigh(axis, at, begun_before + begun, axis.highs.size() - ended_before - ended), at);
+    best.offer(weigh(axis, at, begun_before + begun, axis.highs.size() - ended_before - ended), at);
   }
   return best.split;
 }
@@ -136,7 +135,8 @@ NloptMinimize load_module() {
       continue;
     }
     const auto entry = reinterpret_cast<NloptModuleEntry>(dlsym(handle, kNloptModuleEntry));
-    if (const NloptMinimize minimize = entry ? entry(kNloptModuleVersion) : nullptr) return minimize;
+    if (const NloptMinimize minimize = entry ? entry(kNloptModuleVersion) : nullptr)
+      return minimize;
     cause = fmt::format("{} is of another version", file);
   }
   throw usage_error(fmt::format("the NLopt module can not be loaded: {}", cause));

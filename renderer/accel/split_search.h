@@ -30,7 +30,8 @@ class SplitSearch {
 
 /// The factors of the product depend on an axis each and are never negative, so each is minimised
 /// by itself; and each is linear between the ends of objects, so its minimum lies at an end. Exact
-/// up to kExactObjects objects; of more, the best of kPlaces even places. O(n log n), no randomness.
+/// up to kExactObjects objects; of more, the best of kPlaces even places. O(n log n), no
+/// randomness.
 class SweepSearch final : public SplitSearch {
  public:
   static constexpr size_t kExactObjects = 2048;

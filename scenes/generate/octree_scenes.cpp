@@ -30,8 +30,7 @@ OctreeScene uniform_diamonds() {
 OctreeScene random_diamonds() {
   Random random(1);
   OctreeScene scene;
-  for (int i = 0; i < 1000; ++i)
-    scene.diamonds.push_back({Point3{} + random.in_cube() * 500, 25});
+  for (int i = 0; i < 1000; ++i) scene.diamonds.push_back({Point3{} + random.in_cube() * 500, 25});
   return scene;
 }
 
@@ -72,7 +71,8 @@ OctreeScene teapot() {
   return scene;
 }
 
-// ------------------------------------------------------------------------------------------ the pot
+// ------------------------------------------------------------------------------------------ the
+// pot
 
 /// Adds rows of points as a surface; each row closes on itself. Points run counter-clockwise seen
 /// against the direction in which the rows advance.
@@ -99,11 +99,13 @@ struct Profile {
 void revolve(const std::vector<Profile>& points, int steps, int segments, PlainMesh& mesh) {
   std::vector<std::vector<Point3>> rows;
   const auto at = [&points](long i) {
-    return points[static_cast<size_t>(std::max(0L, std::min(i, static_cast<long>(points.size()) - 1)))];
+    return points[static_cast<size_t>(
+        std::max(0L, std::min(i, static_cast<long>(points.size()) - 1)))];
   };
   // Catmull and Rom's interpolating spline.
   const auto spline = [](double a, double b, double c, double d, double t) {
-    return b + t * ((c - a) / 2 + t * (a - 2.5 * b + 2 * c - d / 2 + t * ((d - a) / 2 + (b - c) * 1.5)));
+    return b + t * ((c - a) / 2 +
+                    t * (a - 2.5 * b + 2 * c - d / 2 + t * ((d - a) / 2 + (b - c) * 1.5)));
   };
   for (long k = 0; k + 1 < static_cast<long>(points.size()); ++k) {
     for (int s = k == 0 ? 0 : 1; s <= steps; ++s) {
@@ -151,8 +153,8 @@ PlainMesh diamond_mesh() {
 
 PlainMesh pot_mesh() {
   PlainMesh mesh;
-  revolve({{0, 0}, {.6, .01}, {.75, .08}, {.95, .4}, {1, .75}, {.9, 1.1}, {.72, 1.35}, {.68, 1.4}}, 9,
-          128, mesh);
+  revolve({{0, 0}, {.6, .01}, {.75, .08}, {.95, .4}, {1, .75}, {.9, 1.1}, {.72, 1.35}, {.68, 1.4}},
+          8, 128, mesh);
   revolve({{.7, 1.36}, {.55, 1.47}, {.2, 1.55}, {.09, 1.62}, {.16, 1.74}, {.1, 1.83}, {0, 1.85}}, 4,
           72, mesh);
   sweep(

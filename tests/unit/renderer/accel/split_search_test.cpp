@@ -53,9 +53,9 @@ TEST(SweepSearch, NoPlaceIsCheaper) {
       EXPECT_LE(split[a], axis.search_high);
       const double least = axis.cost(split[a]);
       for (int i = 0; i <= 1000; ++i) {
-        const float at = std::min(
-            axis.search_high,
-            axis.search_low + (axis.search_high - axis.search_low) * static_cast<float>(i) / 1000);
+        const float at =
+            std::min(axis.search_high, axis.search_low + (axis.search_high - axis.search_low) *
+                                                             static_cast<float>(i) / 1000);
         EXPECT_LE(least, axis.cost(at) * (1 + 1e-12));
       }
       for (const auto* ends : {&axis.lows, &axis.highs}) {
