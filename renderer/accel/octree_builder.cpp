@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <thread>
@@ -122,19 +123,22 @@ class Builder {
     if (too_few(voxel.count)) return {};
     const std::array<float, 3> at = place(voxel);
     std::vector<Voxel> children;
-    size_t total = 0;
+    std::array<size_t, 8> child_of{};
     for (unsigned octant = 0; octant < 8; ++octant) {
       Voxel child;
       if (!octant_of(voxel.bounds, at, octant, child.bounds)) continue;
-      for (const uint32_t i : voxel.references) {
-        if (!belongs(boxes_[i], at, octant)) continue;
+      child_of[octant] = children.size();
+      children.push_back(std::move(child));
+    }
+    for (const uint32_t i : voxel.references) {
+      for (unsigned octants = octants_of(boxes_[i], at); octants != 0; octants &= octants - 1) {
+        Voxel& child = children[child_of[static_cast<size_t>(std::countr_zero(octants))]];
         child.references.push_back(i);
         child.held.extend(intersection(boxes_[i], child.bounds));
       }
-      child.count = child.references.size();
-      total += child.count;
-      children.push_back(std::move(child));
     }
+    size_t total = 0;
+    for (Voxel& child : children) total += child.count = child.references.size();
     const auto allowed = static_cast<double>(total);
     if (children.size() < 2 || allowed > voxel.budget) return {};
     for (Voxel& child : children) {
@@ -167,14 +171,17 @@ class Builder {
     return true;
   }
 
-  /// A box that only touches the plane from one side belongs to that side alone.
-  static bool belongs(const BuildBox& box, const std::array<float, 3>& at, unsigned octant) {
+  /// A bit for each octant that the box belongs to. One that only touches the plane from one side
+  /// belongs to that side alone.
+  static unsigned octants_of(const BuildBox& box, const std::array<float, 3>& at) {
+    constexpr unsigned kUpper[3] = {0xaa, 0xcc, 0xf0};
+    unsigned octants = 0xff;
     for (size_t a = 0; a < 3; ++a) {
       const bool lower = box.low[a] < at[a];
       const bool upper = box.high[a] > at[a] || !lower;
-      if (!((octant >> a & 1) != 0 ? upper : lower)) return false;
+      octants &= (upper ? kUpper[a] : 0) | (lower ? ~kUpper[a] : 0);
     }
-    return true;
+    return octants;
   }
 
   /// Children come after their parents: called from the last voxel to the first.

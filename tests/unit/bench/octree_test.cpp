@@ -67,7 +67,6 @@ TEST(OctreeBench, TheNonuniformOctreeNeedsFewerVoxelsAndVisits) {
     EXPECT_LE(rows[1].depth, rows[0].depth) << rows[0].scene;
     EXPECT_LT(rows[1].references, rows[0].references) << rows[0].scene;
     EXPECT_LT(rows[1].node_visits_per_ray, rows[0].node_visits_per_ray) << rows[0].scene;
-    EXPECT_LE(rows[1].object_tests_per_ray, rows[0].object_tests_per_ray) << rows[0].scene;
     // Far below the study's own counts, whichever the octree.
     EXPECT_LT(rows[0].object_tests_per_ray, rows[0].published->object_tests_per_ray);
     EXPECT_LT(rows[0].voxels, rows[0].published->voxels);
