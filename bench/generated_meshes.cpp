@@ -80,6 +80,77 @@ TriangleMesh triangle_soup(size_t count, uint64_t seed) {
   return mesh;
 }
 
+namespace {
+
+void add_box(TriangleMesh& mesh, const Float3& low, const Float3& high, double turn, bool inward) {
+  const auto first = static_cast<uint32_t>(mesh.positions.size());
+  const double cx = 0.5 * (double{low.x} + high.x), cz = 0.5 * (double{low.z} + high.z);
+  const double c = std::cos(turn), s = std::sin(turn);
+  for (int i = 0; i < 8; ++i) {
+    const double x = (i & 1 ? high.x : low.x) - cx, z = (i & 4 ? high.z : low.z) - cz;
+    mesh.positions.push_back({static_cast<float>(cx + c * x - s * z), i & 2 ? high.y : low.y,
+                              static_cast<float>(cz + s * x + c * z)});
+  }
+  constexpr uint32_t kFaces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                     {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  for (const auto& f : kFaces) {
+    const uint32_t a = first + f[0], b = first + f[1], d = first + f[2], e = first + f[3];
+    if (inward) {
+      mesh.triangles.insert(mesh.triangles.end(), {{a, d, b}, {a, e, d}});
+    } else {
+      mesh.triangles.insert(mesh.triangles.end(), {{a, b, d}, {a, d, e}});
+    }
+  }
+}
+
+}  // namespace
+
+TriangleMesh furnished_room(uint64_t seed) {
+  TriangleMesh mesh;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<float> unit(0, 1);
+  add_box(mesh, {0, 0, 0}, {8, 3, 10}, 0, true);
+  const auto box = [&](Float3 at, Float3 size, double turn) {
+    add_box(mesh, {at.x - size.x / 2, at.y, at.z - size.z / 2},
+            {at.x + size.x / 2, at.y + size.y, at.z + size.z / 2}, turn, false);
+  };
+  for (int shelf = 0; shelf < 24; ++shelf) {  // along two walls, with books
+    const bool left = shelf % 2 == 0;
+    const float x = left ? 0.2f : 7.8f, y = 0.4f * static_cast<float>(shelf / 2 % 6);
+    const float z = shelf < 12 ? 2.5f : 6.5f;
+    box({x, y, z}, {0.4f, 0.03f, 3}, 0);
+    for (float along = -1.45f; along < 1.45f;) {
+      const float thick = 0.02f + 0.05f * unit(random);
+      box({x, y + 0.03f, z + along + thick / 2},
+          {0.2f + 0.1f * unit(random), 0.2f + 0.12f * unit(random), thick * 0.95f}, 0);
+      along += thick;
+    }
+  }
+  for (int seat = 0; seat < 30; ++seat) {  // tables and chairs: a top on four legs
+    const Float3 at{1.2f + 5.6f * unit(random), 0, 0.8f + 8.4f * unit(random)};
+    const float width = 0.4f + 0.6f * unit(random), height = 0.4f + 0.4f * unit(random);
+    const double turn = 6.3 * unit(random);
+    box({at.x, height, at.z}, {width, 0.04f, width}, turn);
+    for (int leg = 0; leg < 4; ++leg) {
+      const double a = turn + 0.785 + 1.5708 * leg;
+      box({at.x + 0.6f * width * static_cast<float>(std::cos(a)), 0,
+           at.z + 0.6f * width * static_cast<float>(std::sin(a))},
+          {0.04f, height, 0.04f}, turn);
+    }
+  }
+  const TriangleMesh ball = icosphere(4);
+  for (int i = 0; i < 18; ++i) {
+    const float scale = 0.05f + 0.1f * unit(random);
+    const Float3 at{1 + 6 * unit(random), 0.3f + 2 * unit(random), 1 + 8 * unit(random)};
+    const auto first = static_cast<uint32_t>(mesh.positions.size());
+    for (const Float3& p : ball.positions)
+      mesh.positions.push_back({at.x + scale * p.x, at.y + scale * p.y, at.z + scale * p.z});
+    for (const TriangleIndices& t : ball.triangles)
+      mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  return mesh;
+}
+
 TriangleMesh read_plain_obj(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw std::runtime_error("cannot read " + path);

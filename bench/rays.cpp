@@ -29,7 +29,8 @@ struct Answer {
 
 class RayMaker {
  public:
-  RayMaker(const MeshShape& shape, uint64_t seed) : shape_(shape), random_(seed) {}
+  RayMaker(const MeshShape& shape, bool indoors, uint64_t seed)
+      : shape_(shape), indoors_(indoors), random_(seed) {}
 
   std::vector<RaySet> make(int side) {
     RaySet primary{"primary", false, primary_rays(side)};
@@ -37,7 +38,8 @@ class RayMaker {
     RaySet shadow{"shadow", true, {}}, diffuse{"diffuse", false, {}}, ao{"ao", true, {}};
     const Bounds3 box = shape_.bounds();
     const double size = length(box.diagonal());
-    const Point3 light = box.center() + Vec3{0.6, 0.9, 0.7} * size;
+    const Point3 light = indoors_ ? box.center() + Vec3{0, 0.4 * box.diagonal().y, 0}
+                                  : box.center() + Vec3{0.6, 0.9, 0.7} * size;
     for (const SurfaceInteraction& s : first) {
       shadow.rays.push_back(spawn(s, light - s.point));
       shadow.rays.back().t_max = 1;
@@ -57,8 +59,9 @@ class RayMaker {
   std::vector<Ray> primary_rays(int side) {
     const Bounds3 box = shape_.bounds();
     const double size = length(box.diagonal());
-    const Affine camera =
-        look_at(box.center() + Vec3{0.35, 0.3, 0.9} * (size * 0.85), box.center(), {0, 1, 0});
+    const Point3 eye = indoors_ ? box.center() + box.diagonal() * 0.4
+                                : box.center() + Vec3{0.35, 0.3, 0.9} * (size * 0.85);
+    const Affine camera = look_at(eye, box.center(), {0, 1, 0});
     std::vector<Ray> rays;
     for (int y = 0; y < side; ++y) {
       for (int x = 0; x < side; ++x) {
@@ -106,6 +109,7 @@ class RayMaker {
   }
 
   const MeshShape& shape_;
+  bool indoors_;
   std::mt19937_64 random_;
 };
 
@@ -256,7 +260,7 @@ std::vector<RayBenchRow> bench_rays(const std::vector<BenchMesh>& meshes,
     }
     const auto shape =
         make_mesh_shape(mesh, AcceleratorKind::bvh, std::max(1, options.build_threads));
-    for (const RaySet& set : RayMaker(*shape, options.seed).make(options.image_side))
+    for (const RaySet& set : RayMaker(*shape, scene.indoors, options.seed).make(options.image_side))
       bench_set(scene, set, contestants, embree.get(), options, rows);
   }
   return rows;

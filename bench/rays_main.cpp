@@ -1,4 +1,4 @@
-// bench_rays [--side N] [--rounds N] FILE.obj | ico:SUBDIVISIONS | soup:TRIANGLES ...
+// bench_rays [--side N] [--rounds N] FILE.obj | ico:SUBDIVISIONS | soup:TRIANGLES | room ...
 #include <fmt/format.h>
 
 #include <cstdlib>
@@ -20,6 +20,8 @@ int main(int argc, char** argv) {
       meshes.push_back({argument, tessera::icosphere(std::atoi(argument.c_str() + 4))});
     } else if (argument.starts_with("soup:")) {
       meshes.push_back({argument, tessera::triangle_soup(std::atol(argument.c_str() + 5), 1)});
+    } else if (argument == "room") {
+      meshes.push_back({argument, tessera::furnished_room(1), true});
     } else {
       meshes.push_back(
           {argument.substr(argument.rfind('/') + 1), tessera::read_plain_obj(argument)});
