@@ -53,7 +53,4 @@ class InstanceBvh final : public Accelerator {
   AcceleratorStatistics statistics_;
 };
 
-/// Whether a tree can hold these bounds.
-bool is_bounded(const Bounds3& bounds);
-
 }  // namespace tessera

@@ -369,6 +369,9 @@ HWY_NOINLINE bool mesh_any_in_double(const MeshTree& mesh, const TriangleRay& ra
 bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCounters& counters) {
   const TriangleRay prepared(ray);
   if (!prepared.valid()) return false;
+  // What a few triangles need is less than a box test's preparation.
+  if (mesh.tree.root.is_leaf())
+    return TriangleTester(mesh, prepared).closest(mesh.tree.root, hit, counters.primitive_tests);
   const RayFrame frame =
       make_ray_frame(ray, std::min(ray.t_max, hit.t), mesh.bounds, double{mesh.tree.extent});
   if (frame.misses) return false;
@@ -392,6 +395,8 @@ bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCount
 bool mesh_any(const MeshTree& mesh, const Ray& ray, TraversalCounters& counters) {
   const TriangleRay prepared(ray);
   if (!prepared.valid()) return false;
+  if (mesh.tree.root.is_leaf())
+    return TriangleTester(mesh, prepared).any(mesh.tree.root, counters.primitive_tests);
   const RayFrame frame = make_ray_frame(ray, ray.t_max, mesh.bounds, double{mesh.tree.extent});
   if (frame.misses) return false;
   if (!frame.fits_float) [[unlikely]]
@@ -408,16 +413,33 @@ bool mesh_any(const MeshTree& mesh, const Ray& ray, TraversalCounters& counters)
   return found;
 }
 
+/// Remembers instances that a ray was tested against: an octree holds one in several leaves.
+class Mailbox {
+ public:
+  Mailbox() { std::fill(std::begin(tested_), std::end(tested_), WideTree::kEmptySlot); }
+  bool tested(uint32_t number) {
+    uint32_t& place = tested_[number % std::size(tested_)];
+    if (place == number) return true;
+    place = number;
+    return false;
+  }
+
+ private:
+  uint32_t tested_[8];
+};
+
 bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
                       TraversalCounters& counters) {
   if (!can_hit(ray)) return false;
   bool found = false;
   for (const uint32_t i : scene.endless)
     found |= closest_hit_of(scene.instances[i], i, ray, hit, counters);
+  Mailbox mailbox;
   const auto test = [&](NodeReference leaf) HWY_ATTR {
     bool nearer = false;
     for (uint32_t i = 0; i < leaf.blocks(); ++i) {
       const uint32_t number = scene.tree.slots[leaf.first_block() + i];
+      if (mailbox.tested(number)) continue;
       nearer |= closest_hit_of(scene.instances[number], number, ray, hit, counters);
     }
     return nearer;
@@ -447,9 +469,11 @@ bool instance_any(const InstanceTree& scene, const Ray& ray, TraversalCounters& 
   if (!can_hit(ray)) return false;
   for (const uint32_t i : scene.endless)
     if (any_hit_of(scene.instances[i], ray, counters)) return true;
+  Mailbox mailbox;
   const auto test = [&](NodeReference leaf) HWY_ATTR {
     for (uint32_t i = 0; i < leaf.blocks(); ++i) {
       const uint32_t number = scene.tree.slots[leaf.first_block() + i];
+      if (mailbox.tested(number)) continue;
       if (any_hit_of(scene.instances[number], ray, counters)) return true;
     }
     return false;
