@@ -10,8 +10,8 @@ namespace tessera {
 
 struct BenchMesh {
   std::string name;
-  TriangleMesh mesh;      ///< without degenerate triangles
-  bool indoors = false;   ///< eye and light are inside of it
+  TriangleMesh mesh;     ///< without degenerate triangles
+  bool indoors = false;  ///< eye and light are inside of it
 };
 
 /// One line of `tessera bench rays`.

@@ -317,6 +317,10 @@ class Builder {
       chosen = pair[0];
       children[count++] = pair[1];
     }
+    // Of rays that any hit satisfies, the largest is the likeliest to stop one.
+    std::stable_sort(
+        children.begin(), children.begin() + static_cast<long>(count),
+        [](const Range& a, const Range& b) { return a.box.half_area() > b.box.half_area(); });
     return add_node(part, {children.data(), count}, depth, pending);
   }
 
