@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -16,7 +17,7 @@ namespace {
 using Lanes = BuildBox::Lanes;
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
-constexpr int kMaxBins = 32;
+constexpr int kMaxBins = 48;
 constexpr float kNodeCost = 1.0f;  // of visiting a node, in tests of a block of triangles
 constexpr int kMedianDepth = 24;   // below this, halves: so that the depth stays bounded
 constexpr size_t kMinTask = 2048;
@@ -75,7 +76,7 @@ struct Binning {
   bool usable[3];
 
   explicit Binning(const Range& range) {
-    bins = static_cast<int>(std::min<size_t>(kMaxBins, 4 + range.count() / 20));
+    bins = static_cast<int>(std::min<size_t>(kMaxBins, 4 + range.count() / 4));
     base = range.centroids.low;
     const Lanes extent = range.centroids.high - range.centroids.low;
     scale = Lanes{};
@@ -123,28 +124,32 @@ class Bins {
       }
     }
   }
-  /// The cheapest split by half-area times blocks on each side.
-  Split best(const Binning& binning, uint32_t block_size) const {
+  /// The cheapest split by half-area times blocks on each side. Beside an empty bin nothing is new.
+  Split best(const Binning& binning, uint32_t block_shift) const {
     Split best;
-    const auto blocks = [block_size](size_t n) {
-      return static_cast<double>((n + block_size - 1) / block_size);
+    const auto blocks = [block_shift](uint32_t n) {
+      return static_cast<double>(
+          static_cast<int32_t>((n + (1u << block_shift) - 1) >> block_shift));
     };
     for (int a = 0; a < 3; ++a) {
       if (!binning.usable[a]) continue;
-      std::array<double, kMaxBins> right_cost;
+      std::array<double, kMaxBins + 1> right_cost;
       Box box = Box::empty();
-      size_t count = 0;
+      uint32_t count = 0;
+      right_cost[binning.bins] = kInf;
       for (int b = binning.bins - 1; b > 0; --b) {
+        right_cost[b] = right_cost[b + 1];
+        if (count_[a][b] == 0) continue;
         box.extend(box_[a][b]);
         count += count_[a][b];
-        right_cost[b] = count == 0 ? kInf : box.half_area() * blocks(count);
+        right_cost[b] = box.half_area() * blocks(count);
       }
       box = Box::empty();
       count = 0;
       for (int b = 1; b < binning.bins; ++b) {
+        if (count_[a][b - 1] == 0) continue;
         box.extend(box_[a][b - 1]);
         count += count_[a][b - 1];
-        if (count == 0) continue;
         const double cost = box.half_area() * blocks(count) + right_cost[b];
         if (cost < best.cost) best = {cost, a, b};
       }
@@ -231,7 +236,8 @@ class Builder {
     if (depth >= kMedianDepth) return {};
     const Binning binning(range);
     if (!(binning.usable[0] || binning.usable[1] || binning.usable[2])) return {};
-    return fill(binning, range, parallel).best(binning, block_size_);
+    return fill(binning, range, parallel)
+        .best(binning, static_cast<uint32_t>(std::countr_zero(block_size_)));
   }
 
   /// Cuts a range in two by the split, or, where there is none, in halves.
