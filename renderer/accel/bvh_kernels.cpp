@@ -12,6 +12,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "renderer/accel/packet-inl.h"
 #include "renderer/accel/test_triangles-inl.h"
 #include "renderer/accel/traverse-inl.h"
 
@@ -82,7 +83,7 @@ bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCount
   const TriangleTester tester(mesh, prepared);
   TraversalCounters done;
   const bool found = closest_in_tree<true>(
-      mesh.tree, box_ray,
+      mesh.tree, RayLanes(box_ray), box_ray.t_max,
       done.node_visits, [&](uint32_t leaf) HWY_ATTR __attribute__((always_inline)) {
         if (!tester.closest(leaf, hit, done.primitive_tests)) return false;
         box_ray.t_max = box_ray.limit(hit.t);
@@ -163,8 +164,8 @@ bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
                     });
     return found;
   }
-  const bool in_tree = closest_in_tree<false>(scene.tree, box_ray, counters.node_visits,
-                                              [&](uint32_t leaf) HWY_ATTR {
+  const bool in_tree = closest_in_tree<false>(scene.tree, RayLanes(box_ray), box_ray.t_max,
+                                              counters.node_visits, [&](uint32_t leaf) HWY_ATTR {
                                                 if (!test(leaf)) return false;
                                                 box_ray.t_max = box_ray.limit(hit.t);
                                                 return true;
@@ -200,7 +201,8 @@ bool instance_any(const InstanceTree& scene, const Ray& ray, TraversalCounters& 
 }
 
 BvhKernels kernels_of_target() {
-  return {mesh_closest, mesh_any, instance_closest, instance_any, hwy::TargetName(HWY_TARGET)};
+  return {mesh_closest,     mesh_any,     mesh_packet,
+          instance_closest, instance_any, hwy::TargetName(HWY_TARGET)};
 }
 
 }  // namespace HWY_NAMESPACE

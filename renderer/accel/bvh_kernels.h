@@ -36,11 +36,16 @@ struct InstanceTree {
   Bounds3 tree_bounds;            ///< of those inside
 };
 
+inline constexpr size_t kPacketSize = 32;
+
 /// Traversal compiled for each instruction set; `kernels()` is the best that this machine has. All
 /// return the same bits.
 struct BvhKernels {
   bool (*mesh_closest)(const MeshTree&, const Ray&, Hit&, TraversalCounters&);
   bool (*mesh_any)(const MeshTree&, const Ray&, TraversalCounters&);
+  /// mesh_closest for each of up to kPacketSize rays that go much the same way; false, with nothing
+  /// done, where they do not or cannot be traced together.
+  bool (*mesh_packet)(const MeshTree&, std::span<const Ray>, std::span<Hit>, TraversalCounters&);
   bool (*instance_closest)(const InstanceTree&, const Ray&, Hit&, TraversalCounters&);
   bool (*instance_any)(const InstanceTree&, const Ray&, TraversalCounters&);
   const char* name;

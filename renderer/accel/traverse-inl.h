@@ -103,6 +103,9 @@ struct RayLanes {
     return mask;
   }
 
+  /// How the way back to a child is kept.
+  HWY_INLINE uint32_t name_child(uint32_t, uint32_t, uint32_t child) const { return child; }
+
  private:
   static constexpr size_t kRow = 8 * sizeof(float);
 };
@@ -123,28 +126,28 @@ HWY_INLINE void prefetch(const TreeUnit* units, uint32_t reference) {
 }
 
 /// Visits nodes nearest first. `leaf(reference)` tests a leaf and says whether a nearer hit was
-/// found, having lowered ray.t_max. `kLeaves`: they are in the tree's array.
-template <bool kLeaves, typename Leaf>
-HWY_INLINE bool closest_in_tree(const TraversalTree& tree, BoxRay<float>& ray, uint64_t& visits,
-                                Leaf&& leaf) {
+/// found, having lowered t_max. `kLeaves`: they are in the tree's array.
+template <bool kLeaves, typename Lanes, typename Leaf>
+HWY_INLINE bool closest_in_tree(const TraversalTree& tree, const Lanes& lanes, const float& t_max,
+                                uint64_t& visits, Leaf&& leaf) {
   const TreeUnit* units = tree.units.data();
   Entry stack[kStackSize];
   Entry* top = stack;
   uint32_t current = tree.root;
   bool found = false;
-  const RayLanes lanes(ray);
   HWY_ALIGN int32_t entered[8];
   for (;;) {
     while (!(current & TraversalTree::kLeaf)) {
       ++visits;
+      const uint32_t current_node = current;
       const WideNode& node = *reinterpret_cast<const WideNode*>(units + current);
-      uint32_t mask = lanes.enter(node, ray.t_max, entered);
+      uint32_t mask = lanes.enter(node, t_max, entered);
       if (mask == 0) goto pop;
       const auto take = [&]() HWY_ATTR {
         const auto i = static_cast<uint32_t>(std::countr_zero(mask));
         mask &= mask - 1;
         prefetch<kLeaves>(units, node.child[i]);
-        return std::pair{i, node.child[i]};
+        return std::pair{i, lanes.name_child(current_node, i, node.child[i])};
       };
       const auto first = take();
       current = first.second;
@@ -183,7 +186,7 @@ HWY_INLINE bool closest_in_tree(const TraversalTree& tree, BoxRay<float>& ray, u
     }
     found |= leaf(current);
   pop:
-    const Entry limit = make_entry(std::bit_cast<int32_t>(ray.t_max), ~0u);
+    const Entry limit = make_entry(std::bit_cast<int32_t>(t_max), ~0u);
     do {
       if (top == stack) return found;
       --top;
