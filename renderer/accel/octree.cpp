@@ -50,10 +50,10 @@ MeshOctree::MeshOctree(const TriangleMesh& mesh, OctreeKind kind, int threads,
   const auto search = make_search(kind);
   tree_.bounds = mesh.bounds();
   statistics_.primitives = mesh.triangles.size();
-  tree_.tree =
-      build_octree(triangle_boxes(mesh), mesh_octree_options(search.get()), threads, statistics_);
-  fill_blocks(mesh, tree_);
-  statistics_.bytes = tree_.tree.nodes.bytes() + tree_.blocks.bytes();
+  lay_out(
+      build_octree(triangle_boxes(mesh), mesh_octree_options(search.get()), threads, statistics_),
+      mesh, tree_);
+  statistics_.bytes = tree_.tree.units.bytes();
   statistics_.build_seconds = seconds_since(start);
 }
 
@@ -64,10 +64,10 @@ InstanceOctree::InstanceOctree(std::vector<Instance> instances, OctreeKind kind,
   const auto search = make_search(kind);
   tree_.instances = std::move(instances);
   statistics_.primitives = tree_.instances.size();
-  tree_.tree = build_octree(instance_boxes(tree_, bounds_), instance_octree_options(search.get()),
-                            threads, statistics_);
-  statistics_.bytes = tree_.tree.nodes.bytes() + tree_.instances.size() * sizeof(Instance) +
-                      tree_.tree.slots.size() * sizeof(uint32_t);
+  lay_out(build_octree(instance_boxes(tree_, bounds_), instance_octree_options(search.get()),
+                       threads, statistics_),
+          tree_);
+  statistics_.bytes = bytes_of(tree_);
   statistics_.build_seconds = seconds_since(start);
 }
 

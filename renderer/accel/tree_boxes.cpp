@@ -1,6 +1,10 @@
 #include "renderer/accel/tree_boxes.h"
 
+#include <cstring>
 #include <limits>
+#include <span>
+
+#include "base/error.h"
 
 namespace tessera {
 
@@ -22,24 +26,88 @@ std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh) {
   return boxes;
 }
 
-void fill_blocks(const TriangleMesh& mesh, MeshTree& tree) {
-  tree.blocks = AlignedArray<TriangleBlock>(tree.tree.slots.size() / 4);
-  for (size_t slot = 0; slot < tree.tree.slots.size(); ++slot) {
-    TriangleBlock& block = tree.blocks.data()[slot / 4];
-    const size_t lane = slot % 4;
-    const uint32_t primitive = tree.tree.slots[slot];
-    block.primitive[lane] = primitive;
-    for (size_t vertex = 0; vertex < 3; ++vertex) {
-      constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-      const bool used = primitive != WideTree::kEmptySlot;
-      const Float3 p =
-          used ? mesh.positions[mesh.triangles[primitive][vertex]] : Float3{kNan, kNan, kNan};
-      block.vertex[vertex][0][lane] = p.x;
-      block.vertex[vertex][1][lane] = p.y;
-      block.vertex[vertex][2][lane] = p.z;
+namespace {
+
+/// Nodes in their order, each followed by its leaves. `leaf_units(reference)` says how much room a
+/// leaf takes; `write_leaf(reference, unit)` fills it and gives what stands for it in its node.
+template <typename LeafUnits, typename WriteLeaf>
+void lay_out_nodes(const WideTree& tree, TraversalTree& to, LeafUnits&& leaf_units,
+                   WriteLeaf&& write_leaf) {
+  constexpr size_t kNodeUnits = sizeof(WideNode) / sizeof(TreeUnit);
+  const std::span<const WideNode> nodes{tree.nodes.data(), tree.nodes.size()};
+  const auto is_present = [](const WideNode& node, size_t i) {
+    return node.bounds[0][i] <= node.bounds[1][i];
+  };
+  std::vector<uint32_t> place(nodes.size());
+  size_t end = tree.root.is_leaf() ? leaf_units(tree.root) : 0;
+  for (size_t n = 0; n < nodes.size(); ++n) {
+    place[n] = static_cast<uint32_t>(end);
+    end += kNodeUnits;
+    for (size_t i = 0; i < 8; ++i) {
+      const NodeReference child{nodes[n].child[i]};
+      if (child.is_leaf() && is_present(nodes[n], i)) end += leaf_units(child);
     }
   }
-  tree.tree.slots = {};  // the blocks carry the numbers from here on
+  TESSERA_CHECK(end < TraversalTree::kLeaf, "a tree larger than 64 GB");
+  to.extent = tree.extent;
+  to.units = AlignedArray<TreeUnit>(end);
+  to.root = tree.root.is_leaf() ? write_leaf(tree.root, 0) : place[tree.root.bits];
+  for (size_t n = 0; n < nodes.size(); ++n) {
+    WideNode node = nodes[n];
+    size_t at = place[n] + kNodeUnits;
+    for (size_t i = 0; i < 8; ++i) {
+      const NodeReference child{node.child[i]};
+      if (!is_present(node, i)) continue;
+      node.child[i] = child.is_leaf() ? write_leaf(child, at) : place[child.bits];
+      if (child.is_leaf()) at += leaf_units(child);
+    }
+    std::memcpy(static_cast<void*>(to.units.data() + place[n]), &node, sizeof node);
+  }
+}
+
+void fill_lane(const TriangleMesh& mesh, uint32_t primitive, TriangleBlock& block, size_t lane) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const bool used = primitive != WideTree::kEmptySlot;
+  block.primitive[lane] = used ? primitive : TriangleBlock::kNone;
+  for (size_t vertex = 0; vertex < 3; ++vertex) {
+    const Float3 p =
+        used ? mesh.positions[mesh.triangles[primitive][vertex]] : Float3{kNan, kNan, kNan};
+    block.vertex[vertex][0][lane] = p.x;
+    block.vertex[vertex][1][lane] = p.y;
+    block.vertex[vertex][2][lane] = p.z;
+  }
+}
+
+}  // namespace
+
+void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to) {
+  lay_out_nodes(
+      tree, to.tree,
+      [](NodeReference leaf) { return leaf.blocks() * sizeof(TriangleBlock) / sizeof(TreeUnit); },
+      [&](NodeReference leaf, size_t unit) {
+        TriangleBlock block;
+        TreeUnit* at = to.tree.units.data() + unit;
+        for (uint32_t b = 0; b < leaf.blocks(); ++b) {
+          for (size_t lane = 0; lane < 4; ++lane)
+            fill_lane(mesh, tree.slots[4 * (leaf.first_block() + b) + lane], block, lane);
+          if (b + 1 == leaf.blocks()) block.primitive[3] |= TriangleBlock::kLast;
+          std::memcpy(static_cast<void*>(at), &block, sizeof block);
+          at += sizeof block / sizeof *at;
+        }
+        return TraversalTree::kLeaf | static_cast<uint32_t>(unit);
+      });
+}
+
+void lay_out(WideTree tree, InstanceTree& to) {
+  lay_out_nodes(
+      tree, to.tree, [](NodeReference) { return size_t{0}; },
+      [](NodeReference leaf, size_t) { return leaf.bits; });
+  to.slots = std::move(tree.slots);
+}
+
+size_t bytes_of(const InstanceTree& tree) {
+  return tree.tree.units.bytes() + tree.slots.size() * sizeof(uint32_t) +
+         tree.instances.size() * sizeof(Instance);
 }
 
 std::vector<BuildBox> instance_boxes(InstanceTree& tree, Bounds3& bounds) {

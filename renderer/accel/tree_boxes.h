@@ -10,8 +10,10 @@ namespace tessera {
 
 /// One a triangle, in order.
 std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh);
-/// Copies the vertices of the tree's slots into its blocks.
-void fill_blocks(const TriangleMesh& mesh, MeshTree& tree);
+/// Lays out a tree over the triangles of a mesh, or over instances, for traversal.
+void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to);
+void lay_out(WideTree tree, InstanceTree& to);
+size_t bytes_of(const InstanceTree& tree);
 
 /// One for each of tree.instances that a tree can hold; the endless ones are noted in `tree`.
 /// `bounds` becomes that of all.
