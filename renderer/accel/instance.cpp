@@ -35,10 +35,6 @@ bool query_local(const Instance& instance, const Ray& ray, const Query& query) {
 
 }  // namespace
 
-bool can_hit(const Ray& ray) {
-  return is_finite(ray.origin - Point3{}) && is_finite(ray.direction) && ray.direction != Vec3{};
-}
-
 bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
                     TraversalCounters& counters) {
   // Of hits at equal t the smaller instance counts, whatever its primitive.

@@ -11,8 +11,16 @@ namespace tessera {
 struct Affine {
   std::array<std::array<double, 4>, 3> m{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 
-  Point3 operator()(const Point3& p) const;
-  Vec3 operator()(const Vec3& v) const;
+  Point3 operator()(const Point3& p) const {
+    Point3 q;
+    for (int r = 0; r < 3; ++r) q[r] = (m[r][0] * p.x + m[r][1] * p.y) + (m[r][2] * p.z + m[r][3]);
+    return q;
+  }
+  Vec3 operator()(const Vec3& v) const {
+    Vec3 w;
+    for (int r = 0; r < 3; ++r) w[r] = (m[r][0] * v.x + m[r][1] * v.y) + m[r][2] * v.z;
+    return w;
+  }
   double determinant() const;  ///< of the 3x3 part
   friend bool operator==(const Affine&, const Affine&) = default;
 };

@@ -73,7 +73,9 @@ TEST(LocalWorkers, KilledOnesAreReplacedAndThePictureIsTheSame) {
     const JobSpec job = make_job(160, 160, 16);
     int kills = 0;
     const JobResult result = farm.render(job, [&](const JobProgress& progress) {
-      if (kills >= 4 || progress.tiles_done == progress.tiles_total) return;
+      // A worker that has tiles: all are connected and the first results are in.
+      if (kills >= 4 || progress.workers < 3 || progress.tiles_done == 0) return;
+      if (progress.tiles_done == progress.tiles_total) return;
       const auto& running = farm.workers.processes();
       // The fourth time, all of them.
       if (++kills == 4) {
