@@ -20,6 +20,7 @@ struct RaySet {
   std::string kind;
   bool any = false;
   std::vector<Ray> rays;
+  bool together = false;  ///< neighbours go much the same way: traced as packets
 };
 
 struct Answer {
@@ -51,8 +52,9 @@ class RayMaker {
     for (const SurfaceInteraction& s : hits(diffuse.rays))
       shuffled.rays.push_back(spawn(s, hemisphere(s)));
     std::shuffle(shuffled.rays.begin(), shuffled.rays.end(), random_);
-    return {std::move(primary), std::move(shadow), std::move(diffuse), std::move(ao),
-            std::move(shuffled)};
+    RaySet packets{"packets", false, primary.rays, true};
+    return {std::move(primary), std::move(packets), std::move(shadow),
+            std::move(diffuse), std::move(ao),      std::move(shuffled)};
   }
 
  private:
@@ -63,8 +65,10 @@ class RayMaker {
                                 : box.center() + Vec3{0.35, 0.3, 0.9} * (size * 0.85);
     const Affine camera = look_at(eye, box.center(), {0, 1, 0});
     std::vector<Ray> rays;
-    for (int y = 0; y < side; ++y) {
-      for (int x = 0; x < side; ++x) {
+    // In tiles of 4 x 4, as a renderer would.
+    for (int tile = 0; tile < side / 4 * (side / 4); ++tile) {
+      for (int i = 0; i < 16; ++i) {
+        const int x = tile % (side / 4) * 4 + i % 4, y = tile / (side / 4) * 4 + i / 4;
         const Vec3 d{(x + 0.5) / side - 0.5, 0.5 - (y + 0.5) / side, -0.85};
         rays.push_back(to_single({camera(Point3{}), normalize(camera(d))}));
       }
@@ -125,6 +129,15 @@ void trace_stretch(const Accelerator& accelerator, const RaySet& set, size_t beg
                    std::vector<Answer>& answers) {
   TraversalCounters counters;
   answers.resize(set.rays.size());
+  if (set.together) {
+    std::vector<Hit> hits(end - begin);
+    accelerator.closest_hits({set.rays.data() + begin, end - begin}, hits, counters);
+    for (size_t i = begin; i < end; ++i) {
+      const Hit& hit = hits[i - begin];
+      answers[i] = {hit.t, std::isfinite(hit.t) ? hit.primitive : EmbreeScene::kNothing};
+    }
+    return;
+  }
   for (size_t i = begin; i < end; ++i) {
     if (set.any) {
       const bool hit = accelerator.any_hit(set.rays[i], counters);
@@ -204,8 +217,14 @@ void bench_set(const BenchMesh& scene, const RaySet& set, std::vector<Contestant
         taken[c] += seconds_of([&] { contestants[c].trace(set, begin, end); });
       if (!embree) continue;
       const std::span<EmbreeRay> stretch{floats.data() + begin, end - begin};
-      taken.back() +=
-          seconds_of([&] { set.any ? embree->any_hits(stretch) : embree->closest_hits(stretch); });
+      taken.back() += seconds_of([&] {
+        if (set.any)
+          embree->any_hits(stretch);
+        else if (set.together)
+          embree->closest_hits_by_eights(stretch);
+        else
+          embree->closest_hits(stretch);
+      });
     }
     if (round == 0) continue;  // warms up
     for (size_t c = 0; c < taken.size(); ++c) seconds[c].push_back(taken[c]);

@@ -10,14 +10,14 @@ namespace tessera {
 
 struct BenchMesh {
   std::string name;
-  TriangleMesh mesh;      ///< without degenerate triangles
-  bool indoors = false;   ///< eye and light are inside of it
+  TriangleMesh mesh;     ///< without degenerate triangles
+  bool indoors = false;  ///< eye and light are inside of it
 };
 
 /// One line of `tessera bench rays`.
 struct RayBenchRow {
   std::string scene, accelerator;
-  std::string kind;             ///< primary, shadow, diffuse, ao, shuffled
+  std::string kind;  ///< primary, packets (of primary rays), shadow, diffuse, ao, shuffled
   double mrays_per_second = 0;  ///< one thread, ray set-up included
   double ratio_to_embree = 0;   ///< in the same run; 0 where Embree is absent
   size_t mismatches = 0;        ///< rays on whose answer the accelerator and Embree differ by

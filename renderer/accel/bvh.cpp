@@ -1,8 +1,9 @@
 #include "renderer/accel/bvh.h"
 
+#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <limits>
+
+#include "renderer/accel/tree_boxes.h"
 
 namespace tessera {
 namespace {
@@ -18,90 +19,42 @@ AcceleratorStatistics statistics_of(const WideTree& tree, size_t primitives) {
           .nodes = tree.nodes.size(),
           .leaves = tree.leaves,
           .references = primitives,
-          .bytes = tree.nodes.bytes(),
           .depth = tree.depth};
-}
-
-std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh) {
-  std::vector<BuildBox> boxes(mesh.triangles.size());
-  for (size_t i = 0; i < boxes.size(); ++i) {
-    const auto lanes = [&mesh](uint32_t index) {
-      const Float3& p = mesh.positions[index];
-      return BuildBox::Lanes{p.x, p.y, p.z, 0};
-    };
-    const TriangleIndices& index = mesh.triangles[i];
-    const BuildBox::Lanes a = lanes(index[0]), b = lanes(index[1]), c = lanes(index[2]);
-    boxes[i].low = a < b ? a : b;
-    boxes[i].low = boxes[i].low < c ? boxes[i].low : c;
-    boxes[i].high = a > b ? a : b;
-    boxes[i].high = boxes[i].high > c ? boxes[i].high : c;
-    boxes[i].set_index(static_cast<uint32_t>(i));
-  }
-  return boxes;
-}
-
-void fill_blocks(const TriangleMesh& mesh, MeshTree& tree) {
-  tree.blocks = AlignedArray<TriangleBlock>(tree.tree.slots.size() / 4);
-  for (size_t slot = 0; slot < tree.tree.slots.size(); ++slot) {
-    TriangleBlock& block = tree.blocks.data()[slot / 4];
-    const size_t lane = slot % 4;
-    const uint32_t primitive = tree.tree.slots[slot];
-    block.primitive[lane] = primitive;
-    for (size_t vertex = 0; vertex < 3; ++vertex) {
-      constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-      const bool used = primitive != WideTree::kEmptySlot;
-      const Float3 p =
-          used ? mesh.positions[mesh.triangles[primitive][vertex]] : Float3{kNan, kNan, kNan};
-      block.vertex[vertex][0][lane] = p.x;
-      block.vertex[vertex][1][lane] = p.y;
-      block.vertex[vertex][2][lane] = p.z;
-    }
-  }
-  tree.tree.slots = {};  // the blocks carry the numbers from here on
 }
 
 }  // namespace
 
 MeshBvh::MeshBvh(const TriangleMesh& mesh, int threads, const BvhKernels& code)
-    : closest_(code.mesh_closest), any_(code.mesh_any) {
+    : closest_(code.mesh_closest), any_(code.mesh_any), packet_(code.mesh_packet) {
   const Clock::time_point start = Clock::now();
   tree_.bounds = mesh.bounds();
-  tree_.tree = build_wide_tree(triangle_boxes(mesh), 4, threads);
-  fill_blocks(mesh, tree_);
-  statistics_ = statistics_of(tree_.tree, mesh.triangles.size());
-  statistics_.bytes += tree_.blocks.bytes();
+  const WideTree tree = build_wide_tree(triangle_boxes(mesh), 4, threads);
+  lay_out(tree, mesh, tree_);
+  statistics_ = statistics_of(tree, mesh.triangles.size());
+  statistics_.bytes = tree_.tree.units.bytes();
   statistics_.build_seconds = seconds_since(start);
+}
+
+void MeshBvh::closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
+                           TraversalCounters& counters) const {
+  for (size_t begin = 0; begin < rays.size(); begin += kPacketSize) {
+    const size_t count = std::min(kPacketSize, rays.size() - begin);
+    const auto some = rays.subspan(begin, count);
+    const auto their_hits = hits.subspan(begin, count);
+    if (packet_(tree_, some, their_hits, counters)) continue;
+    for (size_t i = 0; i < count; ++i) closest_(tree_, some[i], their_hits[i], counters);
+  }
 }
 
 InstanceBvh::InstanceBvh(std::vector<Instance> instances, int threads, const BvhKernels& code)
     : closest_(code.instance_closest), any_(code.instance_any) {
   const Clock::time_point start = Clock::now();
   tree_.instances = std::move(instances);
-  std::vector<BuildBox> boxes;
-  for (size_t i = 0; i < tree_.instances.size(); ++i) {
-    const Bounds3 b = bounds_of(tree_.instances[i]);
-    if (b.empty()) continue;
-    bounds_.extend(b);
-    if (is_bounded(b)) {
-      boxes.emplace_back(b, static_cast<uint32_t>(i));
-      tree_.tree_bounds.extend(b);
-    } else {
-      tree_.endless.push_back(static_cast<uint32_t>(i));
-    }
-  }
-  tree_.tree = build_wide_tree(std::move(boxes), 1, threads);
-  statistics_ = statistics_of(tree_.tree, tree_.instances.size());
-  statistics_.bytes +=
-      tree_.instances.size() * sizeof(Instance) + tree_.tree.slots.size() * sizeof(uint32_t);
+  WideTree tree = build_wide_tree(instance_boxes(tree_, bounds_), 1, threads);
+  statistics_ = statistics_of(tree, tree_.instances.size());
+  lay_out(std::move(tree), tree_);
+  statistics_.bytes = bytes_of(tree_);
   statistics_.build_seconds = seconds_since(start);
-}
-
-bool is_bounded(const Bounds3& b) {
-  // Within single precision, with room for sums.
-  constexpr double kLimit = 1e38;
-  for (int a = 0; a < 3; ++a)
-    if (!(b.min[a] > -kLimit && b.max[a] < kLimit)) return false;
-  return true;
 }
 
 }  // namespace tessera

@@ -22,12 +22,15 @@ class MeshBvh final : public Accelerator {
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override {
     return any_(tree_, ray, counters);
   }
+  void closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
+                    TraversalCounters& counters) const override;
   AcceleratorStatistics statistics() const override { return statistics_; }
 
  private:
   MeshTree tree_;
   decltype(BvhKernels::mesh_closest) closest_;
   decltype(BvhKernels::mesh_any) any_;
+  decltype(BvhKernels::mesh_packet) packet_;
   AcceleratorStatistics statistics_;
 };
 
@@ -52,8 +55,5 @@ class InstanceBvh final : public Accelerator {
   decltype(BvhKernels::instance_any) any_;
   AcceleratorStatistics statistics_;
 };
-
-/// Whether a tree can hold these bounds.
-bool is_bounded(const Bounds3& bounds);
 
 }  // namespace tessera

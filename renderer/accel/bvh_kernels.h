@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "renderer/accel/instance.h"
+#include "renderer/accel/traversal_tree.h"
 #include "renderer/accel/wide_tree.h"
 #include "renderer/shapes/ray.h"
 #include "renderer/shapes/shape.h"
@@ -11,31 +12,40 @@
 
 namespace tessera {
 
-/// Four triangles: vertex, axis, lane. Unused lanes hold NaN, which no ray hits.
+/// Four triangles: vertex, axis, lane. Unused lanes hold NaN, which no ray hits. A leaf is a run of
+/// blocks; the last number of its last block is marked.
 struct alignas(32) TriangleBlock {
+  static constexpr uint32_t kLast = 0x80000000u;
+  static constexpr uint32_t kNone = 0x7fffffffu;
+
   float vertex[3][3][4];
   uint32_t primitive[4];
 };
-static_assert(sizeof(TriangleBlock) == 160);
+static_assert(sizeof(TriangleBlock) == 5 * sizeof(TreeUnit));
 
 struct MeshTree {
-  WideTree tree;
-  AlignedArray<TriangleBlock> blocks;
+  TraversalTree tree;
   Bounds3 bounds;
 };
 
 struct InstanceTree {
-  WideTree tree;
+  TraversalTree tree;  ///< leaves are those of the WideTree, over `slots`
+  std::vector<uint32_t> slots;
   std::vector<Instance> instances;
   std::vector<uint32_t> endless;  ///< instances outside of the tree, in ascending order
   Bounds3 tree_bounds;            ///< of those inside
 };
+
+inline constexpr size_t kPacketSize = 32;
 
 /// Traversal compiled for each instruction set; `kernels()` is the best that this machine has. All
 /// return the same bits.
 struct BvhKernels {
   bool (*mesh_closest)(const MeshTree&, const Ray&, Hit&, TraversalCounters&);
   bool (*mesh_any)(const MeshTree&, const Ray&, TraversalCounters&);
+  /// mesh_closest for each of up to kPacketSize rays that go much the same way; false, with nothing
+  /// done, where they do not or cannot be traced together.
+  bool (*mesh_packet)(const MeshTree&, std::span<const Ray>, std::span<Hit>, TraversalCounters&);
   bool (*instance_closest)(const InstanceTree&, const Ray&, Hit&, TraversalCounters&);
   bool (*instance_any)(const InstanceTree&, const Ray&, TraversalCounters&);
   const char* name;

@@ -21,7 +21,9 @@ struct Instance {
 };
 
 /// False for a ray with a part that is not finite, or no direction: it hits nothing.
-bool can_hit(const Ray& ray);
+inline bool can_hit(const Ray& ray) {
+  return is_finite(ray.origin - Point3{}) && is_finite(ray.direction) && ray.direction != Vec3{};
+}
 
 /// As Shape::closest_hit for instance `number` and a ray in world space; sets hit.instance.
 bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,

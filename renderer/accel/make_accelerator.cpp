@@ -5,6 +5,8 @@
 #include "base/error.h"
 #include "renderer/accel/bvh.h"
 #include "renderer/accel/linear_scan.h"
+#include "renderer/accel/octree.h"
+#include "renderer/accel/tree_boxes.h"
 
 namespace tessera {
 namespace {
@@ -14,10 +16,15 @@ constexpr size_t kFewTriangles = 2;
 constexpr size_t kFewInstances = 2;
 
 void require_known(AcceleratorKind kind) {
-  if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::linear) return;
-  throw usage_error(
-      fmt::format("the accelerator '{}' is not in this program; expected bvh or linear",
-                  accelerator_name(kind)));
+  if (kind != AcceleratorKind::embree) return;
+  throw usage_error(fmt::format(
+      "the accelerator '{}' is not in this program; expected bvh, octree, nonuniform-octree or "
+      "linear",
+      accelerator_name(kind)));
+}
+
+OctreeKind octree_kind(AcceleratorKind kind) {
+  return kind == AcceleratorKind::octree ? OctreeKind::uniform : OctreeKind::nonuniform;
 }
 
 }  // namespace
@@ -27,9 +34,10 @@ std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const T
   require_known(kind);
   TESSERA_CHECK(mesh->triangles.size() <= kMaxPrimitives,
                 fmt::format("{} > {}", mesh->triangles.size(), kMaxPrimitives));
-  if (kind == AcceleratorKind::bvh && mesh->triangles.size() > kFewTriangles)
-    return std::make_unique<MeshBvh>(*mesh, threads);
-  return std::make_unique<MeshLinearScan>(std::move(mesh));
+  if (kind == AcceleratorKind::linear || mesh->triangles.size() <= kFewTriangles)
+    return std::make_unique<MeshLinearScan>(std::move(mesh));
+  if (kind == AcceleratorKind::bvh) return std::make_unique<MeshBvh>(*mesh, threads);
+  return std::make_unique<MeshOctree>(*mesh, octree_kind(kind), threads);
 }
 
 std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
@@ -44,9 +52,11 @@ std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instanc
   size_t bounded = 0;
   for (const Instance& instance : instances)
     if (const Bounds3 b = bounds_of(instance); is_bounded(b) && !b.empty()) ++bounded;
-  if (kind == AcceleratorKind::bvh && bounded > kFewInstances)
+  if (kind == AcceleratorKind::linear || bounded <= kFewInstances)
+    return std::make_unique<InstanceLinearScan>(std::move(instances));
+  if (kind == AcceleratorKind::bvh)
     return std::make_unique<InstanceBvh>(std::move(instances), threads);
-  return std::make_unique<InstanceLinearScan>(std::move(instances));
+  return std::make_unique<InstanceOctree>(std::move(instances), octree_kind(kind), threads);
 }
 
 }  // namespace tessera

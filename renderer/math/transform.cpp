@@ -14,18 +14,6 @@ Affine from_columns(const Vec3& x, const Vec3& y, const Vec3& z, const Point3& o
 
 }  // namespace
 
-Point3 Affine::operator()(const Point3& p) const {
-  Point3 q;
-  for (int r = 0; r < 3; ++r) q[r] = (m[r][0] * p.x + m[r][1] * p.y) + (m[r][2] * p.z + m[r][3]);
-  return q;
-}
-
-Vec3 Affine::operator()(const Vec3& v) const {
-  Vec3 w;
-  for (int r = 0; r < 3; ++r) w[r] = (m[r][0] * v.x + m[r][1] * v.y) + m[r][2] * v.z;
-  return w;
-}
-
 double Affine::determinant() const {
   return m[0][0] * difference_of_products(m[1][1], m[2][2], m[1][2], m[2][1]) -
          m[0][1] * difference_of_products(m[1][0], m[2][2], m[1][2], m[2][0]) +

@@ -11,9 +11,17 @@ namespace tessera {
 struct Affine {
   std::array<std::array<double, 4>, 3> m{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 
-  Point3 operator()(const Point3& p) const;
-  Vec3 operator()(const Vec3& v) const;
-  double determinant() const;   ///< of the 3x3 part
+  Point3 operator()(const Point3& p) const {
+    Point3 q;
+    for (int r = 0; r < 3; ++r) q[r] = (m[r][0] * p.x + m[r][1] * p.y) + (m[r][2] * p.z + m[r][3]);
+    return q;
+  }
+  Vec3 operator()(const Vec3& v) const {
+    Vec3 w;
+    for (int r = 0; r < 3; ++r) w[r] = (m[r][0] * v.x + m[r][1] * v.y) + m[r][2] * v.z;
+    return w;
+  }
+  double determinant() const;  ///< of the 3x3 part
   friend bool operator==(const Affine&, const Affine&) = default;
 };
 
@@ -35,10 +43,13 @@ Affine look_at(const Point3& eye, const Point3& target, const Vec3& up);
 class Transform {
  public:
   Transform() = default;
-  explicit Transform(const Affine& to) : to_(to), from_(inverse(to)) {}
+  explicit Transform(const Affine& to)
+      : to_(to), from_(inverse(to)), is_identity_(to == Affine{}) {}
 
   const Affine& matrix() const { return to_; }
   const Affine& inverse_matrix() const { return from_; }
+  /// Whether nothing moves at all, so that rays need not be taken into the frame.
+  bool is_identity() const { return is_identity_; }
   bool mirrors() const { return to_.determinant() < 0; }
 
   Point3 point(const Point3& p) const { return to_(p); }
@@ -54,6 +65,7 @@ class Transform {
 
  private:
   Affine to_, from_;
+  bool is_identity_ = true;
 };
 
 }  // namespace tessera

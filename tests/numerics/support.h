@@ -8,6 +8,8 @@
 
 #include "renderer/accel/bvh.h"
 #include "renderer/accel/linear_scan.h"
+#include "renderer/accel/octree.h"
+#include "renderer/accel/tree_boxes.h"
 #include "renderer/math/rounding.h"
 #include "renderer/shapes/triangle_mesh.h"
 
@@ -47,7 +49,7 @@ class Pcg32 {
   uint64_t state_ = 0, step_;
 };
 
-/// The linear scan and the BVH compiled for every instruction set of this machine.
+/// The linear scan, the BVH compiled for every instruction set of this machine, and both octrees.
 struct Accelerators {
   std::vector<std::unique_ptr<const Accelerator>> all;  ///< the oracle first
 
@@ -56,6 +58,8 @@ struct Accelerators {
     if (with_scan) a.all.push_back(std::make_unique<MeshLinearScan>(mesh));
     for (const BvhKernels& code : all_kernels())
       a.all.push_back(std::make_unique<MeshBvh>(*mesh, 2, code));
+    for (const OctreeKind kind : {OctreeKind::uniform, OctreeKind::nonuniform})
+      a.all.push_back(std::make_unique<MeshOctree>(*mesh, kind, 2));
     return a;
   }
   static Accelerators over(const std::vector<Instance>& instances) {
@@ -66,6 +70,8 @@ struct Accelerators {
     if (!any_bounded) return a;
     for (const BvhKernels& code : all_kernels())
       a.all.push_back(std::make_unique<InstanceBvh>(instances, 2, code));
+    for (const OctreeKind kind : {OctreeKind::uniform, OctreeKind::nonuniform})
+      a.all.push_back(std::make_unique<InstanceOctree>(instances, kind, 2));
     return a;
   }
 };

@@ -24,6 +24,8 @@ class EmbreeScene {
   virtual ~EmbreeScene() = default;
   /// rtcIntersect1 for each ray.
   virtual void closest_hits(std::span<EmbreeRay> rays) const = 0;
+  /// rtcIntersect8 for eight at a time, as coherent rays.
+  virtual void closest_hits_by_eights(std::span<EmbreeRay> rays) const = 0;
   /// rtcOccluded1 for each: primitive is 0 where anything was hit, else kNothing.
   virtual void any_hits(std::span<EmbreeRay> rays) const = 0;
   virtual double build_seconds() const = 0;

@@ -1,6 +1,7 @@
 // The module: the only code that links Embree. Loaded by make_embree_scene().
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstring>
@@ -63,6 +64,32 @@ class Scene final : public EmbreeScene {
       rtcIntersect1(scene_, &context, &r);
       ray.t = r.ray.tfar;
       ray.primitive = r.hit.geomID == RTC_INVALID_GEOMETRY_ID ? kNothing : r.hit.primID;
+    }
+  }
+  void closest_hits_by_eights(std::span<EmbreeRay> rays) const override {
+    for (size_t begin = 0; begin < rays.size(); begin += 8) {
+      const size_t count = std::min<size_t>(8, rays.size() - begin);
+      alignas(32) int valid[8];
+      RTCRayHit8 r;
+      for (size_t i = 0; i < 8; ++i) {
+        const EmbreeRay& from = rays[begin + (i < count ? i : 0)];
+        valid[i] = i < count ? -1 : 0;
+        r.ray.org_x[i] = from.origin[0], r.ray.org_y[i] = from.origin[1];
+        r.ray.org_z[i] = from.origin[2], r.ray.dir_x[i] = from.direction[0];
+        r.ray.dir_y[i] = from.direction[1], r.ray.dir_z[i] = from.direction[2];
+        r.ray.tnear[i] = 0, r.ray.tfar[i] = from.t_max, r.ray.time[i] = 0;
+        r.ray.mask[i] = 0xffffffffu, r.ray.id[i] = 0, r.ray.flags[i] = 0;
+        r.hit.geomID[i] = r.hit.primID[i] = r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+      }
+      RTCIntersectContext context;
+      rtcInitIntersectContext(&context);
+      context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+      rtcIntersect8(valid, scene_, &context, &r);
+      for (size_t i = 0; i < count; ++i) {
+        rays[begin + i].t = r.ray.tfar[i];
+        rays[begin + i].primitive =
+            r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? kNothing : r.hit.primID[i];
+      }
     }
   }
   void any_hits(std::span<EmbreeRay> rays) const override {

@@ -1,0 +1,264 @@
+// Part of bvh_kernels.cpp, compiled once for each instruction set: the ways through a tree.
+#if defined(TESSERA_TRAVERSE_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_TRAVERSE_INL_H
+#undef TESSERA_TRAVERSE_INL_H
+#else
+#define TESSERA_TRAVERSE_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <utility>
+
+#include "renderer/accel/box_ray.h"
+#include "renderer/accel/traversal_tree.h"
+#include "renderer/accel/wide_tree.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using FloatTag = hn::CappedTag<float, 8>;
+using IntTag = hn::RebindToSigned<FloatTag>;
+
+/// Room for every child left behind on the way down the deepest tree.
+constexpr size_t kStackSize = 7 * WideTree::kMaxDepth + 8;
+
+/// Distance above, reference below: sorts by distance, and fits a register. Distances are never
+/// negative, so they compare as integers.
+using Entry = uint64_t;
+HWY_INLINE Entry make_entry(int32_t distance, uint32_t reference) {
+  return uint64_t{static_cast<uint32_t>(distance)} << 32 | reference;
+}
+/// Leaves the smaller of two in `a`, without a branch.
+HWY_INLINE void sort(Entry& a, Entry& b) {
+  const Entry smaller = std::min(a, b);
+  b = std::max(a, b);
+  a = smaller;
+}
+
+template <typename Tag, typename Mask>
+HWY_INLINE uint32_t bits_of(Tag tag, Mask mask) {
+  uint8_t bytes[8] = {};
+  hn::StoreMaskBits(tag, mask, bytes);
+  return bytes[0];
+}
+
+/// What a box test wants of a ray in every lane, kept in registers.
+struct RayLanes {
+  using Lanes = hn::Vec<FloatTag>;
+  Lanes inverse_x, inverse_y, inverse_z, enter_x, enter_y, enter_z, leave_x, leave_y, leave_z;
+  hn::Vec<IntTag> t_min;
+  size_t near_x, near_y, near_z, far_x, far_y, far_z;  // in bytes from the start of a node
+
+  HWY_INLINE explicit RayLanes(const BoxRay<float>& r) {
+    const FloatTag tag;
+    inverse_x = hn::Set(tag, r.inverse[0]);
+    inverse_y = hn::Set(tag, r.inverse[1]);
+    inverse_z = hn::Set(tag, r.inverse[2]);
+    enter_x = hn::Set(tag, r.enter_offset[0]);
+    enter_y = hn::Set(tag, r.enter_offset[1]);
+    enter_z = hn::Set(tag, r.enter_offset[2]);
+    leave_x = hn::Set(tag, r.leave_offset[0]);
+    leave_y = hn::Set(tag, r.leave_offset[1]);
+    leave_z = hn::Set(tag, r.leave_offset[2]);
+    t_min = hn::BitCast(IntTag(), hn::Set(tag, r.t_min));
+    near_x = kRow * static_cast<size_t>(r.near_row[0]);
+    near_y = kRow * static_cast<size_t>(r.near_row[1]);
+    near_z = kRow * static_cast<size_t>(r.near_row[2]);
+    far_x = near_x ^ kRow, far_y = near_y ^ kRow, far_z = near_z ^ kRow;
+  }
+
+  /// Which children the ray enters before t_max, and where, as bits of floats. These are compared
+  /// as integers, which is faster: t_min is not negative, so of negative distances only the sign
+  /// matters. That -0 counts as negative costs nothing: the offsets' margin makes a box that is
+  /// touched at 0 be left later.
+  HWY_INLINE uint32_t enter(const WideNode& node, float t_max, int32_t* entered) const {
+    const FloatTag tag;
+    const IntTag integer;
+    const char* rows = reinterpret_cast<const char*>(&node);
+    uint32_t mask = 0;
+    for (size_t lane = 0; lane < 8; lane += hn::MaxLanes(tag), rows += sizeof(Lanes)) {
+      const auto row = [&](size_t at) HWY_ATTR {
+        return hn::Load(tag, reinterpret_cast<const float*>(rows + at));
+      };
+      const auto nx = hn::BitCast(integer, hn::MulSub(row(near_x), inverse_x, enter_x));
+      const auto ny = hn::BitCast(integer, hn::MulSub(row(near_y), inverse_y, enter_y));
+      const auto nz = hn::BitCast(integer, hn::MulSub(row(near_z), inverse_z, enter_z));
+      const auto fx = hn::BitCast(integer, hn::MulSub(row(far_x), inverse_x, leave_x));
+      const auto fy = hn::BitCast(integer, hn::MulSub(row(far_y), inverse_y, leave_y));
+      const auto fz = hn::BitCast(integer, hn::MulSub(row(far_z), inverse_z, leave_z));
+      // Paired, for the shortest chain of dependent operations.
+      const auto limit = hn::BitCast(integer, hn::Set(tag, t_max));
+      const auto first = hn::Max(hn::Max(nx, ny), hn::Max(nz, t_min));
+      const auto last = hn::Min(hn::Min(fx, fy), hn::Min(fz, limit));
+      hn::Store(first, integer, entered + lane);
+      mask |= (bits_of(integer, hn::Gt(first, last)) ^ ((1u << hn::MaxLanes(tag)) - 1)) << lane;
+    }
+    return mask;
+  }
+
+  /// How the way back to a child is kept.
+  HWY_INLINE uint32_t name_child(uint32_t, uint32_t, uint32_t child) const { return child; }
+
+ private:
+  static constexpr size_t kRow = 8 * sizeof(float);
+};
+
+HWY_INLINE const TreeUnit* unit_at(const TreeUnit* units, uint32_t reference) {
+  return units + (reference & ~TraversalTree::kLeaf);
+}
+
+/// Starts to load what is visited next or soon: most of the time of a ray is waiting.
+template <bool kLeaves>
+HWY_INLINE void prefetch(const TreeUnit* units, uint32_t reference) {
+  const char* at = reinterpret_cast<const char*>(unit_at(units, reference));
+  if (!kLeaves && (reference & TraversalTree::kLeaf)) return;
+  __builtin_prefetch(at);
+  __builtin_prefetch(at + 64);
+  __builtin_prefetch(at + 128);
+  __builtin_prefetch(at + 192);
+}
+
+/// Visits nodes nearest first. `leaf(reference)` tests a leaf and says whether a nearer hit was
+/// found, having lowered t_max. `kLeaves`: they are in the tree's array.
+template <bool kLeaves, typename Lanes, typename Leaf>
+HWY_INLINE bool closest_in_tree(const TraversalTree& tree, const Lanes& lanes, const float& t_max,
+                                uint64_t& visits, Leaf&& leaf) {
+  const TreeUnit* units = tree.units.data();
+  Entry stack[kStackSize];
+  Entry* top = stack;
+  uint32_t current = tree.root;
+  bool found = false;
+  HWY_ALIGN int32_t entered[8];
+  for (;;) {
+    while (!(current & TraversalTree::kLeaf)) {
+      ++visits;
+      const uint32_t current_node = current;
+      const WideNode& node = *reinterpret_cast<const WideNode*>(units + current);
+      uint32_t mask = lanes.enter(node, t_max, entered);
+      if (mask == 0) goto pop;
+      const auto take = [&]() HWY_ATTR {
+        const auto i = static_cast<uint32_t>(std::countr_zero(mask));
+        mask &= mask - 1;
+        prefetch<kLeaves>(units, node.child[i]);
+        return std::pair{i, lanes.name_child(current_node, i, node.child[i])};
+      };
+      const auto first = take();
+      current = first.second;
+      if (mask == 0) continue;
+      const auto next = [&]() HWY_ATTR {
+        const auto [i, child] = take();
+        return make_entry(entered[i], child);
+      };
+      Entry a = make_entry(entered[first.first], current), b = next();
+      sort(a, b);
+      current = static_cast<uint32_t>(a);
+      if (mask == 0) {
+        *top++ = b;
+        continue;
+      }
+      Entry c = next();
+      sort(b, c), sort(a, b);
+      current = static_cast<uint32_t>(a);
+      if (mask == 0) {
+        top[0] = c, top[1] = b;
+        top += 2;
+        continue;
+      }
+      Entry d = next();
+      sort(c, d), sort(b, c), sort(a, b);
+      Entry* const base = top;
+      top[0] = d, top[1] = c, top[2] = b, top[3] = a;
+      top += 4;
+      while (mask != 0) {
+        const Entry e = next();
+        Entry* at = top++;
+        for (; at > base && at[-1] < e; --at) *at = at[-1];
+        *at = e;
+      }
+      current = static_cast<uint32_t>(*--top);
+    }
+    found |= leaf(current);
+  pop:
+    const Entry limit = make_entry(std::bit_cast<int32_t>(t_max), ~0u);
+    do {
+      if (top == stack) return found;
+      --top;
+    } while (*top > limit);
+    current = static_cast<uint32_t>(*top);
+  }
+}
+
+/// `leaf(reference)` says whether anything in it is hit.
+template <bool kLeaves, typename Leaf>
+HWY_INLINE bool any_in_tree(const TraversalTree& tree, const BoxRay<float>& ray, uint64_t& visits,
+                            Leaf&& leaf) {
+  const TreeUnit* units = tree.units.data();
+  uint32_t stack[kStackSize];
+  uint32_t* top = stack;
+  uint32_t current = tree.root;
+  const RayLanes lanes(ray);
+  HWY_ALIGN int32_t entered[8];
+  for (;;) {
+    while (!(current & TraversalTree::kLeaf)) {
+      ++visits;
+      const WideNode& node = *reinterpret_cast<const WideNode*>(units + current);
+      uint32_t mask = lanes.enter(node, ray.t_max, entered);
+      if (mask == 0) goto pop;
+      current = node.child[std::countr_zero(mask)];
+      prefetch<kLeaves>(units, current);
+      for (mask &= mask - 1; mask != 0; mask &= mask - 1) {
+        *top = node.child[std::countr_zero(mask)];
+        prefetch<kLeaves>(units, *top++);
+      }
+    }
+    if (leaf(current)) return true;
+  pop:
+    if (top == stack) return false;
+    current = *--top;
+  }
+}
+
+/// For rays outside of the range of float: the same visits in double, one box at a time. Anything
+/// that is not a number counts as entered. `leaf` returns true to stop.
+template <typename Leaf>
+void visit_in_double(const TraversalTree& tree, const BoxRay<double>& ray, uint64_t& visits,
+                     Leaf&& leaf) {
+  uint32_t stack[kStackSize];
+  size_t size = 0;
+  stack[size++] = tree.root;
+  while (size > 0) {
+    const uint32_t current = stack[--size];
+    if (current & TraversalTree::kLeaf) {
+      if (leaf(current)) return;
+      continue;
+    }
+    ++visits;
+    const WideNode& node = *reinterpret_cast<const WideNode*>(tree.units.data() + current);
+    for (int i = 0; i < 8; ++i) {
+      if (!(node.bounds[0][i] <= node.bounds[1][i])) continue;
+      double enter = ray.t_min, leave = ray.t_max;
+      for (int a = 0; a < 3; ++a) {
+        const double near =
+            double{node.bounds[ray.near_row[a]][i]} * ray.inverse[a] - ray.enter_offset[a];
+        const double far =
+            double{node.bounds[ray.near_row[a] ^ 1][i]} * ray.inverse[a] - ray.leave_offset[a];
+        if (near > enter) enter = near;
+        if (far < leave) leave = far;
+      }
+      if (!(enter > leave)) stack[size++] = node.child[i];
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#endif

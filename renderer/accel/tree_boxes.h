@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "renderer/accel/bvh_kernels.h"
+
+namespace tessera {
+
+// What every tree for the eight-wide traversal is built from and filled with.
+
+/// One a triangle, in order.
+std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh);
+/// Lays out a tree over the triangles of a mesh, or over instances, for traversal.
+void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to);
+void lay_out(WideTree tree, InstanceTree& to);
+size_t bytes_of(const InstanceTree& tree);
+
+/// One for each of tree.instances that a tree can hold; the endless ones are noted in `tree`.
+/// `bounds` becomes that of all.
+std::vector<BuildBox> instance_boxes(InstanceTree& tree, Bounds3& bounds);
+
+/// Whether a tree can hold these bounds.
+bool is_bounded(const Bounds3& bounds);
+
+}  // namespace tessera

@@ -1,0 +1,122 @@
+#include "renderer/shading/image_texture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "renderer/shading/background.h"
+
+namespace tessera {
+namespace {
+
+using Wrap = ImageTextureSettings::Wrap;
+
+std::shared_ptr<const std::vector<std::byte>> bytes(std::initializer_list<int> values) {
+  std::vector<std::byte> texels;
+  for (const int value : values) texels.push_back(static_cast<std::byte>(value));
+  return std::make_shared<const std::vector<std::byte>>(std::move(texels));
+}
+
+/// Two by two grey texels: 0 51 / 102 255.
+ImageTexture grey(ImageTextureSettings settings) {
+  settings.width = settings.height = 2;
+  settings.channels = 1;
+  return {settings, bytes({0, 51, 102, 255})};
+}
+
+TEST(ImageTexture, blends_between_the_centres_of_texels) {
+  const ImageTexture texture = grey({.wrap_s = Wrap::clamp, .wrap_t = Wrap::clamp});
+  EXPECT_DOUBLE_EQ(texture.lookup(.25, .25).r, 0);
+  EXPECT_DOUBLE_EQ(texture.lookup(.75, .25).r, .2);
+  EXPECT_DOUBLE_EQ(texture.lookup(.5, .25).r, .1);
+  EXPECT_DOUBLE_EQ(texture.lookup(.5, .5).r, 1.6 / 4);
+  EXPECT_DOUBLE_EQ(texture.lookup(5, 5).r, 1);
+}
+
+TEST(ImageTexture, or_between_their_corners) {
+  const ImageTexture texture = grey({.texels_at_corners = true});
+  EXPECT_DOUBLE_EQ(texture.lookup(0, 0).r, 0);
+  EXPECT_DOUBLE_EQ(texture.lookup(.5, 0).r, .2);
+  EXPECT_DOUBLE_EQ(texture.lookup(.75, 0).r, .1);  // the first column follows the last
+  EXPECT_DOUBLE_EQ(texture.lookup(0, 1).r, 0);     // and the first row the last
+  EXPECT_DOUBLE_EQ(texture.lookup(.5, .75).r, .6);
+}
+
+TEST(ImageTexture, wraps_as_told) {
+  const auto at = [](Wrap wrap, double s) {
+    return grey({.wrap_s = wrap, .wrap_t = wrap, .is_nearest = true}).lookup(s, .1).r;
+  };
+  EXPECT_EQ(at(Wrap::repeat, -.1), .2);
+  EXPECT_EQ(at(Wrap::repeat, 3.1), 0);
+  EXPECT_EQ(at(Wrap::clamp, -7), 0);
+  EXPECT_EQ(at(Wrap::clamp, 7), .2);
+  EXPECT_EQ(at(Wrap::mirror, 1.1), .2);
+  EXPECT_EQ(at(Wrap::mirror, -.1), 0);
+  EXPECT_EQ(at(Wrap::black, 1.1), 0);
+  EXPECT_EQ(at(Wrap::black, .9), .2);
+}
+
+TEST(ImageTexture, far_places_are_harmless) {
+  const ImageTexture texture = grey({});
+  for (const double s : {1e300, -1e300, 1e18}) EXPECT_TRUE(std::isfinite(texture.lookup(s, s).r));
+}
+
+TEST(ImageTexture, reads_srgb_and_floats) {
+  const ImageTexture encoded({.width = 1, .height = 1, .is_srgb = true}, bytes({255, 188, 0}));
+  EXPECT_EQ(encoded.lookup(0, 0).r, 1);
+  EXPECT_NEAR(encoded.lookup(0, 0).g, .5, .003);
+  EXPECT_EQ(encoded.lookup(0, 0).b, 0);
+  const float values[4] = {2.5f, -1, 1e-9f, 1};
+  std::vector<std::byte> raw(sizeof values);
+  std::memcpy(raw.data(), values, sizeof values);
+  const ImageTexture floats({.width = 1, .height = 1, .channels = 4, .bits = 32},
+                            std::make_shared<const std::vector<std::byte>>(raw));
+  EXPECT_EQ(floats.lookup(.3, .9), (Color{2.5, -1, double{1e-9f}}));
+}
+
+/// Eight texels in a row, of value 0, 1 ... 7 over 255, each of one colour.
+Background panorama(BackgroundKind kind, uint32_t width, uint32_t height) {
+  Background background;
+  background.kind = kind;
+  background.picture = std::make_shared<ImageTexture>(
+      ImageTextureSettings{.width = width, .height = height, .channels = 1, .is_nearest = true},
+      bytes({0, 1, 2, 3, 4, 5, 6, 7}));
+  return background;
+}
+
+double seen(const Background& background, const Vec3& d) {
+  return std::round(background.radiance({}, normalize(d), {}).r * 255);
+}
+
+TEST(Panorama, its_middle_lies_ahead_and_its_right_to_the_right) {
+  const Background around = panorama(BackgroundKind::panorama_equirectangular, 8, 1);
+  EXPECT_EQ(seen(around, {.1, 0, -1}), 4);
+  EXPECT_EQ(seen(around, {-.1, 0, -1}), 3);
+  EXPECT_EQ(seen(around, {1, 0, -.1}), 5);
+  EXPECT_EQ(seen(around, {1, 0, .1}), 6);
+  EXPECT_EQ(seen(around, {.1, 0, 1}), 7);
+  EXPECT_EQ(seen(around, {-.1, 0, 1}), 0);
+}
+
+TEST(Panorama, turns_by_the_right_hand_rule) {
+  Background around = panorama(BackgroundKind::panorama_equirectangular, 8, 1);
+  around.angle = std::numbers::pi / 2;  // what was ahead is now to the left
+  EXPECT_EQ(seen(around, {-1, 0, -.1}), 4);
+  around.angle += 40 * std::numbers::pi;
+  EXPECT_EQ(seen(around, {-1, 0, -.1}), 4);
+}
+
+TEST(Panorama, rows_are_angles_or_heights) {
+  const Background angles = panorama(BackgroundKind::panorama_equirectangular, 1, 8);
+  const Background heights = panorama(BackgroundKind::panorama_equal_area, 1, 8);
+  EXPECT_EQ(seen(angles, {0, 1, -1e-9}), 0);
+  EXPECT_EQ(seen(angles, {0, 1, -.5}), 1);   // 27 degrees from the zenith
+  EXPECT_EQ(seen(heights, {0, 1, -.5}), 0);  // y = .89
+  EXPECT_EQ(seen(heights, {0, -.1, -1}), 4);
+  EXPECT_EQ(seen(angles, {0, -1, -1e-9}), 7);
+}
+
+}  // namespace
+}  // namespace tessera
