@@ -8,9 +8,10 @@
 namespace tessera {
 
 /// A flat convex polygon, counter-clockwise seen from its front. Its edges are tested as those of
-/// the watertight triangle test, so polygons and triangles that share vertices leave no crack.
-/// Texture coordinates start at the first point, u along the first edge, and reach 1 at the longer
-/// side of the rectangle around it.
+/// the watertight triangle test, so polygons and triangles that share vertices leave no crack
+/// (where no three points are in a line, which rounding could bend inward). Texture coordinates
+/// start at the first point, u along the first edge, and reach 1 at the longer side of the
+/// rectangle around it.
 class ConvexPolygon final : public Shape {
  public:
   /// Throws Error where is_convex(points) does not hold.

@@ -80,6 +80,7 @@ bool Frustum::cross_side(const Ray& ray, Stretch& inside) const {
     if (a >= 0) return false;
     discriminant = 0;
   }
+  if (!std::isfinite(a + b + c)) return false;
   const double q = -(b + std::copysign(std::sqrt(discriminant), b));
   if (a == 0 && b == 0) {
     if (c > 0) return false;
@@ -122,7 +123,8 @@ bool Frustum::cross(const Ray& ray, Crossing& enter, Crossing& leave) const {
     leave = {side.leave, kSide};
   else if (is_point(leave.part))
     leave.part = kSide;
-  return enter.t <= leave.t && enter.t < kEndless && leave.t > -kEndless;
+  // A line without direction, or with a part that is not finite, has no finite ends.
+  return enter.t <= leave.t && enter.t > -kEndless && leave.t < kEndless;
 }
 
 bool Frustum::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {

@@ -172,7 +172,10 @@ TEST(N13, IdentitiesOfSets) {
       ASSERT_EQ(h0.t, h3.t);
       ASSERT_EQ(both.closest_hit(ray, h4, counters),
                 double_difference.closest_hit(ray, h5, counters));
-      ASSERT_EQ(h4.t, h5.t);
+      // Where faces of a and b all but coincide, either may be the one that shows.
+      if (h4.t < 1e30) {
+        ASSERT_NEAR(h4.t, h5.t, 1e-14);
+      }
       // A solid alone is what its own test says.
       Hit direct;
       const Transform place = sa.place();
