@@ -9,159 +9,17 @@
 #include <limits>
 #include <thread>
 
+#include "renderer/accel/binning.h"
 #include "renderer/math/rounding.h"
 
 namespace tessera {
 namespace {
 
-using Lanes = BuildBox::Lanes;
-
-constexpr float kInf = std::numeric_limits<float>::infinity();
-constexpr int kMaxBins = 48;
 constexpr float kNodeCost = 1.0f;  // of visiting a node, in tests of a block of triangles
 constexpr int kMedianDepth = 24;   // below this, halves: so that the depth stays bounded
 constexpr size_t kMinTask = 2048;
 
-Lanes lane_min(Lanes a, Lanes b) {
-  return a < b ? a : b;
-}
-Lanes lane_max(Lanes a, Lanes b) {
-  return a > b ? a : b;
-}
-
-struct Box {
-  Lanes low, high;  // left open: most bins are set just before their use
-
-  static Box empty() { return {Lanes{} + kInf, Lanes{} - kInf}; }
-  void extend(Lanes l, Lanes h) {
-    low = lane_min(low, l);
-    high = lane_max(high, h);
-  }
-  void extend(const Box& b) { extend(b.low, b.high); }
-  /// In double: the product of sides may leave single precision.
-  double half_area() const {
-    const double x = double{high[0]} - low[0], y = double{high[1]} - low[1],
-                 z = double{high[2]} - low[2];
-    return x * y + (x + y) * z;
-  }
-};
-
-struct Range {
-  size_t begin = 0, end = 0;
-  Box box = Box::empty(),
-      centroids = Box::empty();  // centroids are low + high halved before the sum, to stay in range
-  size_t count() const { return end - begin; }
-};
-
-Lanes centroid(const BuildBox& b) {
-  Lanes high = b.high;
-  high[3] = 0;  // the number kept there is a denormal, slow to reckon with
-  return b.low * 0.5f + high * 0.5f;
-}
-
-Range make_range(const BuildBox* boxes, size_t begin, size_t end) {
-  Range r{begin, end};
-  for (size_t i = begin; i < end; ++i) {
-    r.box.extend(boxes[i].low, boxes[i].high);
-    const Lanes c = centroid(boxes[i]);
-    r.centroids.extend(c, c);
-  }
-  return r;
-}
-
-/// Maps centroids to bins, the same way wherever it is asked.
-struct Binning {
-  int bins;
-  Lanes base, scale;
-  bool usable[3];
-
-  explicit Binning(const Range& range) {
-    bins = static_cast<int>(std::min<size_t>(kMaxBins, 4 + range.count() / 4));
-    base = range.centroids.low;
-    const Lanes extent = range.centroids.high - range.centroids.low;
-    scale = Lanes{};
-    for (int a = 0; a < 3; ++a) {
-      const float s = static_cast<float>(bins) * 0.99999f / extent[a];
-      usable[a] = extent[a] > 0 && s < kInf && s > 0;
-      scale[a] = usable[a] ? s : 0;
-    }
-  }
-  std::array<int, 3> operator()(Lanes c) const {
-    const Lanes f = (c - base) * scale;
-    return {static_cast<int>(f[0]), static_cast<int>(f[1]), static_cast<int>(f[2])};
-  }
-};
-
-struct Split {
-  double cost = std::numeric_limits<double>::infinity();
-  int axis = -1, bin = 0;  // bins below `bin` go left
-};
-
-class Bins {
- public:
-  explicit Bins(int bins) : bins_(bins) {
-    for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b < bins; ++b) {
-        box_[a][b] = Box::empty();
-        count_[a][b] = 0;
-      }
-    }
-  }
-  void add(const Binning& binning, const BuildBox* boxes, size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const std::array<int, 3> at = binning(centroid(boxes[i]));
-      for (int a = 0; a < 3; ++a) {
-        box_[a][at[a]].extend(boxes[i].low, boxes[i].high);
-        ++count_[a][at[a]];
-      }
-    }
-  }
-  void add(const Bins& other) {
-    for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b < bins_; ++b) {
-        box_[a][b].extend(other.box_[a][b]);
-        count_[a][b] += other.count_[a][b];
-      }
-    }
-  }
-  /// The cheapest split by half-area times blocks on each side. Beside an empty bin nothing is new.
-  Split best(const Binning& binning, uint32_t block_shift) const {
-    Split best;
-    const auto blocks = [block_shift](uint32_t n) {
-      return static_cast<double>(
-          static_cast<int32_t>((n + (1u << block_shift) - 1) >> block_shift));
-    };
-    for (int a = 0; a < 3; ++a) {
-      if (!binning.usable[a]) continue;
-      std::array<double, kMaxBins + 1> right_cost;
-      Box box = Box::empty();
-      uint32_t count = 0;
-      right_cost[binning.bins] = kInf;
-      for (int b = binning.bins - 1; b > 0; --b) {
-        right_cost[b] = right_cost[b + 1];
-        if (count_[a][b] == 0) continue;
-        box.extend(box_[a][b]);
-        count += count_[a][b];
-        right_cost[b] = box.half_area() * blocks(count);
-      }
-      box = Box::empty();
-      count = 0;
-      for (int b = 1; b < binning.bins; ++b) {
-        if (count_[a][b - 1] == 0) continue;
-        box.extend(box_[a][b - 1]);
-        count += count_[a][b - 1];
-        const double cost = box.half_area() * blocks(count) + right_cost[b];
-        if (cost < best.cost) best = {cost, a, b};
-      }
-    }
-    return best;
-  }
-
- private:
-  int bins_;
-  Box box_[3][kMaxBins];  // only the first bins_ are in use
-  uint32_t count_[3][kMaxBins];
-};
+using namespace binning;
 
 /// A node's child that is still to be built, by a task of its own.
 struct Pending {
