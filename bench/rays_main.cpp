@@ -1,4 +1,4 @@
-// bench_rays [--side N] [--rounds N] FILE.obj | ico:SUBDIVISIONS | soup:TRIANGLES | room ...
+// bench_rays [--side N] [--rounds N] [--accel NAME] FILE.obj | ico:SUBDIVISIONS | soup:TRIANGLES | room ...
 #include <fmt/format.h>
 
 #include <cstdlib>
@@ -16,6 +16,9 @@ int main(int argc, char** argv) {
       options.image_side = std::atoi(argv[++i]);
     } else if (argument == "--rounds" && i + 1 < argc) {
       options.rounds = std::atoi(argv[++i]);
+    } else if (argument == "--accel" && i + 1 < argc) {
+      const auto kind = tessera::parse_accelerator(argv[++i]);
+      if (kind) options.accelerators.push_back(*kind);
     } else if (argument.starts_with("ico:")) {
       meshes.push_back({argument, tessera::icosphere(std::atoi(argument.c_str() + 4))});
     } else if (argument.starts_with("soup:")) {
