@@ -151,6 +151,23 @@ TriangleMesh furnished_room(uint64_t seed) {
   return mesh;
 }
 
+TriangleMesh subdivided(const TriangleMesh& mesh, int times) {
+  if (times == 0) return mesh;
+  TriangleMesh finer;
+  const auto middle = [](const Float3& a, const Float3& b) {
+    return Float3{0.5f * a.x + 0.5f * b.x, 0.5f * a.y + 0.5f * b.y, 0.5f * a.z + 0.5f * b.z};
+  };
+  for (const TriangleIndices& t : mesh.triangles) {
+    const Float3 a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
+    const auto first = static_cast<uint32_t>(finer.positions.size());
+    finer.positions.insert(finer.positions.end(),
+                           {a, b, c, middle(a, b), middle(b, c), middle(c, a)});
+    for (const TriangleIndices& part : {TriangleIndices{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}})
+      finer.triangles.push_back({first + part[0], first + part[1], first + part[2]});
+  }
+  return subdivided(finer, times - 1);
+}
+
 TriangleMesh read_plain_obj(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw std::runtime_error("cannot read " + path);

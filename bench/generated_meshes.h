@@ -12,6 +12,8 @@ namespace tessera {
 TriangleMesh icosphere(int subdivisions);
 /// Unconnected triangles of side about 1 / cbrt(count) in the unit cube.
 TriangleMesh triangle_soup(size_t count, uint64_t seed);
+/// Each triangle cut in four at the middles of its edges, `times` over; vertices are not shared.
+TriangleMesh subdivided(const TriangleMesh& mesh, int times);
 /// Reads "v" and "f" lines of a trusted OBJ file and nothing else.
 TriangleMesh read_plain_obj(const std::string& path);
 

@@ -1,4 +1,5 @@
-// bench_rays [--side N] [--rounds N] FILE.obj | ico:SUBDIVISIONS | soup:TRIANGLES | room ...
+// bench_rays [--side N] [--rounds N] [--accel NAME] FILE.obj | ico:SUBDIVISIONS | soup:TRIANGLES |
+// sub:FILE.obj | room ...
 #include <fmt/format.h>
 
 #include <cstdlib>
@@ -16,10 +17,16 @@ int main(int argc, char** argv) {
       options.image_side = std::atoi(argv[++i]);
     } else if (argument == "--rounds" && i + 1 < argc) {
       options.rounds = std::atoi(argv[++i]);
+    } else if (argument == "--accel" && i + 1 < argc) {
+      const auto kind = tessera::parse_accelerator(argv[++i]);
+      if (kind) options.accelerators.push_back(*kind);
     } else if (argument.starts_with("ico:")) {
       meshes.push_back({argument, tessera::icosphere(std::atoi(argument.c_str() + 4))});
     } else if (argument.starts_with("soup:")) {
       meshes.push_back({argument, tessera::triangle_soup(std::atol(argument.c_str() + 5), 1)});
+    } else if (argument.starts_with("sub:")) {
+      meshes.push_back({"sub:" + argument.substr(argument.rfind('/') + 1),
+                        tessera::subdivided(tessera::read_plain_obj(argument.substr(4)), 2)});
     } else if (argument == "room") {
       meshes.push_back({argument, tessera::furnished_room(1), true});
     } else {

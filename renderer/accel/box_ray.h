@@ -110,40 +110,40 @@ inline BoxRay<Real> make_box_ray(const RayFrame& f) {
 /// rounding: of origin, direction, reciprocal, offset and box test.
 [[gnu::always_inline]] inline bool make_usual_box_ray(const Ray& ray, double t_max, float extent,
                                                       BoxRay<float>& b) {
-  using Float4 = float __attribute__((vector_size(16)));
-  using Int4 = int32_t __attribute__((vector_size(16)));
-  using Long2 = int64_t __attribute__((vector_size(16)));
-  using Double4 = double __attribute__((vector_size(32)));
-  const Int4 used{-1, -1, -1, 0}, sign{INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN};
-  const auto absolute = [&](Float4 v) { return (Float4)((Int4)v & ~sign & used); };
-  const Double4 origin{ray.origin.x, ray.origin.y, ray.origin.z, 0};
-  const Double4 direction{ray.direction.x, ray.direction.y, ray.direction.z, 0};
-  const Float4 o = __builtin_convertvector(origin, Float4);
-  Float4 d = __builtin_convertvector(direction, Float4);
-  const Float4 far = absolute(o), steep = absolute(d);
-  const auto largest_lane = [](Float4 v) {
-    Float4 w = __builtin_shuffle(v, Int4{1, 0, 3, 2});
+  using FourFloats = float __attribute__((vector_size(16)));
+  using FourInts = int32_t __attribute__((vector_size(16)));
+  using TwoLongs = int64_t __attribute__((vector_size(16)));
+  using FourDoubles = double __attribute__((vector_size(32)));
+  const FourInts used{-1, -1, -1, 0}, sign{INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN};
+  const auto absolute = [&](FourFloats v) { return (FourFloats)((FourInts)v & ~sign & used); };
+  const FourDoubles origin{ray.origin.x, ray.origin.y, ray.origin.z, 0};
+  const FourDoubles direction{ray.direction.x, ray.direction.y, ray.direction.z, 0};
+  const FourFloats o = __builtin_convertvector(origin, FourFloats);
+  FourFloats d = __builtin_convertvector(direction, FourFloats);
+  const FourFloats far = absolute(o), steep = absolute(d);
+  const auto largest_lane = [](FourFloats v) {
+    FourFloats w = __builtin_shuffle(v, FourInts{1, 0, 3, 2});
     v = v > w ? v : w;
-    w = __builtin_shuffle(v, Int4{2, 3, 0, 1});
+    w = __builtin_shuffle(v, FourInts{2, 3, 0, 1});
     return v > w ? v : w;
   };
-  const Float4 whole = Float4{} + extent;
-  const Float4 longest = largest_lane(steep), farthest = largest_lane(far);
+  const FourFloats whole = FourFloats{} + extent;
+  const FourFloats longest = largest_lane(steep), farthest = largest_lane(far);
   // Written so that what is not a number is not usual.
-  const Long2 usual = (Long2)((far <= 4 * whole) & (steep <= 1e9f) & (longest >= 1e-9f) &
-                              (whole >= 1e-15f) & (whole <= 1e14f));
+  const TwoLongs usual = (TwoLongs)((far <= 4 * whole) & (steep <= 1e9f) & (longest >= 1e-9f) &
+                                    (whole >= 1e-15f) & (whole <= 1e14f));
   if ((usual[0] & usual[1]) != -1 || !(ray.t_min >= 0)) [[unlikely]]
     return false;
   // A component too short to matter within the scene gets a finite reciprocal.
-  const Float4 shortest = Float4{} + 1e-18f;
-  const Int4 backward = (Int4)d & sign;
-  d = steep < shortest ? (Float4)((Int4)shortest | backward) : d;
-  const Float4 inverse = 1 / d;
-  const Float4 at = o * inverse;
-  const Float4 margin =
+  const FourFloats shortest = FourFloats{} + 1e-18f;
+  const FourInts backward = (FourInts)d & sign;
+  d = steep < shortest ? (FourFloats)((FourInts)shortest | backward) : d;
+  const FourFloats inverse = 1 / d;
+  const FourFloats at = o * inverse;
+  const FourFloats margin =
       (whole > farthest ? whole : farthest) * static_cast<float>(BoxRay<float>::kMargin);
-  const Float4 slack = margin * (Float4)((Int4)inverse & ~sign);
-  const Float4 enter = at + slack, leave = at - slack;
+  const FourFloats slack = margin * (FourFloats)((FourInts)inverse & ~sign);
+  const FourFloats enter = at + slack, leave = at - slack;
   std::memcpy(b.inverse, &inverse, sizeof inverse);
   std::memcpy(b.enter_offset, &enter, sizeof enter);
   std::memcpy(b.leave_offset, &leave, sizeof leave);

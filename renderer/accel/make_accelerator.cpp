@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "renderer/accel/bvh.h"
+#include "renderer/accel/embree_mesh.h"
 #include "renderer/accel/linear_scan.h"
 #include "renderer/accel/octree.h"
 #include "renderer/accel/tree_boxes.h"
@@ -15,14 +16,6 @@ namespace {
 constexpr size_t kFewTriangles = 2;
 constexpr size_t kFewInstances = 2;
 
-void require_known(AcceleratorKind kind) {
-  if (kind != AcceleratorKind::embree) return;
-  throw usage_error(fmt::format(
-      "the accelerator '{}' is not in this program; expected bvh, octree, nonuniform-octree or "
-      "linear",
-      accelerator_name(kind)));
-}
-
 OctreeKind octree_kind(AcceleratorKind kind) {
   return kind == AcceleratorKind::octree ? OctreeKind::uniform : OctreeKind::nonuniform;
 }
@@ -31,12 +24,18 @@ OctreeKind octree_kind(AcceleratorKind kind) {
 
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
                                                          AcceleratorKind kind, int threads) {
-  require_known(kind);
   TESSERA_CHECK(mesh->triangles.size() <= kMaxPrimitives,
                 fmt::format("{} > {}", mesh->triangles.size(), kMaxPrimitives));
   if (kind == AcceleratorKind::linear || mesh->triangles.size() <= kFewTriangles)
     return std::make_unique<MeshLinearScan>(std::move(mesh));
   if (kind == AcceleratorKind::bvh) return std::make_unique<MeshBvh>(*mesh, threads);
+  if (kind == AcceleratorKind::embree) {
+    if (auto embree = EmbreeMesh::make(std::move(mesh), threads)) return embree;
+    throw usage_error(
+        "the accelerator 'embree' is not beside this program (tessera_embree.so, built where "
+        "Embree "
+        "3 is found); expected bvh, octree, nonuniform-octree or linear");
+  }
   return std::make_unique<MeshOctree>(*mesh, octree_kind(kind), threads);
 }
 
@@ -48,13 +47,12 @@ std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleM
 
 std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,
                                                              AcceleratorKind kind, int threads) {
-  require_known(kind);
   size_t bounded = 0;
   for (const Instance& instance : instances)
     if (const Bounds3 b = bounds_of(instance); is_bounded(b) && !b.empty()) ++bounded;
   if (kind == AcceleratorKind::linear || bounded <= kFewInstances)
     return std::make_unique<InstanceLinearScan>(std::move(instances));
-  if (kind == AcceleratorKind::bvh)
+  if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::embree)
     return std::make_unique<InstanceBvh>(std::move(instances), threads);
   return std::make_unique<InstanceOctree>(std::move(instances), octree_kind(kind), threads);
 }

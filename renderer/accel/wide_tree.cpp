@@ -15,7 +15,7 @@
 namespace tessera {
 namespace {
 
-constexpr float kNodeCost = 1.0f;  // of visiting a node, in tests of a block of triangles
+constexpr float kNodeCost = 1.6f;  // of visiting a node, in tests of a block of triangles
 constexpr int kMedianDepth = 24;   // below this, halves: so that the depth stays bounded
 constexpr size_t kMinTask = 2048;
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "renderer/accel/bvh.h"
+#include "renderer/accel/embree_mesh.h"
 #include "renderer/accel/linear_scan.h"
 #include "renderer/accel/octree.h"
 #include "renderer/accel/tree_boxes.h"
@@ -49,7 +50,8 @@ class Pcg32 {
   uint64_t state_ = 0, step_;
 };
 
-/// The linear scan, the BVH compiled for every instruction set of this machine, and both octrees.
+/// The linear scan, the BVH compiled for every instruction set of this machine, both octrees, and,
+/// where it is there, Embree.
 struct Accelerators {
   std::vector<std::unique_ptr<const Accelerator>> all;  ///< the oracle first
 
@@ -60,6 +62,7 @@ struct Accelerators {
       a.all.push_back(std::make_unique<MeshBvh>(*mesh, 2, code));
     for (const OctreeKind kind : {OctreeKind::uniform, OctreeKind::nonuniform})
       a.all.push_back(std::make_unique<MeshOctree>(*mesh, kind, 2));
+    if (auto embree = EmbreeMesh::make(mesh, 2)) a.all.push_back(std::move(embree));
     return a;
   }
   static Accelerators over(const std::vector<Instance>& instances) {

@@ -7,26 +7,34 @@
 namespace tessera {
 namespace {
 
-using Factory = EmbreeScene* (*)(const float*, size_t, const uint32_t*, size_t, int);
+using SceneFactory = EmbreeScene* (*)(const float*, size_t, const uint32_t*, size_t, int);
+using BoxesFactory = EmbreeBoxes* (*)(const std::array<float, 6>*, size_t, int);
 
-Factory load_factory() {
-  std::error_code failed;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
-  if (failed) return nullptr;
-  const auto path = program.parent_path() / "tessera_embree.so";
-  void* module = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (!module) return nullptr;
-  return reinterpret_cast<Factory>(dlsym(module, "tessera_make_embree_scene"));
+void* load(const char* symbol) {
+  static void* const module = []() -> void* {
+    std::error_code failed;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
+    if (failed) return nullptr;
+    return dlopen((program.parent_path() / "tessera_embree.so").c_str(), RTLD_NOW | RTLD_LOCAL);
+  }();
+  return module ? dlsym(module, symbol) : nullptr;
 }
 
 }  // namespace
 
 std::unique_ptr<EmbreeScene> make_embree_scene(std::span<const float> positions,
                                                std::span<const uint32_t> triangles, int threads) {
-  static const Factory factory = load_factory();
-  if (!factory) return nullptr;
-  return std::unique_ptr<EmbreeScene>(factory(positions.data(), positions.size() / 3,
-                                              triangles.data(), triangles.size() / 3, threads));
+  const auto make = reinterpret_cast<SceneFactory>(load("tessera_make_embree_scene"));
+  if (!make) return nullptr;
+  return std::unique_ptr<EmbreeScene>(make(positions.data(), positions.size() / 3, triangles.data(),
+                                           triangles.size() / 3, threads));
+}
+
+std::unique_ptr<EmbreeBoxes> make_embree_boxes(std::span<const std::array<float, 6>> boxes,
+                                               int threads) {
+  const auto make = reinterpret_cast<BoxesFactory>(load("tessera_make_embree_boxes"));
+  if (!make) return nullptr;
+  return std::unique_ptr<EmbreeBoxes>(make(boxes.data(), boxes.size(), threads));
 }
 
 }  // namespace tessera

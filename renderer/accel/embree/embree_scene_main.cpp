@@ -115,8 +115,7 @@ class Scene final : public EmbreeScene {
 }  // namespace
 }  // namespace tessera
 
-extern "C" tessera::EmbreeScene* tessera_make_embree_scene(const float* positions, size_t vertices,
-                                                           const uint32_t* triangles, size_t count,
-                                                           int threads) {
+extern "C" __attribute__((visibility("default"))) tessera::EmbreeScene* tessera_make_embree_scene(
+    const float* positions, size_t vertices, const uint32_t* triangles, size_t count, int threads) {
   return new tessera::Scene(positions, vertices, triangles, count, threads);
 }
