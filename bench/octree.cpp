@@ -211,9 +211,7 @@ size_t pixels_traced(const OctreeBenchOptions& options, int step) {
   return rays;
 }
 
-int step_of(const OctreeBenchRow& row) {
-  return row.sampled ? kSampleStep : 1;
-}
+int step_of(const OctreeBenchRow& row) { return row.sampled ? kSampleStep : 1; }
 
 /// Builds and traces once more; the fastest counts.
 void measure(const OctreeScene& scene, const OctreeBenchOptions& options, OctreeBenchRow& row,

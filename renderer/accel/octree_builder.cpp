@@ -211,7 +211,8 @@ class Builder {
     return area * (options_.leaf_cost + options_.block_cost * blocks(count));
   }
   double blocks(size_t count) const {
-    return static_cast<double>((count + options_.block_size - 1) / options_.block_size);
+    const size_t whole = (count + options_.block_size - 1) / options_.block_size;
+    return static_cast<double>(whole);
   }
 
   static void gather(std::vector<Voxel>& voxels, const Voxel& voxel, std::vector<uint32_t>& into) {

@@ -56,8 +56,8 @@ OctreeScene clumped_diamonds() {
   Random random(2);
   OctreeScene scene;
   for (int cell = 0; cell < 64; ++cell) {
-    const Vec3 corner{(cell % 4 - 1.5) * kCell, (cell / 4 % 4 - 1.5) * kCell,
-                      (cell / 16 - 1.5) * kCell};
+    const int x = cell % 4, y = cell / 4 % 4, z = cell / 16;
+    const Vec3 corner = Vec3{x - 1.5, y - 1.5, z - 1.5} * kCell;
     const Point3 middle = Point3{} + corner + random.in_cube() * (kCell / 2 - kClump);
     for (int i = 0; i < 50; ++i)
       scene.diamonds.push_back({middle + random.in_cube() * (kClump - kRadius), kRadius});
