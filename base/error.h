@@ -52,8 +52,8 @@ std::string suggestion(std::string_view name, std::span<const std::string> candi
 
 }  // namespace tessera
 
-#define TESSERA_CHECK(condition, ...)                                          \
-  do {                                                                         \
-    if (!(condition)) [[unlikely]]                                             \
-      ::tessera::check_failed(__FILE__, __LINE__, #condition, __VA_ARGS__);    \
+#define TESSERA_CHECK(condition, ...)                                       \
+  do {                                                                      \
+    if (!(condition)) [[unlikely]]                                          \
+      ::tessera::check_failed(__FILE__, __LINE__, #condition, __VA_ARGS__); \
   } while (false)

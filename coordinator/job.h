@@ -16,39 +16,45 @@ namespace tessera {
 
 /// One frame to render. A value; the blobs are shared.
 struct JobSpec {
-  v1::Scene scene;            ///< without blobs in it
+  v1::Scene scene;  ///< without blobs in it
   BlobStore blobs;
   v1::FrameSettings frame;
-  PixelRect crop;             ///< in frame coordinates; the film covers exactly this
-  int tile_size = 0;          ///< pixels a side; 0: chosen from the frame and the number of workers
+  PixelRect crop;     ///< in frame coordinates; the film covers exactly this
+  int tile_size = 0;  ///< pixels a side; 0: chosen from the frame and the number of workers
 };
 
 /// What became of a job; every number is a total over its life.
 struct JobReport {
   enum class End { done, failed, interrupted };
   End end = End::done;
-  std::string failure;                       ///< why, where end is failed
-  ExitCode exit_code = ExitCode::done;       ///< bad_scene where the scene could not be built
-  std::vector<PixelRect> holes;              ///< tiles that were given up, already marked in the film
+  std::string failure;                  ///< why, where end is failed
+  ExitCode exit_code = ExitCode::done;  ///< bad_scene where the scene could not be built
+  std::vector<PixelRect> holes;         ///< tiles that were given up, already marked in the film
 
-  CounterMap counters;                       ///< sums over accepted tiles: rays_primary ...
+  CounterMap counters;        ///< sums over accepted tiles: rays_primary ...
+  CounterMap build_counters;  ///< of the scene that was built: textures_used ...
   uint64_t tiles_total = 0, tiles_done = 0;
-  uint64_t retries = 0;                      ///< assignments beyond the first that replaced a lost one
-  uint64_t speculative = 0;                  ///< second copies issued at the end of the queue
-  uint64_t duplicates = 0;                   ///< results that came for a tile already done
-  uint64_t mismatches = 0;                   ///< of those, not equal bit for bit
+  uint64_t retries = 0;      ///< assignments beyond the first that replaced a lost one
+  uint64_t speculative = 0;  ///< second copies issued at the end of the queue
+  uint64_t duplicates = 0;   ///< results that came for a tile already done
+  uint64_t mismatches = 0;   ///< of those, not equal bit for bit
   uint64_t workers_seen = 0, workers_lost = 0;
-  uint64_t bytes_scene = 0, bytes_results = 0;   ///< shipped to and from workers
-  double build_seconds = 0;                  ///< longest of any worker
-  double trace_seconds = 0;                  ///< from the first assignment to the last result
+  uint64_t bytes_scene = 0, bytes_results = 0;  ///< shipped to and from workers
+  double build_seconds = 0;                     ///< longest of any worker
+  double trace_seconds = 0;                     ///< from the first assignment to the last result
   double assemble_seconds = 0;
+};
+
+struct JobResult {
+  JobReport report;
+  Film film;  ///< of the crop; holes are marked
 };
 
 /// Told to whoever watches; called on the thread that runs the job.
 struct JobProgress {
   uint64_t tiles_done = 0, tiles_total = 0;
-  int workers = 0;                           ///< now connected
-  double elapsed_seconds = 0, remaining_seconds = 0;   ///< remaining < 0: not known yet
+  int workers = 0;                                    ///< now connected
+  double elapsed_seconds = 0, remaining_seconds = 0;  ///< remaining < 0: not known yet
 };
 using ProgressCallback = std::function<void(const JobProgress&)>;
 

@@ -1,7 +1,6 @@
 #include "renderer/accel/instance.h"
 
 #include <limits>
-#include <optional>
 
 namespace tessera {
 namespace {
@@ -11,6 +10,7 @@ Cull opposite(Cull cull) {
 }
 
 Ray to_object(const Instance& instance, const Ray& ray) {
+  if (instance.world_from_object.is_identity()) return ray;
   Ray local = ray;
   local.origin = instance.world_from_object.inverse_point(ray.origin);
   // Not made of unit length, so that t is the same in both frames.
@@ -18,29 +18,33 @@ Ray to_object(const Instance& instance, const Ray& ray) {
   return local;
 }
 
-/// The ray in the shape's frame; nothing where every side is culled.
-std::optional<Ray> culled_local_ray(const Instance& instance, const Ray& ray) {
+/// Calls query(local) with the ray in the shape's frame; false where every side is culled.
+template <typename Query>
+bool query_local(const Instance& instance, const Ray& ray, const Query& query) {
   Cull cull = instance.cull;
   if (ray.cull != Cull::none) {
-    if (cull != Cull::none && cull != ray.cull) return std::nullopt;
+    if (cull != Cull::none && cull != ray.cull) return false;
     cull = ray.cull;
   }
+  if (instance.flip_normals) cull = opposite(cull);
+  if (cull == ray.cull && instance.world_from_object.is_identity()) return query(ray);
   Ray local = to_object(instance, ray);
-  local.cull = instance.flip_normals ? opposite(cull) : cull;
-  return local;
+  local.cull = cull;
+  return query(local);
 }
 
 }  // namespace
 
 bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
                     TraversalCounters& counters) {
-  const std::optional<Ray> local = culled_local_ray(instance, ray);
-  if (!local) return false;
   // Of hits at equal t the smaller instance counts, whatever its primitive.
   Hit candidate = hit;
   if (number < hit.instance) candidate.primitive = std::numeric_limits<uint32_t>::max();
   if (number > hit.instance) candidate.primitive = 0;
-  if (!instance.shape->closest_hit(*local, candidate, counters)) return false;
+  const bool found = query_local(instance, ray, [&](const Ray& local) {
+    return instance.shape->closest_hit(local, candidate, counters);
+  });
+  if (!found) return false;
   hit = candidate;
   hit.instance = number;
   return true;
@@ -48,8 +52,8 @@ bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, H
 
 bool any_hit_of(const Instance& instance, const Ray& ray, TraversalCounters& counters) {
   if (!instance.casts_shadow) return false;
-  const std::optional<Ray> local = culled_local_ray(instance, ray);
-  return local && instance.shape->any_hit(*local, counters);
+  return query_local(instance, ray,
+                     [&](const Ray& local) { return instance.shape->any_hit(local, counters); });
 }
 
 Bounds3 bounds_of(const Instance& instance) {

@@ -23,7 +23,8 @@ void Film::write(const PixelRect& tile, int first_row, int rows, std::span<const
                             tile.x1, tile.y0, tile.y1, values.size()));
   for (int row = 0; row < rows; ++row) {
     const size_t offset = (static_cast<size_t>(first_row + row - rect_.y0) * width() +
-                           static_cast<size_t>(tile.x0 - rect_.x0)) * kFilmChannels;
+                           static_cast<size_t>(tile.x0 - rect_.x0)) *
+                          kFilmChannels;
     std::copy_n(values.begin() + static_cast<ptrdiff_t>(row_size) * row, row_size,
                 values_.begin() + static_cast<ptrdiff_t>(offset));
   }
@@ -34,8 +35,9 @@ void Film::mark_hole(const PixelRect& tile) {
   for (int y = tile.y0; y < tile.y1; ++y) {
     for (int x = tile.x0; x < tile.x1; ++x) {
       const float level = ((x / kCheckerSide) ^ (y / kCheckerSide)) & 1 ? 1.0f : 0.0f;
-      const size_t offset = (static_cast<size_t>(y - rect_.y0) * width() +
-                             static_cast<size_t>(x - rect_.x0)) * kFilmChannels;
+      const size_t offset =
+          (static_cast<size_t>(y - rect_.y0) * width() + static_cast<size_t>(x - rect_.x0)) *
+          kFilmChannels;
       values_[offset] = level;
       values_[offset + 1] = 0;
       values_[offset + 2] = level;

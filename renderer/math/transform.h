@@ -43,10 +43,13 @@ Affine look_at(const Point3& eye, const Point3& target, const Vec3& up);
 class Transform {
  public:
   Transform() = default;
-  explicit Transform(const Affine& to) : to_(to), from_(inverse(to)) {}
+  explicit Transform(const Affine& to)
+      : to_(to), from_(inverse(to)), is_identity_(to == Affine{}) {}
 
   const Affine& matrix() const { return to_; }
   const Affine& inverse_matrix() const { return from_; }
+  /// Whether nothing moves at all, so that rays need not be taken into the frame.
+  bool is_identity() const { return is_identity_; }
   bool mirrors() const { return to_.determinant() < 0; }
 
   Point3 point(const Point3& p) const { return to_(p); }
@@ -62,6 +65,7 @@ class Transform {
 
  private:
   Affine to_, from_;
+  bool is_identity_ = true;
 };
 
 }  // namespace tessera

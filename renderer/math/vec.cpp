@@ -8,6 +8,7 @@ Vec3 normalize(const Vec3& v) {
   // which rounds nothing.
   if (!(squared > 1e-280 && squared < 1e280)) [[unlikely]] {
     const double largest = max_component(abs(v));
+    if (!(largest > 0) || !std::isfinite(largest)) return v / largest;  // no direction: NaN
     const double scale = std::ldexp(1.0, -std::ilogb(largest));
     const Vec3 scaled = v * scale;
     return scaled / std::sqrt(dot(scaled, scaled));

@@ -13,8 +13,8 @@ namespace tessera {
 
 /// How far a tile is, written by the tracing thread and read by any other.
 struct TileProgress {
-  std::atomic<uint64_t> work_done{0};   ///< grows at least once a row
-  std::atomic<bool> cancelled{false};   ///< set from outside: stop within a row
+  std::atomic<uint64_t> work_done{0};  ///< grows with every pixel
+  std::atomic<bool> cancelled{false};  ///< set from outside: stop within a pixel
 };
 
 /// Traces tiles of one frame. Its pixels are a pure function of (scene, frame settings, task).
@@ -23,7 +23,8 @@ class TileRenderer {
  public:
   virtual ~TileRenderer() = default;
   /// Nothing if it was cancelled.
-  virtual std::optional<TilePixels> render(const RenderTask& task, TileProgress& progress) const = 0;
+  virtual std::optional<TilePixels> render(const RenderTask& task,
+                                           TileProgress& progress) const = 0;
   /// Counts of what building found and left out, by the names of --stats.
   virtual CounterMap build_counters() const = 0;
 };
@@ -32,7 +33,6 @@ class TileRenderer {
 /// many it may use to build; they do not change the result.
 std::shared_ptr<const TileRenderer> make_tile_renderer(const v1::Scene& scene,
                                                        const BlobStore& blobs,
-                                                       const v1::FrameSettings& frame,
-                                                       int threads);
+                                                       const v1::FrameSettings& frame, int threads);
 
 }  // namespace tessera

@@ -23,6 +23,8 @@ TEST(NearestName, FindsASlipOfThePenAndNothingFarther) {
   const std::array<std::string, 3> names{"whitted", "path", "normals"};
   EXPECT_EQ(nearest_name("whited", names), "whitted");
   EXPECT_EQ(nearest_name("PATH", names), "path");
+  EXPECT_EQ(nearest_name("apth", names), "path");
+  EXPECT_EQ(nearest_name("pthh", names), std::nullopt);
   EXPECT_EQ(nearest_name("octree", names), std::nullopt);
   EXPECT_EQ(suggestion("normal", names), "; did you mean 'normals'?");
 }

@@ -1,0 +1,74 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "cli/bench_farm.h"
+#include "cli/command_line.h"
+#include "cli/option_values.h"
+#include "cli/output_file.h"
+
+namespace tessera {
+namespace {
+
+struct BenchOptions {
+  BenchFarmOptions farm;
+  std::string json_file;
+};
+
+/// The rows as a table: a column a key, in the order of the first row that has it.
+void print_table(const nlohmann::json& rows) {
+  fmt::print("{:<60} {:>10} {:>10} {:>7} {:>7}\n", "measure", "seconds", "reference", "ratio",
+             "limit");
+  const auto cell = [](const nlohmann::json& row, const char* key, int precision) {
+    return row.contains(key) ? fmt::format("{:.{}f}", row[key].get<double>(), precision) : "";
+  };
+  for (const auto& row : rows) {
+    fmt::print("{:<60} {:>10} {:>10} {:>7} {:>7}\n", row["measure"].get<std::string>(),
+               cell(row, "seconds", 4), cell(row, "reference_seconds", 4), cell(row, "ratio", 3),
+               cell(row, "limit", 2));
+  }
+}
+
+ExitCode bench(const BenchOptions& options) {
+  if (!options.json_file.empty()) check_output_file("--json", options.json_file);
+  const nlohmann::json rows = bench_farm(options.farm);
+  print_table(rows);
+  if (!options.json_file.empty()) {
+    write_output_file(options.json_file, nlohmann::json{{"rows", rows}}.dump(2) + "\n");
+  }
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<BenchOptions>();
+  CLI::App* command = app.add_subcommand("bench", "Measure this program on this machine");
+  command->require_subcommand(1);
+  CLI::App* farm = command->add_subcommand("farm", "What distribution costs");
+  farm->footer(
+      "Pairs are measured in turns; seconds are medians, ratios medians of the pairs' ratios.\n"
+      "Leave the machine alone meanwhile, and use a release build.\n"
+      "Example:\n"
+      "  tessera bench farm bunny.obj --json farm.json");
+  farm->add_option("SCENE", options->farm.scene, "What to render at 1080p [a grid of spheres]")
+      ->type_name("FILE");
+  const auto add = [&](const char* name, int& value, const char* text) {
+    farm->add_option_function<std::string>(
+            name,
+            [name, &value](const std::string& typed) {
+              value = static_cast<int>(parse_whole(name, typed, 1, 1000));
+            },
+            text)
+        ->type_name("N");
+  };
+  add("--workers", options->farm.workers, "Worker processes, and threads to hold them against [4]");
+  add("--repeats", options->farm.repeats, "How often each pair is measured [5]");
+  farm->add_option("--json", options->json_file, "Write the rows as JSON too")->type_name("FILE");
+  farm->callback([options, &action] { action = [options] { return bench(*options); }; });
+}
+
+}  // namespace tessera

@@ -1,0 +1,165 @@
+#include "cli/bench_farm.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "base/error.h"
+#include "cli/timed_process.h"
+#include "proto/transport/zmq_transport.h"
+#include "proto/wire/frame.h"
+#include "proto/wire/scene_codec.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+constexpr char kThisProgram[] = "/proc/self/exe";
+
+/// A folder that is gone with this object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "tessera-bench-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw render_error("no temporary folder can be made");
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+v1::Node sphere_node(double x, double y, double z, double radius) {
+  v1::Node node;
+  v1::Sphere& sphere = *node.mutable_shape()->mutable_sphere();
+  sphere.mutable_center()->set_x(x);
+  sphere.mutable_center()->set_y(y);
+  sphere.mutable_center()->set_z(z);
+  sphere.set_radius(radius);
+  return node;
+}
+
+/// side^3 spheres around the origin, seen by the default camera, under one sun.
+v1::Scene spheres_scene(int side) {
+  v1::Scene scene;
+  for (int i = 0; i < side * side * side; ++i) {
+    const auto place = [side](int k) { return (k % side - (side - 1) / 2.0) * 4.0 / side; };
+    *scene.add_nodes() = sphere_node(place(i), place(i / side), place(i / side / side), 1.6 / side);
+  }
+  v1::Vec3& direction =
+      *scene.add_nodes()->mutable_light()->mutable_directional()->mutable_direction();
+  direction.set_x(-0.5);
+  direction.set_y(-1);
+  direction.set_z(-0.7);
+  return scene;
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
+
+json paired_row(const std::string& measure, double limit, int repeats,
+                const std::function<double()>& ours, const std::function<double()>& reference) {
+  ours();  // the first run pays for cold caches
+  reference();
+  std::vector<double> our_seconds, reference_seconds, ratios;
+  for (int i = 0; i < repeats; ++i) {
+    our_seconds.push_back(ours());
+    reference_seconds.push_back(reference());
+    ratios.push_back(our_seconds.back() / reference_seconds.back());
+  }
+  return {{"measure", measure},
+          {"seconds", median(our_seconds)},
+          {"reference_seconds", median(reference_seconds)},
+          {"ratio", median(ratios)},
+          {"limit", limit}};
+}
+
+json processes_row(const BenchFarmOptions& options, const TemporaryFolder& folder) {
+  std::string scene = options.scene;
+  if (scene.empty()) {
+    scene = folder.file("spheres.tesserab");
+    write_scene_file(scene, spheres_scene(12), {});
+  }
+  const auto render = [&](int workers, int threads) {
+    return timed_process({kThisProgram, "render", scene, "--quiet", "-o", folder.file("frame.png"),
+                          "--size", "1920x1080", "--spp", "4", "--workers", std::to_string(workers),
+                          "--threads", std::to_string(threads)});
+  };
+  return paired_row(
+      fmt::format("1080p frame: {0} workers against {0} threads", options.workers), 1.03,
+      options.repeats, [&] { return render(options.workers, 1); },
+      [&] { return render(0, options.workers); });
+}
+
+json one_sphere_row(const BenchFarmOptions& options, const TemporaryFolder& folder) {
+  const std::string scene = folder.file("one.tesserab");
+  write_scene_file(scene, spheres_scene(1), {});
+  return paired_row(
+      fmt::format("one sphere, 64x64, {} workers against oiiotool --version", options.workers),
+      1.15, options.repeats * 4,
+      [&] {
+        return timed_process({kThisProgram, "render", scene, "--quiet", "-o",
+                              folder.file("one.png"), "--size", "64x64", "--workers",
+                              std::to_string(options.workers)});
+      },
+      [] {
+        return timed_process({"oiiotool", "--version"});
+      });
+}
+
+/// Seconds from the start of a worker process to its hello, which grants credit for tiles.
+double seconds_to_hello(const TemporaryFolder& folder) {
+  const auto server = bind_server("ipc://" + folder.file("socket"));
+  const auto start = std::chrono::steady_clock::now();
+  const pid_t pid = start_process({kThisProgram, "worker", "--connect", server->endpoint(),
+                                   "--threads", "1", "--parent", std::to_string(getpid())});
+  std::chrono::duration<double> taken{};
+  for (bool ready = false; !ready;) {
+    server->wait(std::chrono::milliseconds(100));
+    taken = std::chrono::steady_clock::now() - start;
+    if (taken > std::chrono::seconds(10)) throw render_error("a worker said no hello in 10 s");
+    while (const auto message = server->receive()) {
+      const auto envelope = decode(message->bytes, kMaxFrame);
+      ready = ready || (envelope && envelope->has_hello() && envelope->hello().credit() > 0);
+    }
+  }
+  kill(pid, SIGKILL);
+  waitpid(pid, nullptr, 0);
+  return taken.count();
+}
+
+json worker_row(const BenchFarmOptions& options, const TemporaryFolder& folder) {
+  std::vector<double> seconds;
+  for (int i = 0; i < options.repeats * 4; ++i) seconds.push_back(seconds_to_hello(folder));
+  return {{"measure", "a worker is ready after its start"},
+          {"seconds", median(seconds)},
+          {"limit", 0.03}};
+}
+
+}  // namespace
+
+json bench_farm(const BenchFarmOptions& options) {
+  const TemporaryFolder folder;
+  return json::array({processes_row(options, folder), one_sphere_row(options, folder),
+                      worker_row(options, folder)});
+}
+
+}  // namespace tessera

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace tessera {
+
+struct BenchFarmOptions {
+  std::string scene;  ///< a file to render at 1080p; empty: a scene of spheres made for this
+  int workers = 4;
+  int repeats = 5;
+};
+
+/// What distribution costs, one row a measure: `measure, seconds, reference_seconds, ratio, limit`.
+/// Each pair is measured in turns; seconds are medians, the ratio is the median of the pairs'.
+nlohmann::json bench_farm(const BenchFarmOptions& options);
+
+}  // namespace tessera

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <functional>
+
+#include "base/error.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tessera {
+
+/// What the chosen command does, run once the whole command line is known to be right.
+using Action = std::function<ExitCode()>;
+
+/// Each adds its command to `app`; when that command is parsed it sets `action`.
+void add_render_command(CLI::App& app, Action& action);
+void add_serve_command(CLI::App& app, Action& action);
+void add_worker_command(CLI::App& app, Action& action);
+void add_convert_command(CLI::App& app, Action& action);
+void add_info_command(CLI::App& app, Action& action);
+void add_compare_command(CLI::App& app, Action& action);
+void add_bench_command(CLI::App& app, Action& action);
+
+/// Parses and runs; prints the error, if any, to standard error. Never throws.
+ExitCode run_command_line(int argc, const char* const* argv);
+
+}  // namespace tessera

@@ -1,0 +1,100 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "cli/command_line.h"
+#include "cli/option_values.h"
+#include "renderer/image/image_file.h"
+
+namespace tessera {
+namespace {
+
+struct CompareOptions {
+  std::string first, second;
+  double max_difference = 0;
+};
+
+struct Difference {
+  double greatest = 0, sum = 0, sum_of_squares = 0;
+  size_t values = 0;
+  size_t pixels_beyond = 0;  ///< with a channel that differs by more than allowed
+  size_t pixels_unequal = 0;
+};
+
+/// Numbers that are both no number count as equal, one that is none as infinitely far.
+double channel_difference(float a, float b) {
+  if (std::isnan(a) || std::isnan(b)) return std::isnan(a) && std::isnan(b) ? 0 : INFINITY;
+  return a == b ? 0 : std::abs(double{a} - double{b});
+}
+
+Difference difference_of(const RgbImage& a, const RgbImage& b, double allowed) {
+  Difference result;
+  result.values = a.values.size();
+  for (size_t pixel = 0; pixel < a.values.size(); pixel += kFilmChannels) {
+    double worst = 0;
+    for (size_t i = pixel; i < pixel + kFilmChannels; ++i) {
+      const double d = channel_difference(a.values[i], b.values[i]);
+      worst = std::max(worst, d);
+      result.sum += d;
+      result.sum_of_squares += d * d;
+    }
+    result.greatest = std::max(result.greatest, worst);
+    if (worst > 0) ++result.pixels_unequal;
+    if (worst > allowed) ++result.pixels_beyond;
+  }
+  return result;
+}
+
+ExitCode compare(const CompareOptions& options) {
+  const RgbImage a = read_image(options.first);
+  const RgbImage b = read_image(options.second);
+  if (a.width != b.width || a.height != b.height) {
+    throw scene_error(fmt::format("sizes differ: {} is {}x{}, {} is {}x{}", options.first, a.width,
+                                  a.height, options.second, b.width, b.height));
+  }
+  const Difference d = difference_of(a, b, options.max_difference);
+  const auto values = static_cast<double>(d.values);
+  const size_t pixels = d.values / kFilmChannels;
+  fmt::print("size              {}x{}\n", a.width, a.height);
+  fmt::print("max difference    {:.9g}\n", d.greatest);
+  fmt::print("mean difference   {:.9g}\n", d.sum / values);
+  fmt::print("rmse              {:.9g}\n", std::sqrt(d.sum_of_squares / values));
+  fmt::print("differing pixels  {} of {}\n", d.pixels_unequal, pixels);
+  if (d.pixels_beyond == 0) return ExitCode::done;
+  fmt::print("{} pixels differ by more than {}\n", d.pixels_beyond, options.max_difference);
+  return ExitCode::bad_scene;
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<CompareOptions>();
+  CLI::App* command = app.add_subcommand("compare", "Tell how two pictures differ");
+  command->footer(
+      "Values are those of the files: 8-bit ones count from 0 to 1, EXR ones are linear.\n"
+      "Exit code 0 where no channel of any pixel differs by more than --max-diff, else 1.\n"
+      "Examples:\n"
+      "  tessera compare now.exr before.exr                 equal to the last bit?\n"
+      "  tessera compare now.png before.png --max-diff 0.004    equal to within one step of 255?");
+  command->add_option("A", options->first, "A picture")->required()->type_name("FILE");
+  command->add_option("B", options->second, "The picture it is held against")
+      ->required()
+      ->type_name("FILE");
+  command
+      ->add_option_function<std::string>(
+          "--max-diff",
+          [options](const std::string& text) {
+            options->max_difference = parse_number("--max-diff", text);
+            if (options->max_difference < 0) {
+              throw usage_error(fmt::format("--max-diff: '{}'; expected 0 or more", text));
+            }
+          },
+          "The greatest difference of a channel that still counts as equal [0]")
+      ->type_name("X");
+  command->callback([options, &action] { action = [options] { return compare(*options); }; });
+}
+
+}  // namespace tessera

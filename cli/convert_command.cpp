@@ -1,0 +1,50 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "cli/command_line.h"
+#include "cli/output_file.h"
+#include "cli/texture_decoder.h"
+#include "proto/wire/scene_codec.h"
+#include "scenes/formats/read_scene.h"
+
+namespace tessera {
+namespace {
+
+struct ConvertOptions {
+  std::string input, output;
+};
+
+ExitCode convert(const ConvertOptions& options) {
+  if (!scene_encoding_of(options.output)) {
+    throw usage_error(
+        fmt::format("'{}': no format to write; expected an ending of .tessera, .tesserab or .json",
+                    options.output));
+  }
+  check_output_file("OUT", options.output);
+  const LoadedScene loaded = read_scene(options.input, {.decode_texture = decode_texture});
+  for (const std::string& warning : loaded.warnings) {
+    fmt::print(stderr, "tessera: warning: {}\n", warning);
+  }
+  write_scene_file(options.output, loaded.scene, loaded.blobs);
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_convert_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<ConvertOptions>();
+  CLI::App* command = app.add_subcommand("convert", "Rewrite a scene as one of our own files");
+  command->footer(
+      "The endings choose the formats. Every form of our own holds the scene without loss:\n"
+      "  .tessera   text, to read and edit      .tesserab  binary, small and fast      .json\n"
+      "Examples:\n"
+      "  tessera convert bunny.obj bunny.tessera\n"
+      "  tessera convert bunny.tessera bunny.json");
+  command->add_option("IN", options->input, "The scene to read")->required()->type_name("FILE");
+  command->add_option("OUT", options->output, "The file to write")->required()->type_name("FILE");
+  command->callback([options, &action] { action = [options] { return convert(*options); }; });
+}
+
+}  // namespace tessera

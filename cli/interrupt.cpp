@@ -1,0 +1,56 @@
+#include "cli/interrupt.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+
+#include "base/error.h"
+
+namespace tessera {
+namespace {
+
+std::atomic<bool> interrupt_flag{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "it is set in a signal handler");
+
+/// The leftovers, in memory that a signal handler may read: written once, then published by count.
+constexpr size_t kLongestPath = 128;
+std::array<std::array<char, kLongestPath>, 4> leftovers;
+std::atomic<size_t> leftover_count{0};
+
+void on_interrupt(int) {
+  if (!interrupt_flag.exchange(true)) return;
+  const size_t count = leftover_count;
+  for (size_t i = 0; i < count; ++i) {
+    if (unlink(leftovers[i].data()) != 0) rmdir(leftovers[i].data());
+  }
+  _exit(static_cast<int>(ExitCode::interrupted));
+}
+
+}  // namespace
+
+void catch_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = on_interrupt;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  // A reader of our output that leaves early is an error of that write, not our death.
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+void remove_when_interrupted(const std::string& folder, const std::vector<std::string>& files) {
+  size_t count = 0;
+  const auto keep = [&count](const std::string& path) {
+    if (path.size() < kLongestPath && count < leftovers.size()) {
+      path.copy(leftovers[count++].data(), kLongestPath - 1);
+    }
+  };
+  for (const std::string& file : files) keep(file);
+  keep(folder);
+  leftover_count = count;
+}
+
+const std::atomic<bool>& interrupted() { return interrupt_flag; }
+
+}  // namespace tessera

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+/// From here on the first SIGINT or SIGTERM only sets the flag, so that work can end cleanly, and a
+/// second one ends the process at once with exit code 4. Call once, before threads start.
+void catch_interrupts();
+
+/// What a second interrupt removes on its way out: these files, then their folder. Paths longer
+/// than any socket's are left alone.
+void remove_when_interrupted(const std::string& folder, const std::vector<std::string>& files);
+
+/// Whether one has come. Safe from any thread.
+const std::atomic<bool>& interrupted();
+
+}  // namespace tessera

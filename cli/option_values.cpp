@@ -1,0 +1,105 @@
+#include "cli/option_values.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include "base/error.h"
+
+namespace tessera {
+namespace {
+
+Error bad_value(std::string_view option, std::string_view text, std::string_view expected) {
+  return usage_error(fmt::format("{}: '{}'; expected {}", option, text, expected));
+}
+
+template <typename Number>
+std::optional<Number> whole_text_as(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// The numbers between separators; nothing where one of them is no number.
+std::optional<std::vector<int>> split_numbers(std::string_view text, char separator) {
+  std::vector<int> numbers;
+  for (;;) {
+    const size_t end = text.find(separator);
+    const auto number = whole_text_as<int>(text.substr(0, end));
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+    if (end == std::string_view::npos) return numbers;
+    text.remove_prefix(end + 1);
+  }
+}
+
+}  // namespace
+
+int64_t parse_whole(std::string_view option, std::string_view text, int64_t least, int64_t most) {
+  const auto value = whole_text_as<int64_t>(text);
+  if (!value || *value < least || *value > most) {
+    throw bad_value(option, text, fmt::format("a whole number from {} to {}", least, most));
+  }
+  return *value;
+}
+
+double parse_number(std::string_view option, std::string_view text) {
+  const auto value = whole_text_as<double>(text);
+  if (!value || !std::isfinite(*value)) throw bad_value(option, text, "a finite number");
+  return *value;
+}
+
+void check_frame_size(std::string_view what, int64_t width, int64_t height) {
+  const bool sides_fit =
+      width >= 1 && height >= 1 && width <= kMaxFrameSide && height <= kMaxFrameSide;
+  if (!sides_fit || width * height > kMaxFramePixels) {
+    throw usage_error(
+        fmt::format("{}: {}x{}; expected sides from 1 to {} and at most {} pixels in all", what,
+                    width, height, kMaxFrameSide, kMaxFramePixels));
+  }
+}
+
+FrameSize parse_size(std::string_view option, std::string_view text) {
+  const auto sides = split_numbers(text, 'x');
+  if (!sides || sides->size() != 2) {
+    throw bad_value(
+        option, text,
+        fmt::format("WIDTHxHEIGHT, whole numbers from 1 to {}, such as 1920x1080", kMaxFrameSide));
+  }
+  check_frame_size(option, (*sides)[0], (*sides)[1]);
+  return {(*sides)[0], (*sides)[1]};
+}
+
+PixelRect parse_crop(std::string_view option, std::string_view text) {
+  const auto corners = split_numbers(text, ',');
+  if (corners && corners->size() == 4) {
+    const PixelRect rect{(*corners)[0], (*corners)[1], (*corners)[2], (*corners)[3]};
+    if (rect.x0 >= 0 && rect.y0 >= 0 && rect.x0 < rect.x1 && rect.y0 < rect.y1) return rect;
+  }
+  throw bad_value(option, text,
+                  "X0,Y0,X1,Y1 with 0 <= X0 < X1 and 0 <= Y0 < Y1, such as 0,0,64,64");
+}
+
+FrameRange parse_frames(std::string_view option, std::string_view text) {
+  const auto ends = split_numbers(text, '-');
+  if (ends && (ends->size() == 1 || ends->size() == 2) && ends->front() >= 0 &&
+      ends->front() <= ends->back()) {
+    return {ends->front(), ends->back()};
+  }
+  throw bad_value(option, text, "FIRST-LAST with 0 <= FIRST <= LAST, such as 0-23");
+}
+
+std::string parse_choice(std::string_view option, const std::string& text,
+                         std::span<const std::string> names) {
+  for (const std::string& name : names) {
+    if (name == text) return text;
+  }
+  throw usage_error(fmt::format("{}: '{}'; expected one of {}{}", option, text,
+                                fmt::join(names, ", "), suggestion(text, names)));
+}
+
+}  // namespace tessera

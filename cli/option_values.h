@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "renderer/film/tile.h"
+
+namespace tessera {
+
+/// The values of command-line options. Each function names the option in the usage error that it
+/// throws, what was typed and what was expected.
+
+struct FrameSize {
+  int width = 0, height = 0;
+};
+
+struct FrameRange {
+  int first = 0, last = 0;
+};
+
+/// A whole number in [least, most], in decimal digits and nothing else.
+int64_t parse_whole(std::string_view option, std::string_view text, int64_t least, int64_t most);
+/// A finite number.
+double parse_number(std::string_view option, std::string_view text);
+/// "WxH", each from 1 to kMaxFrameSide, their product at most kMaxFramePixels.
+FrameSize parse_size(std::string_view option, std::string_view text);
+/// Throws where a frame of that size is too large to render.
+void check_frame_size(std::string_view what, int64_t width, int64_t height);
+/// "X0,Y0,X1,Y1": pixels X0 <= x < X1, Y0 <= y < Y1.
+PixelRect parse_crop(std::string_view option, std::string_view text);
+/// "A-B" or "A", with 0 <= A <= B.
+FrameRange parse_frames(std::string_view option, std::string_view text);
+/// `text`, if it is one of `names`.
+std::string parse_choice(std::string_view option, const std::string& text,
+                         std::span<const std::string> names);
+
+}  // namespace tessera

@@ -1,0 +1,85 @@
+#include "cli/progress_display.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <utility>
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::milliseconds kBarInterval{100};
+constexpr std::chrono::seconds kLineInterval{2};
+constexpr std::chrono::seconds kTenthInterval{1};  ///< no flood from frames that take no time
+
+double done_share(const JobProgress& progress) {
+  if (progress.tiles_total == 0) return 0;
+  return static_cast<double>(progress.tiles_done) / static_cast<double>(progress.tiles_total);
+}
+
+}  // namespace
+
+ProgressStyle progress_style(std::FILE* stream, bool quiet) {
+  if (quiet) return ProgressStyle::silent;
+  return isatty(fileno(stream)) ? ProgressStyle::bar : ProgressStyle::lines;
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 60) return fmt::format("{:.{}f} s", seconds, seconds < 10 ? 2 : 1);
+  const auto whole = std::llround(seconds);
+  if (whole < 3600) return fmt::format("{}:{:02}", whole / 60, whole % 60);
+  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+std::string progress_text(const JobProgress& progress, bool with_bar) {
+  constexpr int kBarWidth = 24;
+  const double share = done_share(progress);
+  std::string text;
+  if (with_bar) {
+    const int filled = static_cast<int>(share * kBarWidth);
+    text = fmt::format("[{:=<{}}{}{: <{}}] ", "", filled, filled < kBarWidth ? ">" : "", "",
+                       filled < kBarWidth ? kBarWidth - filled - 1 : 0);
+  }
+  text +=
+      fmt::format("{:3.0f} %  {}/{} tiles", share * 100, progress.tiles_done, progress.tiles_total);
+  if (progress.workers > 0) {
+    text += fmt::format("  {} worker{}", progress.workers, progress.workers == 1 ? "" : "s");
+  }
+  if (progress.remaining_seconds >= 0 && progress.tiles_done < progress.tiles_total) {
+    text += fmt::format("  ETA {}", duration_text(progress.remaining_seconds));
+  }
+  return text;
+}
+
+ProgressDisplay::ProgressDisplay(ProgressStyle style, std::FILE* stream, std::string label)
+    : style_(style), stream_(stream), label_(std::move(label)), last_shown_(Clock::now()) {}
+
+ProgressDisplay::~ProgressDisplay() {
+  if (bar_is_drawn_) fmt::print(stream_, "\r\x1b[K");
+}
+
+bool ProgressDisplay::is_due(const JobProgress& progress) {
+  const auto since = Clock::now() - last_shown_;
+  if (style_ == ProgressStyle::silent) return false;
+  if (style_ == ProgressStyle::bar) return since >= kBarInterval;
+  const int tenth = static_cast<int>(done_share(progress) * 10);
+  return since >= kLineInterval || (tenth > last_tenth_ && since >= kTenthInterval);
+}
+
+void ProgressDisplay::show(const JobProgress& progress) {
+  if (!is_due(progress)) return;
+  last_shown_ = Clock::now();
+  last_tenth_ = static_cast<int>(done_share(progress) * 10);
+  const bool bar = style_ == ProgressStyle::bar;
+  const std::string text = label_ + progress_text(progress, bar);
+  if (bar) {
+    fmt::print(stream_, "\r\x1b[K{}", text);
+    bar_is_drawn_ = true;
+  } else {
+    fmt::print(stream_, "{}\n", text);
+  }
+  std::fflush(stream_);
+}
+
+}  // namespace tessera

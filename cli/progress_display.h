@@ -1,0 +1,51 @@
+#pragma once
+
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+#include "coordinator/job.h"
+
+namespace tessera {
+
+enum class ProgressStyle {
+  silent,
+  lines,  ///< for pipes and logs: a line at most every 2 s, or at each further tenth
+  bar,    ///< for terminals: one line that redraws itself
+};
+
+/// Shows how far a frame is. Used by one thread.
+class ProgressDisplay {
+ public:
+  /// `stream` is not owned. `label` names the frame; may be empty.
+  ProgressDisplay(ProgressStyle style, std::FILE* stream, std::string label);
+  /// Takes the bar away.
+  ~ProgressDisplay();
+  ProgressDisplay(const ProgressDisplay&) = delete;
+  ProgressDisplay& operator=(const ProgressDisplay&) = delete;
+
+  void show(const JobProgress& progress);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool is_due(const JobProgress& progress);
+
+  ProgressStyle style_;
+  std::FILE* stream_;
+  std::string label_;
+  Clock::time_point last_shown_{};
+  int last_tenth_ = 0;
+  bool bar_is_drawn_ = false;
+};
+
+/// What to do on `stream`: nothing if `quiet`, a bar on a terminal, lines elsewhere.
+ProgressStyle progress_style(std::FILE* stream, bool quiet);
+
+/// One progress line without its end, such as "[=====>     ]  42%  21/50 tiles  4 workers  ETA
+/// 0:07".
+std::string progress_text(const JobProgress& progress, bool with_bar);
+
+/// "0.42 s", "12.3 s", "2:05", "1:02:05".
+std::string duration_text(double seconds);
+
+}  // namespace tessera

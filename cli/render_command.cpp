@@ -1,0 +1,198 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/digest.h"
+#include "base/file.h"
+#include "cli/command_line.h"
+#include "cli/interrupt.h"
+#include "cli/output_file.h"
+#include "cli/output_settings.h"
+#include "cli/progress_display.h"
+#include "cli/render_options.h"
+#include "cli/statistics.h"
+#include "cli/texture_decoder.h"
+#include "cli/tracing_farm.h"
+#include "proto/wire/scene_codec.h"
+#include "renderer/image/image_file.h"
+#include "scenes/formats/read_scene.h"
+
+namespace tessera {
+namespace {
+
+constexpr char kFooter[] =
+    "Examples:\n"
+    "  tessera render bunny.obj                                bunny.png, on every core\n"
+    "  tessera render room.x3d -o room.png -o room.exr --size 1920x1080 --spp 64\n"
+    "  tessera render room.x3d --crop 400,300,528,428          a detail, the same pixels\n"
+    "  tessera render room.x3d --workers 0 --threads 4 --stats room.json\n"
+    "  tessera render room.x3d --connect tcp://127.0.0.1:7117  on the farm of 'tessera serve'\n"
+    "The picture is the same to the last bit for any --workers, --threads, --tile and --accel.\n"
+    "Ctrl-C stops cleanly (exit code 4); a second one at once.";
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// One `tessera render` from its options to its pictures.
+class RenderRun {
+ public:
+  explicit RenderRun(const RenderOptions& options) : options_(options) {}
+
+  ExitCode run() {
+    check_outputs();
+    preload_image_module();
+    farm_ = start_farm();
+    read(options_.frames ? options_.frames->first : 0);
+    if (!options_.frames) return render_frame(std::nullopt, true);
+    for (int frame = options_.frames->first; frame <= options_.frames->last; ++frame) {
+      if (loaded_.depends_on_frame && frame > options_.frames->first) read(frame);
+      const bool last = frame == options_.frames->last;
+      if (const ExitCode code = render_frame(frame, last); code != ExitCode::done) return code;
+    }
+    return ExitCode::done;
+  }
+
+ private:
+  std::filesystem::path path_for(const std::filesystem::path& path,
+                                 std::optional<int> frame) const {
+    return frame ? numbered_path(path, *frame) : path;
+  }
+
+  /// What cannot be written in the end is better known before.
+  void check_outputs() const {
+    if (options_.resume) {
+      throw usage_error(
+          "--resume: does not exist yet in this version, which keeps no finished tiles");
+    }
+    const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
+    for (const auto& path : picture_paths(options_)) check_writable(path_for(path, first));
+    if (options_.stats) check_output_file("--stats", path_for(*options_.stats, first));
+    check_input_file(options_.scene, UINT64_MAX);
+  }
+
+  std::unique_ptr<TracingFarm> start_farm() const {
+    if (options_.connect) return connect_to_farm(*options_.connect);
+    const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    const int workers = options_.workers.value_or(cores);
+    if (workers == 0) return start_in_process(options_.threads.value_or(cores));
+    return start_local_workers(workers, options_.threads.value_or(1));
+  }
+
+  void read(int frame) {
+    const auto start = Clock::now();
+    loaded_ = read_scene(options_.scene, {.decode_texture = decode_texture, .frame = frame});
+    if (options_.pinhole) {
+      for (v1::Camera& camera : *loaded_.scene.mutable_cameras()) camera.clear_lens();
+    }
+    parse_seconds_ = seconds_since(start);
+    scene_digest_ = Digest::of(serialize_scene(loaded_.scene)).hex();
+    if (options_.quiet) return;
+    for (const std::string& warning : loaded_.warnings) {
+      fmt::print(stderr, "tessera: warning: {}\n", warning);
+    }
+  }
+
+  ExitCode render_frame(std::optional<int> frame, bool last) {
+    const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
+    const OutputSettings output = output_settings(loaded_.scene.settings().output());
+    const JobResult result = trace(settings, frame, last);
+    const JobReport& report = result.report;
+    if (report.end == JobReport::End::interrupted) {
+      throw Error(ExitCode::interrupted,
+                  "interrupted; no picture was written and no tile was kept");
+    }
+    if (report.exit_code == ExitCode::bad_scene) {
+      throw scene_error({options_.scene}, report.failure, "");
+    }
+    write(result, settings, output, frame);
+    if (report.end == JobReport::End::failed) throw Error(report.exit_code, report.failure);
+    return ExitCode::done;
+  }
+
+  JobResult trace(const v1::FrameSettings& settings, std::optional<int> frame, bool last) {
+    const std::string label = frame ? fmt::format("frame {}  ", *frame) : "";
+    ProgressDisplay display(progress_style(stderr, options_.quiet), stderr, label);
+    JobSpec job{.scene = loaded_.scene,
+                .blobs = loaded_.blobs,
+                .frame = settings,
+                .crop = crop_window(options_, settings),
+                .tile_size = options_.tile_size};
+    JobResult result = farm_->run(
+        std::move(job), [&display](const JobProgress& progress) { display.show(progress); },
+        interrupted());
+    peak_worker_bytes_ = std::max(peak_worker_bytes_, farm_->peak_worker_bytes());
+    // Workers end while the picture is written.
+    if (last) farm_->dismiss();
+    return result;
+  }
+
+  void write(const JobResult& result, const v1::FrameSettings& settings,
+             const OutputSettings& output, std::optional<int> frame) {
+    const auto start = Clock::now();
+    const ImageMetadata metadata{.scene_digest = scene_digest_,
+                                 .seed = settings.seed(),
+                                 .samples_per_pixel = settings.samples_per_pixel(),
+                                 .render_seconds = result.report.trace_seconds};
+    for (const auto& path : picture_paths(options_)) {
+      write_image(path_for(path, frame), result.film, output, metadata);
+    }
+    FrameStatistics statistics{.scene_digest = scene_digest_,
+                               .frame = settings,
+                               .seconds = {.parse = parse_seconds_,
+                                           .write = seconds_since(start),
+                                           .total = seconds_since(began_)},
+                               .report = result.report,
+                               .peak_worker_bytes = peak_worker_bytes_,
+                               .pixels_sha256 = {}};
+    if (options_.stats) {
+      statistics.pixels_sha256 = result.film.pixels_sha256();
+      write_output_file(path_for(*options_.stats, frame),
+                        statistics_json(statistics).dump(2) + "\n");
+    }
+    if (!options_.quiet) print_end(result, statistics, frame);
+  }
+
+  void print_end(const JobResult& result, const FrameStatistics& statistics,
+                 std::optional<int> frame) const {
+    for (const auto& path : picture_paths(options_)) {
+      fmt::print("{}  {}x{}, {} tiles by {} workers, {} retries, {}\n",
+                 path_for(path, frame).string(), result.film.width(), result.film.height(),
+                 result.report.tiles_done, result.report.workers_seen, result.report.retries,
+                 duration_text(statistics.seconds.total));
+    }
+    std::fflush(stdout);
+  }
+
+  const RenderOptions& options_;
+  Clock::time_point began_ = Clock::now();
+  std::unique_ptr<TracingFarm> farm_;
+  LoadedScene loaded_;
+  std::string scene_digest_;
+  double parse_seconds_ = 0;
+  uint64_t peak_worker_bytes_ = 0;
+};
+
+}  // namespace
+
+void add_render_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<RenderOptions>();
+  CLI::App* command = app.add_subcommand("render", "Render a scene file to a picture");
+  command->footer(kFooter);
+  add_render_options(*command, *options);
+  command->callback([options, &action] {
+    action = [options] {
+      catch_interrupts();
+      return RenderRun(*options).run();
+    };
+  });
+}
+
+}  // namespace tessera

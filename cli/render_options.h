@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/option_values.h"
+#include "proto/tessera/v1/farm.pb.h"
+#include "proto/tessera/v1/scene.pb.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tessera {
+
+/// What `tessera render` was asked for. What is absent comes from the scene or from this machine.
+struct RenderOptions {
+  std::string scene;
+  std::vector<std::filesystem::path> outputs;
+  std::optional<FrameSize> size;
+  std::optional<uint32_t> samples_per_pixel;
+  std::optional<uint32_t> seed;
+  std::optional<std::string> accelerator;
+  std::optional<std::string> integrator;
+  std::optional<PixelRect> crop;
+  std::optional<FrameRange> frames;
+  std::optional<double> time;
+  std::optional<std::string> camera;
+  bool pinhole = false;
+
+  std::optional<int> workers;
+  std::optional<int> threads;
+  int tile_size = 0;
+  std::optional<std::string> connect;
+
+  std::optional<std::filesystem::path> stats;
+  bool quiet = false;
+  bool resume = false;
+};
+
+/// Adds the options of `render` to its command; `options` must outlive the parsing.
+void add_render_options(CLI::App& command, RenderOptions& options);
+
+/// Where the pictures go: the outputs asked for, or the scene's name with .png in the current
+/// folder.
+std::vector<std::filesystem::path> picture_paths(const RenderOptions& options);
+
+/// "dir/name.png" for frame 7 is "dir/name.0007.png".
+std::filesystem::path numbered_path(const std::filesystem::path& path, int frame);
+
+/// What the pixels depend on beside the scene: its settings with the options laid over them.
+/// `frame` is the number of the animation's frame, if one is rendered. Throws usage_error for an
+/// option that does not fit the scene, scene_error for settings of the scene out of their range.
+v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& scene,
+                                 std::optional<int> frame);
+
+/// The part of the frame to render. Throws usage_error where the crop reaches beyond it.
+PixelRect crop_window(const RenderOptions& options, const v1::FrameSettings& frame);
+
+}  // namespace tessera

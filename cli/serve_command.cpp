@@ -1,0 +1,56 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "base/log.h"
+#include "cli/command_line.h"
+#include "cli/interrupt.h"
+#include "coordinator/render_loop.h"
+#include "proto/transport/zmq_transport.h"
+
+namespace tessera {
+namespace {
+
+constexpr char kDefaultEndpoint[] = "tcp://127.0.0.1:7117";
+
+struct ServeOptions {
+  std::string endpoint = kDefaultEndpoint;
+  std::string http, store;
+};
+
+ExitCode serve(const ServeOptions& options) {
+  if (!options.http.empty()) throw usage_error("--http: does not exist yet in this version");
+  if (!options.store.empty()) throw usage_error("--store: does not exist yet in this version");
+  catch_interrupts();
+  configure_logging("info", "serve");
+  RenderLoop loop(bind_server(options.endpoint), CoordinatorOptions{});
+  fmt::print("serving at {}\n", loop.endpoint());
+  std::fflush(stdout);
+  loop.serve(interrupted());
+  loop.shut_down("the coordinator was told to end");
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_serve_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<ServeOptions>();
+  CLI::App* command = app.add_subcommand("serve", "Coordinate a farm: take jobs, hand out tiles");
+  command->footer(
+      "Runs until Ctrl-C or SIGTERM. Only loopback addresses can be bound: there are no keys yet.\n"
+      "Example, in three terminals:\n"
+      "  tessera serve\n"
+      "  tessera worker --connect tcp://127.0.0.1:7117 --threads 4\n"
+      "  tessera render bunny.obj --connect tcp://127.0.0.1:7117");
+  command->add_option("--bind", options->endpoint, "Where to listen, tcp://HOST:PORT or ipc://PATH")
+      ->type_name("ENDPOINT")
+      ->capture_default_str();
+  command->add_option("--http", options->http, "Web page and metrics (not yet)")->type_name("ADDR");
+  command->add_option("--store", options->store, "Folder of jobs and finished tiles (not yet)")
+      ->type_name("DIR");
+  command->callback([options, &action] { action = [options] { return serve(*options); }; });
+}
+
+}  // namespace tessera

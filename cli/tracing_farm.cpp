@@ -1,0 +1,146 @@
+#include "cli/tracing_farm.h"
+
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "cli/interrupt.h"
+#include "coordinator/job_client.h"
+#include "coordinator/local_workers.h"
+#include "coordinator/render_loop.h"
+#include "proto/transport/memory_transport.h"
+#include "proto/transport/zmq_transport.h"
+#include "renderer/render/tile_renderer.h"
+#include "worker/run_worker.h"
+
+namespace tessera {
+namespace {
+
+constexpr char kFrameIsDone[] = "the frame is done";
+/// What a worker gets to end by itself before it is told by signal.
+constexpr std::chrono::milliseconds kGrace{100};
+
+LocalWorkerOptions worker_options(int workers, int threads) {
+  LocalWorkerOptions options;
+  options.count = workers;
+  options.threads = threads;
+  return options;
+}
+
+CoordinatorOptions coordinator_options(int expected_workers) {
+  CoordinatorOptions options;
+  options.expected_workers = expected_workers;
+  return options;
+}
+
+/// The high-water mark of a process's resident set; 0 if it has ended.
+uint64_t peak_bytes_of(pid_t process) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    unsigned long long kibibytes = 0;
+    if (std::sscanf(line.c_str(), "VmHWM: %llu kB", &kibibytes) == 1) return kibibytes * 1024;
+  }
+  return 0;
+}
+
+class LocalFarm : public TracingFarm {
+ public:
+  LocalFarm(int workers, int threads)
+      : workers_(worker_options(workers, threads)),
+        loop_(bind_server(workers_.endpoint()), coordinator_options(workers * threads)) {
+    const std::filesystem::path socket = workers_.endpoint().substr(std::strlen("ipc://"));
+    remove_when_interrupted(socket.parent_path(), {socket.string(), socket.string() + ".bulk"});
+    loop_.watch(&workers_);
+    workers_.start();
+  }
+  ~LocalFarm() override {
+    dismiss();
+    workers_.stop(kGrace);
+  }
+
+  JobResult run(JobSpec job, const ProgressCallback& progress,
+                const std::atomic<bool>& stop) override {
+    return loop_.run(std::move(job), progress, stop);
+  }
+  uint64_t peak_worker_bytes() const override {
+    uint64_t peak = 0;
+    for (const pid_t worker : workers_.processes()) peak = std::max(peak, peak_bytes_of(worker));
+    return peak;
+  }
+  void dismiss() override {
+    if (std::exchange(dismissed_, true)) return;
+    loop_.shut_down(kFrameIsDone);
+    // Those that were so late that the coordinator does not know them yet hear of it by signal.
+    for (const pid_t worker : workers_.processes()) kill(worker, SIGTERM);
+  }
+
+ private:
+  LocalWorkers workers_;
+  RenderLoop loop_;
+  bool dismissed_ = false;
+};
+
+class InProcessFarm : public TracingFarm {
+ public:
+  explicit InProcessFarm(int threads)
+      : loop_(network_.server(), coordinator_options(threads)),
+        worker_([this, threads, client = network_.client()] {
+          WorkerOptions options;
+          options.threads = threads;
+          options.make_renderer = make_tile_renderer;
+          run_worker(*client, options, stop_);
+        }) {}
+  ~InProcessFarm() override {
+    stop_ = true;
+    loop_.shut_down(kFrameIsDone);
+    worker_.join();
+  }
+
+  JobResult run(JobSpec job, const ProgressCallback& progress,
+                const std::atomic<bool>& stop) override {
+    return loop_.run(std::move(job), progress, stop);
+  }
+
+ private:
+  MemoryNetwork network_;
+  RenderLoop loop_;
+  std::atomic<bool> stop_{false};
+  std::thread worker_;
+};
+
+class RemoteFarm : public TracingFarm {
+ public:
+  explicit RemoteFarm(const std::string& endpoint) : transport_(connect_client(endpoint)) {}
+
+  JobResult run(JobSpec job, const ProgressCallback& progress,
+                const std::atomic<bool>& stop) override {
+    return run_remote_job(*transport_, job, progress, stop);
+  }
+
+ private:
+  std::unique_ptr<ClientTransport> transport_;
+};
+
+}  // namespace
+
+std::unique_ptr<TracingFarm> start_local_workers(int workers, int threads) {
+  return std::make_unique<LocalFarm>(workers, threads);
+}
+
+std::unique_ptr<TracingFarm> start_in_process(int threads) {
+  return std::make_unique<InProcessFarm>(threads);
+}
+
+std::unique_ptr<TracingFarm> connect_to_farm(const std::string& endpoint) {
+  return std::make_unique<RemoteFarm>(endpoint);
+}
+
+}  // namespace tessera

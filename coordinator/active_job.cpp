@@ -1,0 +1,161 @@
+#include "coordinator/active_job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "coordinator/tile_grid.h"
+#include "proto/wire/scene_codec.h"
+
+namespace tessera {
+namespace {
+
+std::vector<std::byte> as_bytes(std::string_view text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+std::vector<PixelRect> tiles_of(const JobSpec& spec, const CoordinatorOptions& options) {
+  const int side =
+      spec.tile_size > 0 ? spec.tile_size : choose_tile_size(spec.crop, options.expected_workers);
+  return cut_tiles(spec.crop, side);
+}
+
+v1::JobStart start_of(uint64_t id, const JobSpec& spec, const Digest& scene, uint64_t scene_size) {
+  v1::JobStart start;
+  start.set_job(id);
+  start.set_scene_digest(scene.hex());
+  start.set_scene_size(scene_size);
+  // In the order of their names: the message is the same each time.
+  std::vector<std::pair<Digest, uint64_t>> blobs;
+  for (const auto& [digest, data] : spec.blobs.all()) blobs.emplace_back(digest, data->size());
+  std::sort(blobs.begin(), blobs.end());
+  for (const auto& [digest, size] : blobs) {
+    start.add_blobs(digest.hex());
+    start.add_blob_sizes(size);
+  }
+  *start.mutable_frame() = spec.frame;
+  return start;
+}
+
+}  // namespace
+
+void check_job(const JobSpec& spec) {
+  const int64_t width = spec.frame.width(), height = spec.frame.height();
+  if (width < 1 || height < 1 || width > kMaxFrameSide || height > kMaxFrameSide ||
+      width * height > kMaxFramePixels) {
+    throw usage_error(
+        fmt::format("a frame of {}x{} pixels; expected sides of 1 to {} and at most {} "
+                    "pixels",
+                    width, height, kMaxFrameSide, kMaxFramePixels));
+  }
+  const PixelRect frame{0, 0, static_cast<int>(width), static_cast<int>(height)};
+  const PixelRect& crop = spec.crop;
+  if (crop.empty() || !frame.contains(crop)) {
+    throw usage_error(fmt::format("crop {},{},{},{}; expected X0 < X1 <= {} and Y0 < Y1 <= {}",
+                                  crop.x0, crop.y0, crop.x1, crop.y1, width, height));
+  }
+  if (spec.frame.samples_per_pixel() < 1) {
+    throw usage_error("0 samples per pixel; expected at least 1");
+  }
+  // Their names must fit into one message.
+  constexpr size_t kMaxBlobs = 16384;
+  if (spec.blobs.size() > kMaxBlobs) {
+    throw scene_error(
+        fmt::format("a scene of {} blobs; expected at most {}", spec.blobs.size(), kMaxBlobs));
+  }
+  if (spec.tile_size != 0) check_tile_size(crop, spec.tile_size);
+}
+
+ActiveJob::ActiveJob(uint64_t id, JobSpec spec, const CoordinatorOptions& options, Time now)
+    : id_(id),
+      samples_(spec.frame.samples_per_pixel()),
+      assembler_(spec.crop, tiles_of(spec, options)),
+      scheduler_(assembler_.tiles().size(), options),
+      submitted_(now) {
+  std::vector<std::byte> scene = as_bytes(serialize_scene(spec.scene));
+  const uint64_t scene_size = scene.size();
+  start_ = start_of(id, spec, Digest::of(scene), scene_size);
+  blobs_ = std::move(spec.blobs);
+  blobs_.put(std::move(scene));
+  report_.tiles_total = assembler_.tiles().size();
+}
+
+v1::Assign ActiveJob::assignment(const Lease& lease, uint64_t epoch) const {
+  v1::Assign assign;
+  assign.set_job(id_);
+  assign.set_epoch(epoch);
+  assign.set_lease(lease.id);
+  assign.set_tile(lease.tile);
+  assign.set_attempt(lease.attempt);
+  const PixelRect& rect = assembler_.tiles()[lease.tile];
+  assign.mutable_rect()->set_x0(rect.x0);
+  assign.mutable_rect()->set_y0(rect.y0);
+  assign.mutable_rect()->set_x1(rect.x1);
+  assign.mutable_rect()->set_y1(rect.y1);
+  assign.set_sample_count(samples_);
+  return assign;
+}
+
+void ActiveJob::note_assignment(Time now) {
+  if (!first_assignment_) first_assignment_ = now;
+}
+
+JobProgress ActiveJob::progress(int workers, Time now) const {
+  JobProgress progress;
+  progress.tiles_done = assembler_.tiles_done();
+  progress.tiles_total = assembler_.tiles().size();
+  progress.workers = workers;
+  progress.elapsed_seconds = to_seconds(now - submitted_);
+  progress.remaining_seconds = -1;
+  if (first_assignment_ && progress.tiles_done > 0) {
+    progress.remaining_seconds = to_seconds(now - *first_assignment_) *
+                                 static_cast<double>(progress.tiles_total - progress.tiles_done) /
+                                 static_cast<double>(progress.tiles_done);
+  }
+  return progress;
+}
+
+void ActiveJob::fail(ExitCode code, std::string why) {
+  if (ended_) return;
+  ended_ = true;
+  report_.end = JobReport::End::failed;
+  report_.exit_code = code;
+  report_.failure = std::move(why);
+}
+
+void ActiveJob::interrupt() {
+  if (ended_) return;
+  ended_ = true;
+  report_.end = JobReport::End::interrupted;
+  report_.exit_code = ExitCode::interrupted;
+}
+
+JobResult ActiveJob::finish() {
+  Film& film = assembler_.film();
+  const auto& tiles = assembler_.tiles();
+  for (uint32_t tile = 0; tile < tiles.size(); ++tile) {
+    if (assembler_.complete(tile)) continue;
+    film.mark_hole(tiles[tile]);
+    report_.holes.push_back(tiles[tile]);
+  }
+  if (!ended_ && !report_.holes.empty()) {
+    const PixelRect& hole = report_.holes.front();
+    fail(ExitCode::render_failed,
+         fmt::format("{} of {} tiles were given up, first that at {},{} of {}x{} pixels{}{}",
+                     report_.holes.size(), tiles.size(), hole.x0, hole.y0, hole.width(),
+                     hole.height(), report_.failure.empty() ? "" : ": ", report_.failure));
+  }
+  report_.counters = assembler_.counters();
+  report_.tiles_done = assembler_.tiles_done();
+  report_.retries = scheduler_.retries();
+  report_.speculative = scheduler_.speculative();
+  if (first_assignment_ && last_result_) {
+    report_.trace_seconds = to_seconds(*last_result_ - *first_assignment_);
+  }
+  return {std::move(report_), std::move(film)};
+}
+
+}  // namespace tessera

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "base/monotonic.h"
+#include "coordinator/assembler.h"
+#include "coordinator/coordinator_options.h"
+#include "coordinator/job.h"
+#include "coordinator/tile_scheduler.h"
+
+namespace tessera {
+
+/// Throws usage_error for a frame, crop or tile size that cannot be.
+void check_job(const JobSpec& spec);
+
+/// A job from its submission to its end: its tiles, its film and its numbers.
+class ActiveJob {
+ public:
+  /// `spec` has passed check_job().
+  ActiveJob(uint64_t id, JobSpec spec, const CoordinatorOptions& options, Time now);
+
+  uint64_t id() const { return id_; }
+  const v1::JobStart& start_message() const { return start_; }
+  v1::Assign assignment(const Lease& lease, uint64_t epoch) const;
+  BlobData find_blob(const Digest& digest) const { return blobs_.find(digest); }
+
+  TileScheduler& scheduler() { return scheduler_; }
+  Assembler& assembler() { return assembler_; }
+  const Assembler& assembler() const { return assembler_; }
+  JobReport& report() { return report_; }
+
+  /// Notes for the times in the report and the estimate of what remains.
+  void note_assignment(Time now);
+  void note_result(Time now) { last_result_ = now; }
+  JobProgress progress(int workers, Time now) const;
+  /// Ends it: later calls change nothing.
+  void fail(ExitCode code, std::string why);
+  void interrupt();
+  bool ended() const { return ended_ || scheduler_.finished(); }
+  /// The film with holes marked, and the report with its totals filled in. Call once, at the end.
+  JobResult finish();
+
+ private:
+  uint64_t id_;
+  v1::JobStart start_;
+  BlobStore blobs_;  ///< the scene's, and the scene itself
+  uint32_t samples_;
+  Assembler assembler_;
+  TileScheduler scheduler_;
+  JobReport report_;
+  Time submitted_;
+  std::optional<Time> first_assignment_, last_result_;
+  bool ended_ = false;
+};
+
+}  // namespace tessera

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "coordinator/tile_scheduler.h"
+#include "proto/tessera/v1/farm.pb.h"
+#include "renderer/film/film.h"
+#include "renderer/film/tile.h"
+
+namespace tessera {
+
+/// Two workers traced the same rows and got different bits. One of them lies or is broken.
+struct Mismatch {
+  uint32_t tile = 0;
+  int row = 0;         ///< the first row of the band
+  WorkerId first = 0;  ///< whose pixels are in the film
+  WorkerId second = 0;
+};
+
+/// What became of a band.
+struct BandResult {
+  bool valid = false;  ///< false: it is damaged or not of this job's tiles
+  bool completed_tile = false;
+  bool duplicate_tile = false;  ///< the last band of a tile that was complete already
+  std::optional<Mismatch> mismatch;
+};
+
+/// Whether counters that came from outside are few and have short names.
+bool plausible_counters(const v1::Counters& counters);
+
+/// Puts bands into the film. The first pixels of a row stay; what comes later, in any order and
+/// from any worker, is compared with them bit by bit.
+class Assembler {
+ public:
+  Assembler(const PixelRect& crop, std::vector<PixelRect> tiles);
+
+  BandResult add(const v1::TileBand& band, WorkerId from);
+
+  const std::vector<PixelRect>& tiles() const { return tiles_; }
+  bool complete(uint32_t tile) const { return done_by_[tile] != 0; }
+  uint64_t tiles_done() const { return tiles_done_; }
+  /// Sums over complete tiles.
+  const CounterMap& counters() const { return counters_; }
+  Film& film() { return film_; }
+
+ private:
+  /// A tile of which some rows are there.
+  struct Partial {
+    std::vector<WorkerId> row_from;  ///< 0: not there
+    int rows_missing = 0;
+    std::optional<v1::Counters> counters;
+  };
+  bool plausible(const v1::TileBand& band) const;
+  /// Whether the film has these very bits in that row.
+  bool same_row(const PixelRect& tile, int row, const float* values) const;
+
+  std::vector<PixelRect> tiles_;
+  std::vector<WorkerId> done_by_;  ///< whose band completed the tile; 0: not complete
+  std::unordered_map<uint32_t, Partial> partial_;
+  Film film_;
+  std::vector<float> scratch_;
+  CounterMap counters_;
+  uint64_t tiles_done_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,217 @@
+#include "coordinator/client_desk.h"
+
+#include <fmt/format.h>
+
+#include <span>
+
+#include "coordinator/job_messages.h"
+#include "proto/wire/scene_codec.h"
+
+namespace tessera {
+namespace {
+
+// More than this at once is refused: each may hold a scene and a film.
+constexpr size_t kMaxSubmissions = 64;
+
+}  // namespace
+
+void ClientDesk::on_submit(const PeerId& peer, const v1::SubmitJob& request, Time now) {
+  const uint64_t id = request.submission();
+  const auto known = submissions_.find(id);
+  if (known != submissions_.end()) {
+    known->second.peer = peer;
+    known->second.last_heard = now;
+    return answer(known->second);
+  }
+  Submission fresh;
+  fresh.peer = peer;
+  fresh.last_heard = now;
+  fresh.status.set_submission(id);
+  if (submissions_.size() >= kMaxSubmissions) {
+    fail(fresh, ExitCode::render_failed,
+         fmt::format("the coordinator has {} jobs; expected fewer", kMaxSubmissions));
+    return answer(fresh);
+  }
+  Submission& submission = submissions_.emplace(id, std::move(fresh)).first->second;
+  submission.request = request;
+  submission.status.set_state(v1::JobStatus::FETCHING);
+  const auto scene = Digest::parse(request.scene_digest());
+  if (!scene || request.blobs_size() != request.blob_sizes_size()) {
+    return fail(submission, ExitCode::bad_usage,
+                "a submission without a scene; expected its digest");
+  }
+  submission.fetch.want(*scene, request.scene_size());
+  for (int i = 0; i < request.blobs_size(); ++i) {
+    const auto digest = Digest::parse(request.blobs(i));
+    if (!digest) return fail(submission, ExitCode::bad_usage, "a blob without a digest");
+    submission.fetch.want(*digest, request.blob_sizes(i));
+  }
+  // First where the answers to our requests go, then the requests.
+  answer(submission);
+  advance(id, submission, now);
+}
+
+void ClientDesk::on_query(const PeerId& peer, const v1::JobQuery& query, Time now) {
+  const auto it = submissions_.find(query.submission());
+  if (it == submissions_.end()) {
+    Submission unknown;
+    unknown.peer = peer;
+    unknown.status.set_submission(query.submission());
+    return answer(unknown);
+  }
+  it->second.peer = peer;
+  it->second.last_heard = now;
+  if (query.cancel() && it->second.status.state() != v1::JobStatus::ENDED) {
+    if (it->second.status.state() == v1::JobStatus::FETCHING) {
+      JobReport report;
+      report.end = JobReport::End::interrupted;
+      report.exit_code = ExitCode::interrupted;
+      *it->second.status.mutable_end() = to_message(report);
+      it->second.status.set_state(v1::JobStatus::ENDED);
+    } else {
+      abandoned_.push_back(query.submission());
+    }
+  }
+  answer(it->second);
+}
+
+void ClientDesk::on_release(const v1::JobRelease& release) {
+  const auto it = submissions_.find(release.submission());
+  if (it != submissions_.end() && it->second.status.state() == v1::JobStatus::ENDED) {
+    submissions_.erase(it);
+  }
+}
+
+void ClientDesk::on_chunk(const v1::BlobChunk& chunk, Time now) {
+  for (auto& [id, submission] : submissions_) {
+    if (submission.status.state() != v1::JobStatus::FETCHING) continue;
+    submission.fetch.on_chunk(chunk, submission.blobs);
+    advance(id, submission, now);
+  }
+}
+
+void ClientDesk::on_missing(const v1::BlobMissing& missing) {
+  for (auto& [id, submission] : submissions_) {
+    if (submission.status.state() != v1::JobStatus::FETCHING) continue;
+    submission.fetch.on_missing(missing);
+    if (!submission.fetch.failure().empty()) {
+      fail(submission, ExitCode::render_failed, submission.fetch.failure());
+    }
+  }
+}
+
+void ClientDesk::on_tick(Time now) {
+  for (auto it = submissions_.begin(); it != submissions_.end();) {
+    Submission& submission = it->second;
+    if (submission.status.state() == v1::JobStatus::FETCHING) advance(it->first, submission, now);
+    if (now - submission.last_heard < options_.client_timeout) {
+      ++it;
+      continue;
+    }
+    abandoned_.push_back(it->first);
+    it = submissions_.erase(it);
+  }
+}
+
+void ClientDesk::advance(uint64_t id, Submission& submission, Time now) {
+  if (!submission.fetch.failure().empty()) {
+    return fail(submission, ExitCode::render_failed, submission.fetch.failure());
+  }
+  for (v1::BlobRequest& request : submission.fetch.requests(now)) {
+    Outgoing& out = outgoing_.emplace_back();
+    out.peer = submission.peer;
+    *out.message.mutable_blob_request() = std::move(request);
+  }
+  if (!submission.fetch.finished()) return;
+  auto spec = read_spec(submission);
+  if (!spec) return;
+  submission.status.set_state(v1::JobStatus::QUEUED);
+  ready_.push_back({id, std::move(*spec)});
+}
+
+std::optional<JobSpec> ClientDesk::read_spec(Submission& submission) {
+  const v1::SubmitJob& request = submission.request;
+  const BlobData bytes = submission.blobs.find(*Digest::parse(request.scene_digest()));
+  auto scene = bytes ? parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()})
+                     : std::nullopt;
+  if (!scene) {
+    fail(submission, ExitCode::bad_scene, "the submitted bytes are no scene");
+    return std::nullopt;
+  }
+  JobSpec spec;
+  spec.scene = std::move(*scene);
+  // The job adds the scene itself to its blobs again; only what it refers to is listed.
+  for (const std::string& hex : request.blobs()) {
+    const Digest digest = *Digest::parse(hex);
+    spec.blobs.put(digest, submission.blobs.find(digest));
+  }
+  submission.blobs = {};
+  spec.frame = request.frame();
+  const v1::PixelRect& crop = request.crop();
+  spec.crop = {crop.x0(), crop.y0(), crop.x1(), crop.y1()};
+  spec.tile_size = static_cast<int>(std::min<uint32_t>(request.tile_size(), kMaxFrameSide));
+  return spec;
+}
+
+void ClientDesk::answer(const Submission& submission) {
+  Outgoing& out = outgoing_.emplace_back();
+  out.peer = submission.peer;
+  *out.message.mutable_job_status() = submission.status;
+  out.message.mutable_job_status()->set_bulk_endpoint(options_.bulk_endpoint);
+}
+
+void ClientDesk::fail(Submission& submission, ExitCode code, const std::string& why) {
+  JobReport report;
+  report.end = JobReport::End::failed;
+  report.exit_code = code;
+  report.failure = why;
+  *submission.status.mutable_end() = to_message(report);
+  submission.status.set_state(v1::JobStatus::ENDED);
+}
+
+std::vector<ClientDesk::Ready> ClientDesk::take_ready() { return std::exchange(ready_, {}); }
+
+std::vector<ClientDesk::Outgoing> ClientDesk::take_outgoing() {
+  return std::exchange(outgoing_, {});
+}
+
+std::vector<uint64_t> ClientDesk::take_abandoned() { return std::exchange(abandoned_, {}); }
+
+void ClientDesk::refused(uint64_t id, const Error& error) {
+  const auto it = submissions_.find(id);
+  if (it != submissions_.end()) fail(it->second, error.code(), error.what());
+}
+
+void ClientDesk::running(uint64_t id, const JobProgress& progress) {
+  const auto it = submissions_.find(id);
+  if (it == submissions_.end() || it->second.status.state() == v1::JobStatus::ENDED) return;
+  v1::JobStatus& status = it->second.status;
+  status.set_state(v1::JobStatus::RUNNING);
+  status.set_tiles_done(progress.tiles_done);
+  status.set_tiles_total(progress.tiles_total);
+  status.set_workers(static_cast<uint32_t>(progress.workers));
+  status.set_elapsed_seconds(progress.elapsed_seconds);
+  status.set_remaining_seconds(progress.remaining_seconds);
+}
+
+void ClientDesk::ended(uint64_t id, const JobResult& result) {
+  const auto it = submissions_.find(id);
+  if (it == submissions_.end()) return;
+  Submission& submission = it->second;
+  const auto pixels = std::as_bytes(result.film.values());
+  submission.film = std::make_shared<const std::vector<std::byte>>(pixels.begin(), pixels.end());
+  submission.film_digest = Digest::of(pixels);
+  *submission.status.mutable_end() = to_message(result.report);
+  submission.status.mutable_end()->set_film_digest(submission.film_digest.hex());
+  submission.status.mutable_end()->set_film_size(pixels.size());
+  submission.status.set_state(v1::JobStatus::ENDED);
+}
+
+BlobData ClientDesk::find_blob(const Digest& digest) const {
+  for (const auto& [id, submission] : submissions_) {
+    if (submission.film && submission.film_digest == digest) return submission.film;
+  }
+  return nullptr;
+}
+
+}  // namespace tessera

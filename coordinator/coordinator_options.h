@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "base/monotonic.h"
+#include "proto/wire/version.h"
+
+namespace tessera {
+
+/// When the coordinator gives up on whom. Lengths of time, all above zero.
+struct CoordinatorOptions {
+  uint64_t epoch = 1;  ///< one more at each start of this coordinator
+  Time heartbeat = std::chrono::seconds(1);
+  Time suspect_after = std::chrono::seconds(3);   ///< silence: no new work for it
+  Time lost_after = std::chrono::seconds(5);      ///< silence: its work is given to others
+  Time lease = std::chrono::seconds(10);          ///< a tile without progress
+  Time settle = std::chrono::milliseconds(2500);  ///< for what was sent to show in heartbeats
+  Time client_timeout = std::chrono::seconds(15);
+  /// A second copy of a tile is issued no sooner than this after the first.
+  Time speculate_after = std::chrono::milliseconds(100);
+  int expected_workers = 4;      ///< for the choice of a tile size
+  bool compress_pixels = false;  ///< saves network, costs time: for workers on other machines
+  std::string bulk_endpoint;     ///< as in Welcome
+  std::string host;              ///< of the coordinator: whose process ids are its own
+  uint32_t protocol_major = kProtocolMajor;
+  std::string numerics_id = kNumericsId;
+};
+
+}  // namespace tessera

@@ -1,0 +1,171 @@
+#include "coordinator/job_client.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+
+#include "coordinator/active_job.h"
+#include "coordinator/job_messages.h"
+#include "proto/wire/frame.h"
+#include "proto/wire/scene_codec.h"
+
+namespace tessera {
+namespace {
+
+constexpr Time kAskEvery = std::chrono::milliseconds(100);
+constexpr Time kSubmitEvery = std::chrono::seconds(1);
+constexpr Time kLongestWait = std::chrono::milliseconds(50);
+
+}  // namespace
+
+JobClient::JobClient(const JobSpec& job, uint64_t submission, Time now)
+    : crop_(job.crop), blobs_(job.blobs), last_heard_(now), next_question_(now) {
+  request_.set_submission(submission);
+  for (const auto& [digest, data] : blobs_.all()) {
+    request_.add_blobs(digest.hex());
+    request_.add_blob_sizes(data->size());
+  }
+  const std::string scene = serialize_scene(job.scene);
+  const auto bytes = std::as_bytes(std::span(scene));
+  request_.set_scene_size(scene.size());
+  request_.set_scene_digest(blobs_.put({bytes.begin(), bytes.end()}).hex());
+  *request_.mutable_frame() = job.frame;
+  request_.mutable_crop()->set_x0(crop_.x0);
+  request_.mutable_crop()->set_y0(crop_.y0);
+  request_.mutable_crop()->set_x1(crop_.x1);
+  request_.mutable_crop()->set_y1(crop_.y1);
+  request_.set_tile_size(static_cast<uint32_t>(job.tile_size));
+  on_tick(now);
+}
+
+v1::Envelope& JobClient::send(Channel channel) {
+  return outgoing_.emplace_back(channel, v1::Envelope()).second;
+}
+
+std::vector<std::pair<Channel, v1::Envelope>> JobClient::take_outgoing() {
+  return std::exchange(outgoing_, {});
+}
+
+void JobClient::on_tick(Time now) {
+  if (status_.state() == v1::JobStatus::ENDED) {
+    fetch_film(now);
+    next_question_ = now + kAskEvery;
+  } else if (status_.state() == v1::JobStatus::UNKNOWN) {
+    *send().mutable_submit_job() = request_;
+    next_question_ = now + kSubmitEvery;
+  } else {
+    v1::JobQuery& query = *send().mutable_job_query();
+    query.set_submission(request_.submission());
+    query.set_cancel(cancelled_);
+    next_question_ = now + kAskEvery;
+  }
+}
+
+void JobClient::cancel(Time now) {
+  if (std::exchange(cancelled_, true)) return;
+  next_question_ = now;
+}
+
+void JobClient::on_message(Channel channel, const v1::Envelope& message, Time now) {
+  last_heard_ = now;
+  if (message.has_job_status()) on_status(message.job_status(), now);
+  if (message.has_blob_request()) {
+    const auto digest = Digest::parse(message.blob_request().digest());
+    send(Channel::bulk) =
+        answer_blob_request(message.blob_request(), digest ? blobs_.find(*digest) : nullptr);
+  }
+  if (channel != Channel::bulk || result_) return;
+  if (message.has_blob_chunk()) fetch_.on_chunk(message.blob_chunk(), film_);
+  if (message.has_blob_missing()) fetch_.on_missing(message.blob_missing());
+  fetch_film(now);
+}
+
+void JobClient::on_status(const v1::JobStatus& status, Time now) {
+  if (status.submission() != request_.submission() || result_ ||
+      status_.state() == v1::JobStatus::ENDED) {
+    return;
+  }
+  const bool forgotten = status.state() == v1::JobStatus::UNKNOWN;
+  if (forgotten && status_.state() != v1::JobStatus::UNKNOWN) next_question_ = now;
+  status_ = status;
+  if (!forgotten) next_question_ = std::min(next_question_, now + kAskEvery);
+  if (status.state() != v1::JobStatus::ENDED) return;
+  const auto digest = Digest::parse(status.end().film_digest());
+  const auto expected = static_cast<uint64_t>(crop_.area()) * kFilmChannels * sizeof(float);
+  if (digest && status.end().film_size() == expected) fetch_.want(*digest, expected);
+  fetch_film(now);
+}
+
+void JobClient::fetch_film(Time now) {
+  if (status_.state() != v1::JobStatus::ENDED || result_) return;
+  for (v1::BlobRequest& request : fetch_.requests(now)) {
+    *send(Channel::bulk).mutable_blob_request() = std::move(request);
+  }
+  if (fetch_.finished() || !fetch_.failure().empty()) finish();
+}
+
+void JobClient::finish() {
+  JobResult result{from_message(status_.end()), Film(crop_)};
+  const auto digest = Digest::parse(status_.end().film_digest());
+  const BlobData pixels = digest ? film_.find(*digest) : nullptr;
+  if (pixels) {
+    std::memcpy(result.film.values().data(), pixels->data(), pixels->size());
+  } else if (result.report.end == JobReport::End::done) {
+    result.report.end = JobReport::End::failed;
+    result.report.exit_code = ExitCode::render_failed;
+    result.report.failure = "the picture could not be fetched: " + fetch_.failure();
+  }
+  send().mutable_job_release()->set_submission(request_.submission());
+  result_ = std::move(result);
+}
+
+JobProgress JobClient::progress() const {
+  JobProgress progress;
+  progress.tiles_done = status_.tiles_done();
+  progress.tiles_total = status_.tiles_total();
+  progress.workers = static_cast<int>(status_.workers());
+  progress.elapsed_seconds = status_.elapsed_seconds();
+  progress.remaining_seconds = status_.tiles_done() > 0 ? status_.remaining_seconds() : -1;
+  return progress;
+}
+
+std::optional<JobResult> JobClient::take_result() { return std::exchange(result_, std::nullopt); }
+
+JobResult run_remote_job(ClientTransport& transport, const JobSpec& job,
+                         const ProgressCallback& progress, const std::atomic<bool>& stop,
+                         double patience_seconds) {
+  check_job(job);
+  std::random_device random;
+  JobClient client(job, (uint64_t{random()} << 32 | random()) | 1, monotonic_now());
+  Time next_progress{};
+  while (true) {
+    if (!client.bulk_endpoint().empty()) transport.connect_bulk(client.bulk_endpoint());
+    for (auto& [channel, message] : client.take_outgoing()) {
+      transport.send(channel, encode(message));
+    }
+    if (auto result = client.take_result()) return std::move(*result);
+    const Time pause = std::clamp(client.next_deadline() - monotonic_now(), Time{0}, kLongestWait);
+    transport.wait(std::chrono::ceil<std::chrono::milliseconds>(pause));
+    while (const auto received = transport.receive()) {
+      const auto message = decode(received->bytes, max_message_bytes(received->channel));
+      if (message) client.on_message(received->channel, *message, monotonic_now());
+    }
+    const Time now = monotonic_now();
+    if (stop) client.cancel(now);
+    if (now >= client.next_deadline()) client.on_tick(now);
+    if (progress && now >= next_progress) {
+      progress(client.progress());
+      next_progress = now + kAskEvery;
+    }
+    if (to_seconds(now - client.last_heard()) > patience_seconds) {
+      throw render_error(
+          fmt::format("no word from the coordinator for {} s; expected an answer to "
+                      "the job",
+                      patience_seconds));
+    }
+  }
+}
+
+}  // namespace tessera

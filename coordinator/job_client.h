@@ -1,0 +1,63 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/monotonic.h"
+#include "coordinator/job.h"
+#include "proto/transport/transport.h"
+#include "proto/wire/blob_transfer.h"
+
+namespace tessera {
+
+/// The client's side of the protocol: submits a job, serves the blobs that the coordinator lacks,
+/// asks how it goes, and fetches the picture. Has no socket, thread or clock.
+class JobClient {
+ public:
+  /// `submission` is drawn at random, not 0.
+  JobClient(const JobSpec& job, uint64_t submission, Time now);
+
+  void on_message(Channel channel, const v1::Envelope& message, Time now);
+  void on_tick(Time now);
+  Time next_deadline() const { return next_question_; }
+  std::vector<std::pair<Channel, v1::Envelope>> take_outgoing();
+  /// Where to send bulk messages, once it is known.
+  const std::string& bulk_endpoint() const { return status_.bulk_endpoint(); }
+  void cancel(Time now);
+
+  JobProgress progress() const;
+  /// When the coordinator was last heard.
+  Time last_heard() const { return last_heard_; }
+  /// Set at the end; taken once. The film is black where it could not be fetched.
+  std::optional<JobResult> take_result();
+
+ private:
+  void on_status(const v1::JobStatus& status, Time now);
+  void fetch_film(Time now);
+  void finish();
+  v1::Envelope& send(Channel channel = Channel::control);
+
+  v1::SubmitJob request_;
+  PixelRect crop_;
+  BlobStore blobs_;
+  BlobStore film_;
+  BlobFetch fetch_;
+  v1::JobStatus status_;
+  std::vector<std::pair<Channel, v1::Envelope>> outgoing_;
+  Time last_heard_, next_question_;
+  bool cancelled_ = false;
+  std::optional<JobResult> result_;
+};
+
+/// Has `job` rendered by the coordinator behind `transport`. `stop` cancels it there. Throws
+/// render_error if the coordinator is silent for `patience_seconds`.
+JobResult run_remote_job(ClientTransport& transport, const JobSpec& job,
+                         const ProgressCallback& progress, const std::atomic<bool>& stop,
+                         double patience_seconds = 15);
+
+}  // namespace tessera

@@ -1,0 +1,80 @@
+#include "coordinator/job_messages.h"
+
+#include <array>
+#include <utility>
+
+namespace tessera {
+namespace {
+
+using Total = uint64_t JobReport::*;
+constexpr std::array<std::pair<const char*, Total>, 10> kTotals = {{
+    {"tiles_total", &JobReport::tiles_total},
+    {"tiles_done", &JobReport::tiles_done},
+    {"retries", &JobReport::retries},
+    {"speculative", &JobReport::speculative},
+    {"duplicates", &JobReport::duplicates},
+    {"mismatches", &JobReport::mismatches},
+    {"workers_seen", &JobReport::workers_seen},
+    {"workers_lost", &JobReport::workers_lost},
+    {"bytes_scene", &JobReport::bytes_scene},
+    {"bytes_results", &JobReport::bytes_results},
+}};
+
+}  // namespace
+
+v1::JobEnd to_message(const JobReport& report) {
+  v1::JobEnd end;
+  end.set_how(static_cast<v1::JobEnd::How>(report.end));
+  end.set_exit_code(static_cast<uint32_t>(report.exit_code));
+  end.set_failure(report.failure);
+  // Each hole is a few bytes of a message that is bounded: past this many, the rest is in the film.
+  constexpr size_t kMaxHoles = 10000;
+  for (const PixelRect& hole : report.holes) {
+    if (static_cast<size_t>(end.holes_size()) == kMaxHoles) break;
+    v1::PixelRect& rect = *end.add_holes();
+    rect.set_x0(hole.x0);
+    rect.set_y0(hole.y0);
+    rect.set_x1(hole.x1);
+    rect.set_y1(hole.y1);
+  }
+  for (const auto& [name, value] : report.counters) {
+    (*end.mutable_counters()->mutable_values())[name] = value;
+  }
+  for (const auto& [name, value] : report.build_counters) {
+    (*end.mutable_build_counters()->mutable_values())[name] = value;
+  }
+  for (const auto& [name, member] : kTotals) {
+    (*end.mutable_totals()->mutable_values())[name] = report.*member;
+  }
+  end.set_build_seconds(report.build_seconds);
+  end.set_trace_seconds(report.trace_seconds);
+  end.set_assemble_seconds(report.assemble_seconds);
+  return end;
+}
+
+JobReport from_message(const v1::JobEnd& end) {
+  JobReport report;
+  report.end = end.how() == v1::JobEnd::DONE          ? JobReport::End::done
+               : end.how() == v1::JobEnd::INTERRUPTED ? JobReport::End::interrupted
+                                                      : JobReport::End::failed;
+  const bool known = end.exit_code() <= static_cast<uint32_t>(ExitCode::interrupted);
+  report.exit_code = known ? static_cast<ExitCode>(end.exit_code()) : ExitCode::render_failed;
+  report.failure = end.failure();
+  for (const v1::PixelRect& rect : end.holes()) {
+    report.holes.push_back({rect.x0(), rect.y0(), rect.x1(), rect.y1()});
+  }
+  for (const auto& [name, value] : end.counters().values()) report.counters[name] = value;
+  for (const auto& [name, value] : end.build_counters().values()) {
+    report.build_counters[name] = value;
+  }
+  for (const auto& [name, member] : kTotals) {
+    const auto it = end.totals().values().find(name);
+    if (it != end.totals().values().end()) report.*member = it->second;
+  }
+  report.build_seconds = end.build_seconds();
+  report.trace_seconds = end.trace_seconds();
+  report.assemble_seconds = end.assemble_seconds();
+  return report;
+}
+
+}  // namespace tessera

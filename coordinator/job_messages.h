@@ -1,0 +1,12 @@
+#pragma once
+
+#include "coordinator/job.h"
+#include "proto/tessera/v1/farm.pb.h"
+
+namespace tessera {
+
+/// A report as it travels to the client, without the film.
+v1::JobEnd to_message(const JobReport& report);
+JobReport from_message(const v1::JobEnd& end);
+
+}  // namespace tessera

@@ -1,0 +1,174 @@
+#include "coordinator/local_workers.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <thread>
+#include <utility>
+
+#include "base/error.h"
+#include "base/log.h"
+
+extern char** environ;
+
+namespace tessera {
+namespace {
+
+constexpr int kVainReplacements = 8;
+constexpr Time kLook = std::chrono::milliseconds(1);
+
+std::string make_private_folder() {
+  std::error_code error;
+  std::filesystem::path parent = std::filesystem::temp_directory_path(error);
+  if (error) parent = "/tmp";
+  std::string pattern = (parent / "tessera-XXXXXX").string();
+  if (!mkdtemp(pattern.data())) {
+    throw render_error(
+        fmt::format("cannot make a folder like '{}': {}", pattern, std::strerror(errno)));
+  }
+  return pattern;
+}
+
+EndedProcess describe(pid_t pid, int status) {
+  EndedProcess ended{.pid = pid, .crashed = false, .how = {}};
+  if (WIFSIGNALED(status)) {
+    const int signal = WTERMSIG(status);
+    ended.crashed = signal != SIGKILL && signal != SIGTERM && signal != SIGINT && signal != SIGHUP;
+    ended.how = fmt::format("process {} was killed by signal {} ({})", pid, signal,
+                            sigabbrev_np(signal) ? sigabbrev_np(signal) : "?");
+  } else {
+    ended.crashed = WEXITSTATUS(status) != 0;
+    ended.how = fmt::format("process {} ended with exit code {}", pid, WEXITSTATUS(status));
+  }
+  return ended;
+}
+
+/// Attributes for a child that a terminal's Ctrl-C does not reach and that has no signal blocked.
+class SpawnSettings {
+ public:
+  SpawnSettings() {
+    posix_spawn_file_actions_init(&actions_);
+    posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawnattr_init(&attributes_);
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(&attributes_, &none);
+    posix_spawnattr_setsigdefault(&attributes_, &all);
+    posix_spawnattr_setpgroup(&attributes_, 0);
+    posix_spawnattr_setflags(
+        &attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+  }
+  ~SpawnSettings() {
+    posix_spawn_file_actions_destroy(&actions_);
+    posix_spawnattr_destroy(&attributes_);
+  }
+  SpawnSettings(const SpawnSettings&) = delete;
+  SpawnSettings& operator=(const SpawnSettings&) = delete;
+  const posix_spawn_file_actions_t* actions() const { return &actions_; }
+  const posix_spawnattr_t* attributes() const { return &attributes_; }
+
+ private:
+  posix_spawn_file_actions_t actions_;
+  posix_spawnattr_t attributes_;
+};
+
+}  // namespace
+
+LocalWorkers::LocalWorkers(LocalWorkerOptions options)
+    : options_(std::move(options)),
+      folder_(make_private_folder()),
+      endpoint_("ipc://" + folder_ + "/farm") {
+  note_progress();
+}
+
+LocalWorkers::~LocalWorkers() {
+  stop(Time{0});
+  std::error_code ignored;
+  std::filesystem::remove_all(folder_, ignored);
+}
+
+void LocalWorkers::note_progress() {
+  replacements_left_ = std::max(kVainReplacements, 4 * options_.count);
+}
+
+void LocalWorkers::start() {
+  for (int i = 0; i < options_.count; ++i) spawn();
+}
+
+void LocalWorkers::spawn() {
+  std::vector<std::string> arguments = {"tessera",   "worker",
+                                        "--connect", endpoint_,
+                                        "--threads", std::to_string(options_.threads),
+                                        "--parent",  std::to_string(getpid())};
+  arguments.insert(arguments.end(), options_.extra_arguments.begin(),
+                   options_.extra_arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  const SpawnSettings settings;
+  pid_t pid = 0;
+  const int error = posix_spawn(&pid, options_.program.c_str(), settings.actions(),
+                                settings.attributes(), pointers.data(), environ);
+  if (error != 0) {
+    throw render_error(fmt::format("cannot start a worker process from '{}': {}", options_.program,
+                                   std::strerror(error)));
+  }
+  running_.push_back(pid);
+}
+
+std::vector<EndedProcess> LocalWorkers::collect() {
+  std::vector<EndedProcess> ended;
+  std::erase_if(running_, [&](pid_t pid) {
+    int status = 0;
+    if (waitpid(pid, &status, WNOHANG) != pid) return false;
+    ended.push_back(describe(pid, status));
+    return true;
+  });
+  return ended;
+}
+
+std::vector<EndedProcess> LocalWorkers::replace_ended() {
+  std::vector<EndedProcess> ended = collect();
+  for (const EndedProcess& process : ended) {
+    if (replacements_left_-- <= 0) {
+      throw render_error(fmt::format(
+          "worker processes end as soon as they are started; expected them to work; the last, {}",
+          process.how));
+    }
+    spdlog::warn("worker {}; starting another", process.how);
+    spawn();
+  }
+  return ended;
+}
+
+void LocalWorkers::kill_stuck(pid_t process) {
+  if (std::find(running_.begin(), running_.end(), process) == running_.end()) return;
+  spdlog::warn("worker process {} is stuck and is ended", process);
+  kill(process, SIGKILL);
+}
+
+void LocalWorkers::stop(Time grace) {
+  for (const int signal : {0, SIGTERM, SIGKILL}) {
+    if (signal != 0) {
+      for (const pid_t pid : running_) kill(pid, signal);
+    }
+    const Time deadline = monotonic_now() + grace;
+    while (collect(), !running_.empty()) {
+      // Nothing survives the last signal, so that is waited for.
+      if (signal != SIGKILL && monotonic_now() >= deadline) break;
+      std::this_thread::sleep_for(kLook);
+    }
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+#include "base/monotonic.h"
+
+namespace tessera {
+
+struct LocalWorkerOptions {
+  int count = 4;
+  int threads = 1;  ///< of each worker
+  /// The program to run; by default this one.
+  std::string program = "/proc/self/exe";
+  /// Arguments after "worker --connect ENDPOINT --threads N --parent PID".
+  std::vector<std::string> extra_arguments;
+};
+
+/// A worker process that ended.
+struct EndedProcess {
+  pid_t pid = 0;
+  /// It crashed by its own doing (a signal such as SIGSEGV, or an exit code other than 0), as
+  /// opposed to being killed from outside.
+  bool crashed = false;
+  std::string how;  ///< "was killed by signal 9", "ended with exit code 3"
+};
+
+/// Worker processes on this machine and the private folder of their socket. They die with the
+/// thread that started them (PR_SET_PDEATHSIG), so start and replace them from one that lives as
+/// long as they should. Not thread-safe.
+class LocalWorkers {
+ public:
+  /// Makes the folder; throws render_error if it cannot.
+  explicit LocalWorkers(LocalWorkerOptions options);
+  /// Ends what still runs, as stop() does, and removes the folder.
+  ~LocalWorkers();
+  LocalWorkers(const LocalWorkers&) = delete;
+  LocalWorkers& operator=(const LocalWorkers&) = delete;
+
+  /// ipc://... inside the private folder: bind the server there before start().
+  const std::string& endpoint() const { return endpoint_; }
+  /// Starts them all and returns at once. Throws render_error if the program cannot be started.
+  void start();
+  /// The workers do what they should: earlier deaths no longer count.
+  void note_progress();
+  /// Kills one of ours.
+  void kill_stuck(pid_t process);
+  /// Collects the processes that ended since the last call, and starts one in place of each. Throws
+  /// render_error, with how the last ones ended, when that was in vain too often. Takes
+  /// microseconds.
+  std::vector<EndedProcess> replace_ended();
+  /// Waits up to `grace` for them to end by themselves (they were sent Shutdown), then sends
+  /// SIGTERM, then SIGKILL; returns when none is left, after at most about 2 * grace.
+  void stop(Time grace);
+  std::vector<pid_t> processes() const { return running_; }
+
+ private:
+  void spawn();
+  std::vector<EndedProcess> collect();
+
+  LocalWorkerOptions options_;
+  std::string folder_;
+  std::string endpoint_;
+  std::vector<pid_t> running_;
+  int replacements_left_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,135 @@
+#include "coordinator/render_loop.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "base/log.h"
+#include "coordinator/coordinator.h"
+#include "proto/wire/frame.h"
+
+namespace tessera {
+namespace {
+
+constexpr Time kLongestWait = std::chrono::milliseconds(50);
+constexpr Time kLookAtProcesses = std::chrono::milliseconds(20);
+constexpr Time kTellProgress = std::chrono::milliseconds(100);
+// After so many messages, what is due by the clock has its turn.
+constexpr int kMessagesPerRound = 256;
+
+CoordinatorOptions completed(CoordinatorOptions options, const ServerTransport& transport) {
+  options.bulk_endpoint = transport.bulk_endpoint();
+  if (options.host.empty()) {
+    std::array<char, 256> name{};
+    if (gethostname(name.data(), name.size() - 1) == 0) options.host = name.data();
+  }
+  return options;
+}
+
+}  // namespace
+
+RenderLoop::RenderLoop(std::unique_ptr<ServerTransport> transport,
+                       const CoordinatorOptions& options)
+    : transport_(std::move(transport)),
+      coordinator_(std::make_unique<Coordinator>(completed(options, *transport_))) {}
+
+RenderLoop::~RenderLoop() = default;
+
+JobResult RenderLoop::run(JobSpec job, const ProgressCallback& progress,
+                          const std::atomic<bool>& stop) {
+  const uint64_t id = coordinator_->submit(std::move(job), monotonic_now());
+  tiles_done_ = 0;
+  Time next_progress{};
+  std::optional<JobResult> result;
+  while (!(result = coordinator_->take_result(id))) {
+    deliver();
+    step(kLongestWait);
+    const Time now = monotonic_now();
+    if (stop) coordinator_->interrupt(id, now);
+    if (progress && now >= next_progress) {
+      progress(coordinator_->progress(now));
+      next_progress = now + kTellProgress;
+    }
+  }
+  deliver();
+  return std::move(*result);
+}
+
+void RenderLoop::serve(const std::atomic<bool>& stop) {
+  while (!stop) step(kLongestWait);
+}
+
+void RenderLoop::shut_down(const std::string& reason) {
+  // Whose hello has just come must hear it too.
+  receive();
+  coordinator_->shut_down(reason);
+  deliver();
+}
+
+void RenderLoop::step(Time pause) {
+  const Time due = coordinator_->next_deadline() - monotonic_now();
+  Time wait = std::min(pause, due);
+  if (local_workers_) wait = std::min(wait, kLookAtProcesses);
+  transport_->wait(std::chrono::ceil<std::chrono::milliseconds>(std::max(wait, Time{0})));
+  receive();
+  const Time now = monotonic_now();
+  if (now >= coordinator_->next_deadline()) coordinator_->on_tick(now);
+  if (local_workers_ && now >= next_look_) attend_local_workers(now);
+  deliver();
+}
+
+void RenderLoop::receive() {
+  for (int i = 0; i < kMessagesPerRound; ++i) {
+    const auto received = transport_->receive();
+    if (!received) return;
+    const Time start = monotonic_now();
+    const auto message = decode(received->bytes, max_message_bytes(received->channel));
+    if (!message) {
+      spdlog::warn("dropped a message of {} bytes that is none of ours", received->bytes.size());
+      continue;
+    }
+    // Counted before the job may end with this very band, so the writing of the last one is not.
+    if (message->has_tile_band()) {
+      coordinator_->note_assembling(to_seconds(monotonic_now() - start));
+    }
+    const Time handling = monotonic_now();
+    coordinator_->on_message(received->channel, received->peer, *message, handling);
+    if (message->has_tile_band()) {
+      coordinator_->note_assembling(to_seconds(monotonic_now() - handling));
+    }
+    deliver();
+  }
+}
+
+void RenderLoop::deliver() {
+  for (auto messages = coordinator_->take_outgoing(); !messages.empty();
+       messages = coordinator_->take_outgoing()) {
+    for (const OutgoingMessage& out : messages) {
+      const SendResult sent = transport_->send(out.channel, out.peer, encode(out.message));
+      // What was dropped for a peer that does not read is told again when it does.
+      if (sent == SendResult::gone && out.channel == Channel::control) {
+        coordinator_->on_peer_gone(out.peer, monotonic_now());
+      }
+    }
+  }
+}
+
+void RenderLoop::attend_local_workers(Time now) {
+  next_look_ = now + kLookAtProcesses;
+  const uint64_t done = coordinator_->progress(now).tiles_done;
+  if (done != std::exchange(tiles_done_, done)) local_workers_->note_progress();
+  for (const pid_t process : coordinator_->take_stuck_processes()) {
+    local_workers_->kill_stuck(process);
+  }
+  try {
+    for (const EndedProcess& ended : local_workers_->replace_ended()) {
+      coordinator_->on_process_ended(ended.pid, ended.crashed, ended.how, now);
+    }
+  } catch (const Error& error) {
+    coordinator_->fail_job(error.what(), now);
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "coordinator/coordinator_options.h"
+#include "coordinator/job.h"
+#include "coordinator/local_workers.h"
+#include "proto/transport/transport.h"
+
+namespace tessera {
+
+class Coordinator;
+
+/// Moves messages between a ServerTransport, which it owns, and a Coordinator. Used by one thread.
+class RenderLoop {
+ public:
+  RenderLoop(std::unique_ptr<ServerTransport> transport, const CoordinatorOptions& options);
+  ~RenderLoop();
+
+  /// Where workers connect to.
+  std::string endpoint() const { return transport_->endpoint(); }
+
+  /// Worker processes to watch and replace while this runs; may be null. The caller keeps them.
+  void watch(LocalWorkers* workers) { local_workers_ = workers; }
+
+  /// Renders one job to its end, or until `stop` is set (then its end is `interrupted`, and the
+  /// film holds what came until then; `stop` is looked at every 50 ms). May be called again for
+  /// further jobs: workers stay. If local workers cannot be kept alive, the job fails. Throws
+  /// usage_error for a frame, crop or tile size that cannot be.
+  JobResult run(JobSpec job, const ProgressCallback& progress, const std::atomic<bool>& stop);
+
+  /// Serves workers and clients that submit jobs until `stop` is set.
+  void serve(const std::atomic<bool>& stop);
+
+  /// Tells every worker to end. The message leaves while this object or, for up to 500 ms, its
+  /// destructor lives.
+  void shut_down(const std::string& reason);
+
+ private:
+  /// Waits for messages for at most `pause`, and handles what came and what is due.
+  void step(Time pause);
+  void receive();
+  void deliver();
+  void attend_local_workers(Time now);
+
+  std::unique_ptr<ServerTransport> transport_;
+  std::unique_ptr<Coordinator> coordinator_;
+  LocalWorkers* local_workers_ = nullptr;
+  Time next_look_{};         ///< at local workers
+  uint64_t tiles_done_ = 0;  ///< when last looked at
+};
+
+}  // namespace tessera

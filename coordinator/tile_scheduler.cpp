@@ -1,0 +1,254 @@
+#include "coordinator/tile_scheduler.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace tessera {
+namespace {
+
+constexpr size_t kMaxFailures = 3;
+// A worker that vanished may have been killed by its tile, but is more often killed by something
+// else: tiles get the benefit of the doubt for longer.
+constexpr uint8_t kMaxVanished = 12;
+constexpr size_t kMaxLeasesOfTile = 2;
+// Second copies may be one in so many of all tiles, or kFreeCopies if that is more.
+constexpr uint64_t kTilesPerCopy = 20;
+constexpr uint64_t kFreeCopies = 4;
+constexpr double kStragglerFactor = 1.5;
+constexpr size_t kDurationsKept = 1024;
+
+}  // namespace
+
+TileScheduler::TileScheduler(size_t tiles, const CoordinatorOptions& options)
+    : options_(options), tiles_(tiles), pending_(tiles), open_tiles_(tiles) {
+  std::iota(pending_.begin(), pending_.end(), 0u);
+}
+
+void TileScheduler::join(WorkerId worker) {
+  holders_.try_emplace(worker);
+  const auto it = vanished_with_.find(worker);
+  if (it == vanished_with_.end()) return;
+  for (const uint32_t tile : it->second) --tiles_[tile].vanished;
+  vanished_with_.erase(it);
+}
+
+void TileScheduler::set_suspect(WorkerId worker, bool suspect) {
+  const auto it = holders_.find(worker);
+  if (it != holders_.end()) it->second.suspect = suspect;
+}
+
+size_t TileScheduler::held_by(WorkerId worker) const {
+  const auto it = holders_.find(worker);
+  return it == holders_.end() ? 0 : it->second.leases.size();
+}
+
+SchedulerEvents TileScheduler::leave(WorkerId worker, LossCause cause, Time now) {
+  SchedulerEvents events;
+  const auto it = holders_.find(worker);
+  if (it == holders_.end()) return events;
+  const std::vector<LeaseId> leases = it->second.leases;
+  for (const LeaseId id : leases) {
+    const Lease lease = drop(id);
+    if (cause == LossCause::crashed) blame(lease.tile, worker, now, events);
+    if (cause != LossCause::vanished) continue;
+    vanished_with_[worker].push_back(lease.tile);
+    if (++tiles_[lease.tile].vanished >= kMaxVanished) give_up(lease.tile, events);
+  }
+  holders_.erase(worker);
+  return events;
+}
+
+bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now) const {
+  if (tile.failed_by.empty()) return true;
+  if (!holders_.at(worker).leases.empty()) return false;
+  const auto has_failed = [&](WorkerId id) {
+    return std::find(tile.failed_by.begin(), tile.failed_by.end(), id) != tile.failed_by.end();
+  };
+  if (!has_failed(worker)) return true;
+  // The others may all be stuck, so after a while it is its turn again.
+  return now - tile.failed_at >= options_.lease ||
+         std::all_of(holders_.begin(), holders_.end(),
+                     [&](const auto& other) { return has_failed(other.first); });
+}
+
+std::optional<uint32_t> TileScheduler::next_pending(WorkerId worker, Time now) {
+  for (auto it = pending_.begin(); it != pending_.end(); ++it) {
+    const uint32_t tile = *it;
+    if (!may_trace(tiles_[tile], worker, now)) continue;
+    pending_.erase(it);
+    return tile;
+  }
+  return std::nullopt;
+}
+
+Time TileScheduler::straggler_age() const {
+  if (durations_.empty()) return Time::max();
+  std::vector<Time> sorted = durations_;
+  const auto p90 = sorted.begin() + static_cast<ptrdiff_t>(sorted.size() * 9 / 10);
+  std::nth_element(sorted.begin(), p90, sorted.end());
+  const Time limit{static_cast<int64_t>(static_cast<double>(p90->count()) * kStragglerFactor)};
+  return std::max(options_.speculate_after, limit);
+}
+
+std::optional<uint32_t> TileScheduler::next_straggler(WorkerId worker, Time now) const {
+  if (live_.empty()) return std::nullopt;
+  const bool within_budget =
+      speculative_ < std::max<uint64_t>(kFreeCopies, tiles_.size() / kTilesPerCopy);
+  const Time age = within_budget ? straggler_age() : Time::max();
+  const Lease* slowest = nullptr;
+  for (const auto& [id, lease] : live_) {
+    const Tile& tile = tiles_[lease.tile];
+    if (lease.worker == worker || tile.leases.size() >= kMaxLeasesOfTile) continue;
+    if (!may_trace(tile, worker, now)) continue;
+    if (!holders_.at(lease.worker).suspect && now - lease.issued < age) continue;
+    if (!slowest || lease.issued < slowest->issued) slowest = &lease;
+  }
+  return slowest ? std::optional(slowest->tile) : std::nullopt;
+}
+
+Time TileScheduler::lease_length(const Tile& tile) const {
+  return options_.lease * (int64_t{1} << tile.failed_by.size());
+}
+
+std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now) {
+  const auto it = holders_.find(worker);
+  if (it == holders_.end() || it->second.suspect) return std::nullopt;
+  Holder& holder = it->second;
+  // Beside a tile that failed before, nothing else runs.
+  if (holder.leases.size() == 1 && !tiles_[tile_of(holder.leases[0])].failed_by.empty()) {
+    return std::nullopt;
+  }
+  Lease lease;
+  if (const auto next = next_pending(worker, now)) {
+    lease.tile = *next;
+  } else if (const auto straggler = next_straggler(worker, now)) {
+    lease.tile = *straggler;
+    lease.speculative = true;
+    ++speculative_;
+  } else {
+    return std::nullopt;
+  }
+  Tile& tile = tiles_[lease.tile];
+  lease.id = ++leases_issued_ << 32 | lease.tile;
+  lease.attempt = tile.attempts++;
+  lease.worker = worker;
+  lease.issued = now;
+  lease.deadline = now + lease_length(tile);
+  if (lease.attempt > 0 && !lease.speculative) ++retries_;
+  tile.state = State::leased;
+  tile.leases.push_back(lease.id);
+  live_.emplace(lease.id, lease);
+  holder.leases.push_back(lease.id);
+  return lease;
+}
+
+Lease TileScheduler::drop(LeaseId id) {
+  const auto it = live_.find(id);
+  const Lease lease = it->second;
+  live_.erase(it);
+  std::erase(holders_.at(lease.worker).leases, id);
+  Tile& tile = tiles_[lease.tile];
+  std::erase(tile.leases, id);
+  if (tile.leases.empty() && tile.state == State::leased) {
+    tile.state = State::pending;
+    pending_.push_front(lease.tile);
+  }
+  return lease;
+}
+
+size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& held, Time now,
+                             SchedulerEvents& events) {
+  size_t foreign = 0;
+  bool grew = false;
+  std::map<LeaseId, LeaseProgress> by_id;
+  for (const LeaseProgress& progress : held) {
+    by_id.emplace(progress.lease, progress);
+    const auto it = live_.find(progress.lease);
+    if (it != live_.end() && it->second.worker == worker) {
+      grew |= progress.work_done > it->second.work_done;
+      continue;
+    }
+    ++foreign;
+    const uint32_t tile = tile_of(progress.lease);
+    if (tile >= tiles_.size() || tiles_[tile].state == State::done) {
+      events.cancelled.push_back({.id = progress.lease, .tile = tile, .worker = worker});
+    }
+  }
+  const auto holder = holders_.find(worker);
+  if (holder == holders_.end()) return foreign;
+  const std::vector<LeaseId> leases = holder->second.leases;
+  for (const LeaseId id : leases) {
+    Lease& lease = live_.at(id);
+    const auto it = by_id.find(id);
+    if (it == by_id.end()) {
+      // The assignment or its result was lost on the way.
+      if (now - lease.issued >= options_.settle) drop(id);
+      continue;
+    }
+    const bool renewed = it->second.work_done > lease.work_done ||
+                         (it->second.started && !lease.started) || (!lease.started && grew);
+    if (renewed) lease.deadline = now + lease_length(tiles_[lease.tile]);
+    lease.work_done = std::max(lease.work_done, it->second.work_done);
+    lease.started |= it->second.started;
+  }
+  return foreign;
+}
+
+SchedulerEvents TileScheduler::complete(uint32_t index, LeaseId by, Time now) {
+  SchedulerEvents events;
+  Tile& tile = tiles_[index];
+  if (tile.state == State::done) return events;
+  if (tile.state == State::pending) std::erase(pending_, index);
+  if (tile.state != State::given_up) --open_tiles_;
+  tile.state = State::done;
+  const std::vector<LeaseId> leases = tile.leases;
+  for (const LeaseId id : leases) {
+    const Lease lease = drop(id);
+    if (id != by) {
+      events.cancelled.push_back(lease);
+    } else if (durations_.size() < kDurationsKept) {
+      durations_.push_back(now - lease.issued);
+    }
+  }
+  return events;
+}
+
+SchedulerEvents TileScheduler::fail(LeaseId id, WorkerId worker, Time now) {
+  SchedulerEvents events;
+  const auto it = live_.find(id);
+  if (it == live_.end() || it->second.worker != worker) return events;
+  blame(drop(id).tile, worker, now, events);
+  return events;
+}
+
+SchedulerEvents TileScheduler::expire(Time now) {
+  SchedulerEvents events;
+  std::vector<LeaseId> ended;
+  for (const auto& [id, lease] : live_) {
+    if (lease.deadline <= now) ended.push_back(id);
+  }
+  for (const LeaseId id : ended) {
+    const Lease lease = drop(id);
+    if (lease.started) blame(lease.tile, lease.worker, now, events);
+  }
+  return events;
+}
+
+void TileScheduler::blame(uint32_t index, WorkerId worker, Time now, SchedulerEvents& events) {
+  Tile& tile = tiles_[index];
+  events.blamed.push_back(worker);
+  tile.failed_by.push_back(worker);
+  tile.failed_at = now;
+  if (tile.failed_by.size() >= kMaxFailures) give_up(index, events);
+}
+
+void TileScheduler::give_up(uint32_t index, SchedulerEvents& events) {
+  Tile& tile = tiles_[index];
+  if (tile.state == State::done || tile.state == State::given_up) return;
+  if (tile.state == State::pending) std::erase(pending_, index);
+  tile.state = State::given_up;
+  --open_tiles_;
+  events.given_up.push_back(index);
+}
+
+}  // namespace tessera

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/monotonic.h"
+#include "coordinator/coordinator_options.h"
+
+namespace tessera {
+
+using WorkerId = uint64_t;
+using LeaseId = uint64_t;
+
+/// The right, for a time, to trace one tile.
+struct Lease {
+  LeaseId id = 0;
+  uint32_t tile = 0;
+  uint32_t attempt = 0;  ///< from 0, by tile
+  WorkerId worker = 0;
+  Time issued{}, deadline{};
+  uint64_t work_done = 0;
+  bool started = false;  ///< as the worker said last
+  bool speculative = false;
+};
+
+/// One lease as its worker reports it.
+struct LeaseProgress {
+  LeaseId lease = 0;
+  uint64_t work_done = 0;
+  bool started = false;
+};
+
+/// How a worker ceased to be there.
+enum class LossCause {
+  left,      ///< it said so, or came anew
+  vanished,  ///< nobody knows why
+  crashed,   ///< its process failed by its own doing
+};
+
+/// What else follows from a call.
+struct SchedulerEvents {
+  std::vector<Lease> cancelled;    ///< wanted no longer: tell their workers
+  std::vector<uint32_t> given_up;  ///< tiles that failed too often
+  std::vector<WorkerId> blamed;    ///< workers that failed a tile, once for each
+};
+
+/// Which tile of a job goes to whom. A tile is pending, leased (by one worker or two), done or
+/// given up. Its lease is renewed by progress alone; a tile whose lease ends goes back to the front
+/// of the queue. A tile that failed is tried by other workers as long as there are any, and only by
+/// workers that hold nothing else, so that the next failure blames the right one. Plain values; no
+/// clock.
+class TileScheduler {
+ public:
+  TileScheduler(size_t tiles, const CoordinatorOptions& options);
+
+  /// From now on the worker may hold tiles. If it had vanished, no tile was the cause of it.
+  void join(WorkerId worker);
+  /// It may no more; what it held is pending again.
+  SchedulerEvents leave(WorkerId worker, LossCause cause, Time now);
+  /// A suspect gets no work, and others get copies of what it holds.
+  void set_suspect(WorkerId worker, bool suspect);
+
+  /// A tile for this worker: the next pending one or, where there is none, a second copy of one
+  /// that takes long elsewhere.
+  std::optional<Lease> assign(WorkerId worker, Time now);
+  /// All leases that the worker holds, as of now. Returns how many of them are not ours any more
+  /// yet still take up the worker; those of finished tiles are cancelled.
+  size_t report(WorkerId worker, const std::vector<LeaseProgress>& held, Time now,
+                SchedulerEvents& events);
+  /// All pixels of the tile are there, the last of them by `lease`, which may be none of ours.
+  SchedulerEvents complete(uint32_t tile, LeaseId lease, Time now);
+  /// The worker could not trace the tile of this lease.
+  SchedulerEvents fail(LeaseId lease, WorkerId worker, Time now);
+  /// Ends the leases that had no progress for too long.
+  SchedulerEvents expire(Time now);
+
+  bool finished() const { return open_tiles_ == 0; }
+  size_t held_by(WorkerId worker) const;
+  bool has_pending() const { return !pending_.empty(); }
+  uint64_t retries() const { return retries_; }
+  uint64_t speculative() const { return speculative_; }
+
+  /// The tile that a lease, live or not, was for.
+  static uint32_t tile_of(LeaseId lease) { return static_cast<uint32_t>(lease); }
+
+ private:
+  enum class State : uint8_t { pending, leased, done, given_up };
+  struct Tile {
+    State state = State::pending;
+    uint32_t attempts = 0;
+    std::vector<LeaseId> leases;  ///< live ones
+    uint8_t vanished = 0;         ///< workers that did so with it, and did not come back
+    std::vector<WorkerId> failed_by;
+    Time failed_at{};
+  };
+  struct Holder {
+    bool suspect = false;
+    std::vector<LeaseId> leases;
+  };
+
+  bool may_trace(const Tile& tile, WorkerId worker, Time now) const;
+  std::optional<uint32_t> next_pending(WorkerId worker, Time now);
+  std::optional<uint32_t> next_straggler(WorkerId worker, Time now) const;
+  Time straggler_age() const;
+  Time lease_length(const Tile& tile) const;
+  /// Forgets a live lease; the tile is pending if that was its last.
+  Lease drop(LeaseId lease);
+  void blame(uint32_t tile, WorkerId worker, Time now, SchedulerEvents& events);
+  void give_up(uint32_t tile, SchedulerEvents& events);
+
+  CoordinatorOptions options_;
+  std::vector<Tile> tiles_;
+  std::deque<uint32_t> pending_;
+  std::map<LeaseId, Lease> live_;
+  std::map<WorkerId, Holder> holders_;
+  std::map<WorkerId, std::vector<uint32_t>> vanished_with_;
+  std::vector<Time> durations_;  ///< of completed leases
+  size_t open_tiles_;
+  uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0;
+};
+
+}  // namespace tessera

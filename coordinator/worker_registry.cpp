@@ -1,0 +1,155 @@
+#include "coordinator/worker_registry.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+constexpr size_t kMaxText = 256;
+constexpr uint32_t kMaxCredit = 4096;
+// Lost workers that are remembered, so that late results are known for whose they are.
+constexpr Time kForgetAfter = std::chrono::minutes(10);
+
+v1::Reject rejected(v1::Reject::Reason reason, std::string text) {
+  v1::Reject reject;
+  reject.set_reason(reason);
+  reject.set_text(std::move(text));
+  return reject;
+}
+
+}  // namespace
+
+std::string WorkerRecord::name() const {
+  return fmt::format("{}:{}", hello.host().empty() ? "worker" : hello.host(), hello.process_id());
+}
+
+std::optional<v1::Reject> WorkerRegistry::judge(const v1::Hello& hello) const {
+  if (hello.protocol_major() != options_.protocol_major) {
+    return rejected(
+        v1::Reject::PROTOCOL,
+        fmt::format("the worker ({}) speaks protocol {}.{}; the coordinator expected {}.x",
+                    hello.build().substr(0, kMaxText), hello.protocol_major(),
+                    hello.protocol_minor(), options_.protocol_major));
+  }
+  if (hello.numerics_id() != options_.numerics_id) {
+    return rejected(v1::Reject::NUMERICS,
+                    fmt::format("the worker computes by '{}'; the coordinator expected '{}'",
+                                hello.numerics_id().substr(0, kMaxText), options_.numerics_id));
+  }
+  const auto aside = set_aside_.find(hello.worker_id());
+  if (aside != set_aside_.end()) return rejected(v1::Reject::QUARANTINED, aside->second);
+  if (hello.worker_id() == 0 || hello.session() == 0 || hello.credit() == 0 ||
+      hello.credit() > kMaxCredit || hello.host().size() > kMaxText) {
+    return rejected(v1::Reject::PROTOCOL,
+                    fmt::format("worker {}, session {}, credit {}; expected numbers above 0 and at "
+                                "most {} tiles of credit",
+                                hello.worker_id(), hello.session(), hello.credit(), kMaxCredit));
+  }
+  return std::nullopt;
+}
+
+WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hello& hello,
+                                               Time now) {
+  const auto [it, inserted] = workers_.try_emplace(hello.worker_id());
+  WorkerRecord& worker = it->second;
+  if (inserted) {
+    worker.id = hello.worker_id();
+    ++seen_;
+  } else if (hello.session() < worker.hello.session()) {
+    return {};
+  }
+  const bool anew = inserted || hello.session() != worker.hello.session();
+  if (!worker.peer.empty() && worker.peer != peer) by_peer_.erase(worker.peer);
+  const auto other = by_peer_.find(peer);
+  if (other != by_peer_.end() && other->second != worker.id) {
+    workers_.at(other->second).peer.clear();
+  }
+  by_peer_[peer] = worker.id;
+  worker.peer = peer;
+  worker.hello = hello;
+  worker.last_heard = now;
+  worker.state = WorkerState::active;
+  if (anew) {
+    worker.ready_job = 0;
+    worker.foreign = 0;
+  }
+  return {&worker, anew};
+}
+
+WorkerRecord* WorkerRegistry::by_id(WorkerId id) {
+  const auto it = workers_.find(id);
+  return it == workers_.end() ? nullptr : &it->second;
+}
+
+WorkerRecord* WorkerRegistry::by_peer(const PeerId& peer) {
+  const auto it = by_peer_.find(peer);
+  return it == by_peer_.end() ? nullptr : by_id(it->second);
+}
+
+WorkerRecord* WorkerRegistry::by_process(pid_t process) {
+  const auto it = std::find_if(workers_.begin(), workers_.end(), [&](const auto& entry) {
+    return entry.second.hello.process_id() == static_cast<uint32_t>(process) &&
+           entry.second.hello.host() == options_.host;
+  });
+  return it == workers_.end() ? nullptr : &it->second;
+}
+
+bool WorkerRegistry::heard(WorkerRecord& worker, Time now) {
+  const bool back = worker.state == WorkerState::lost;
+  worker.state = WorkerState::active;
+  worker.last_heard = now;
+  return back;
+}
+
+void WorkerRegistry::lose(WorkerRecord& worker) {
+  if (worker.state == WorkerState::lost) return;
+  worker.state = WorkerState::lost;
+  worker.ready_job = 0;
+  worker.foreign = 0;
+  ++lost_;
+}
+
+void WorkerRegistry::set_aside(WorkerRecord& worker) {
+  set_aside_.emplace(worker.id, fmt::format("worker {} failed {} tiles; expected none",
+                                            worker.name(), worker.failures));
+}
+
+WorkerRegistry::Silence WorkerRegistry::check(Time now) {
+  Silence silence;
+  for (auto it = workers_.begin(); it != workers_.end();) {
+    WorkerRecord& worker = it->second;
+    const Time age = now - worker.last_heard;
+    if (worker.state == WorkerState::lost) {
+      if (age >= kForgetAfter) {
+        by_peer_.erase(worker.peer);
+        it = workers_.erase(it);
+        continue;
+      }
+    } else if (age >= options_.lost_after) {
+      silence.lost.push_back(&worker);
+    } else if (age >= options_.suspect_after && worker.state == WorkerState::active) {
+      worker.state = WorkerState::suspect;
+      silence.suspects.push_back(&worker);
+    }
+    ++it;
+  }
+  return silence;
+}
+
+std::vector<WorkerRecord*> WorkerRegistry::present() {
+  std::vector<WorkerRecord*> result;
+  for (auto& [id, worker] : workers_) {
+    if (worker.state != WorkerState::lost) result.push_back(&worker);
+  }
+  return result;
+}
+
+int WorkerRegistry::present_count() const {
+  return static_cast<int>(std::count_if(workers_.begin(), workers_.end(), [](const auto& entry) {
+    return entry.second.state != WorkerState::lost;
+  }));
+}
+
+}  // namespace tessera

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "base/monotonic.h"
+#include "coordinator/coordinator_options.h"
+#include "coordinator/tile_scheduler.h"
+#include "proto/tessera/v1/farm.pb.h"
+#include "proto/transport/transport.h"
+
+namespace tessera {
+
+enum class WorkerState { active, suspect, lost };
+
+/// A worker that was accepted at some time.
+struct WorkerRecord {
+  WorkerId id = 0;
+  PeerId peer;
+  v1::Hello hello;
+  WorkerState state = WorkerState::active;
+  Time last_heard{};
+  int failures = 0;         ///< tiles that it failed
+  uint64_t ready_job = 0;   ///< the job whose scene it has built; 0: none
+  uint64_t failed_job = 0;  ///< the job whose scene it could not build, for a reason of its own
+  Time told_job{};          ///< when it was last sent the running job
+  size_t foreign = 0;       ///< tiles that keep it busy though they are no longer its own
+
+  /// "host:process", for messages.
+  std::string name() const;
+};
+
+/// Who works here. A worker is known by the id that its process drew; a connection is only its
+/// address of the moment.
+class WorkerRegistry {
+ public:
+  explicit WorkerRegistry(const CoordinatorOptions& options) : options_(options) {}
+
+  /// Why a hello cannot be accepted, or nothing.
+  std::optional<v1::Reject> judge(const v1::Hello& hello) const;
+  struct Greeting {
+    WorkerRecord* worker = nullptr;  ///< null: an old hello, to be ignored
+    bool anew = false;               ///< the first of this session: what it held is forgotten
+  };
+  /// Registers a hello that judge() has nothing against.
+  Greeting greet(const PeerId& peer, const v1::Hello& hello, Time now);
+
+  WorkerRecord* by_peer(const PeerId& peer);
+  WorkerRecord* by_id(WorkerId id);
+  /// The worker in that process of this host.
+  WorkerRecord* by_process(pid_t process);
+
+  /// Any message counts as a sign of life. True if it was lost and is now back.
+  bool heard(WorkerRecord& worker, Time now);
+  void lose(WorkerRecord& worker);
+  /// Refuses it from now on.
+  void set_aside(WorkerRecord& worker);
+
+  struct Silence {
+    std::vector<WorkerRecord*> suspects;  ///< newly so
+    std::vector<WorkerRecord*> lost;      ///< to be given to lose()
+  };
+  Silence check(Time now);
+  /// Those not lost.
+  std::vector<WorkerRecord*> present();
+  int present_count() const;
+
+  uint64_t seen() const { return seen_; }
+  uint64_t lost() const { return lost_; }
+
+ private:
+  CoordinatorOptions options_;
+  std::map<WorkerId, WorkerRecord> workers_;
+  std::unordered_map<PeerId, WorkerId> by_peer_;
+  std::map<WorkerId, std::string> set_aside_;  ///< with the cause
+  uint64_t seen_ = 0, lost_ = 0;
+};
+
+}  // namespace tessera

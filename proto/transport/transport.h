@@ -1,0 +1,74 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+/// Blobs go by `bulk`, everything else by `control`.
+enum class Channel : uint8_t { control, bulk };
+
+/// Longer messages are not taken: their sender is disconnected.
+constexpr size_t max_message_bytes(Channel channel) {
+  return size_t{channel == Channel::control ? 2u : 4u} << 20;
+}
+
+/// The bytes of one message; what they mean is not known here.
+using MessageBytes = std::vector<std::byte>;
+
+/// The name that the transport gave to a connection: opaque, unique within a channel, new at each
+/// reconnection.
+using PeerId = std::string;
+
+struct ReceivedMessage {
+  Channel channel = Channel::control;
+  PeerId peer;  ///< empty at a client: there is only the server
+  MessageBytes bytes;
+};
+
+enum class SendResult {
+  sent,
+  full,  ///< the peer does not read: the message was dropped
+  gone,  ///< there is no such connection any more
+};
+
+/// The coordinator's end. One thread owns it; only wake() may be called from others.
+class ServerTransport {
+ public:
+  virtual ~ServerTransport() = default;
+  /// The control endpoint that clients can use, with the port that was really bound.
+  virtual std::string endpoint() const = 0;
+  /// The bulk endpoint in the form of Welcome.bulk_endpoint; empty where clients need none.
+  virtual std::string bulk_endpoint() const = 0;
+  /// Returns when a message may be there, wake() was called or `timeout` has passed.
+  virtual void wait(std::chrono::milliseconds timeout) = 0;
+  /// The next message, those of `control` first. Does not block.
+  virtual std::optional<ReceivedMessage> receive() = 0;
+  /// Does not block.
+  virtual SendResult send(Channel channel, const PeerId& peer, MessageBytes bytes) = 0;
+  virtual void wake() = 0;
+};
+
+/// The end of a worker or client. One thread owns it; only wake() may be called from others.
+class ClientTransport {
+ public:
+  virtual ~ClientTransport() = default;
+  /// Where blobs are, as the server told it. Calling it again with the same endpoint does nothing.
+  virtual void connect_bulk(const std::string& bulk_endpoint) = 0;
+  virtual void wait(std::chrono::milliseconds timeout) = 0;
+  virtual std::optional<ReceivedMessage> receive() = 0;
+  /// Sends, or keeps what cannot be sent yet for a later wait(). Does not block.
+  virtual void send(Channel channel, MessageBytes bytes) = 0;
+  /// Messages that send() keeps.
+  virtual size_t backlog() const = 0;
+  /// Drops this connection and makes a new one: to the server, a new peer.
+  virtual void reconnect() = 0;
+  virtual void wake() = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,68 @@
+#include "proto/wire/frame.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/io/coded_stream.h>
+
+#include <bit>
+#include <cstring>
+
+#include "base/error.h"
+#include "proto/wire/crc32c.h"
+
+namespace tessera {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "headers are written as they lie");
+
+struct Header {
+  char magic[4] = {'T', 'S', 'R', 'A'};
+  uint8_t version = 1;
+  uint8_t zero[3] = {};
+  uint32_t length = 0;
+  uint32_t crc = 0;
+};
+static_assert(sizeof(Header) == kFrameHeaderSize);
+
+// The deepest Envelope is one of JobEnd's rectangles: 4.
+constexpr int kMaxNesting = 8;
+
+}  // namespace
+
+Frame encode(const v1::Envelope& message) {
+  Header header;
+  const size_t length = message.ByteSizeLong();
+  TESSERA_CHECK(kFrameHeaderSize + length <= kMaxFrame,
+                fmt::format("{} bytes, {}", length, kMaxFrame));
+  Frame frame(kFrameHeaderSize + length);
+  message.SerializeWithCachedSizesToArray(
+      reinterpret_cast<uint8_t*>(frame.data() + kFrameHeaderSize));
+  header.length = static_cast<uint32_t>(length);
+  header.crc = crc32c(std::span(frame).subspan(kFrameHeaderSize));
+  std::memcpy(frame.data(), &header, sizeof header);
+  return frame;
+}
+
+std::optional<v1::Envelope> decode(std::span<const std::byte> frame, size_t limit) {
+  if (frame.size() < kFrameHeaderSize || frame.size() > limit) return std::nullopt;
+  Header header;
+  const Header expected;
+  std::memcpy(&header, frame.data(), sizeof header);
+  const auto body = frame.subspan(kFrameHeaderSize);
+  if (std::memcmp(header.magic, expected.magic, sizeof header.magic) != 0 ||
+      header.version != expected.version ||
+      std::memcmp(header.zero, expected.zero, sizeof header.zero) != 0 ||
+      header.length != body.size() || header.crc != crc32c(body)) {
+    return std::nullopt;
+  }
+  google::protobuf::io::CodedInputStream stream(reinterpret_cast<const uint8_t*>(body.data()),
+                                                static_cast<int>(body.size()));
+  stream.SetRecursionLimit(kMaxNesting);
+  std::optional<v1::Envelope> message(std::in_place);
+  if (!message->ParseFromCodedStream(&stream) || !stream.ConsumedEntireMessage() ||
+      message->message_case() == v1::Envelope::MESSAGE_NOT_SET) {
+    return std::nullopt;
+  }
+  return message;
+}
+
+}  // namespace tessera

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "proto/tessera/v1/farm.pb.h"
+
+namespace tessera {
+
+/// Float32 values a pixel.
+inline constexpr int kWireChannels = 3;
+/// Decoded bytes of one band, unless a single row is longer.
+inline constexpr size_t kBandBytes = size_t{1} << 20;
+
+/// Cuts rows from the top of `width` pixels each, the first of them row `first_row` of the frame,
+/// into bands with rows, encoding, pixels, checksum and `last` filled in. Compressed bands hold
+/// byte planes (all first bytes, all second bytes ...) under zstd level 1; those that do not shrink
+/// stay raw.
+std::vector<v1::TileBand> encode_bands(std::span<const float> values, int width, int first_row,
+                                       bool compress);
+
+/// Writes a band's pixels into `values`, whose size is what they must come to. False, without
+/// having allocated for it, if they do not, or are damaged.
+bool decode_band(const v1::TileBand& band, std::span<float> values);
+
+}  // namespace tessera

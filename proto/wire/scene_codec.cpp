@@ -1,0 +1,241 @@
+#include "proto/wire/scene_codec.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/stubs/logging.h>
+#include <google/protobuf/text_format.h>
+#include <google/protobuf/util/json_util.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <unordered_set>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "proto/wire/scene_errors.h"
+#include "proto/wire/scene_walk.h"
+
+namespace tessera {
+namespace {
+
+namespace pb = google::protobuf;
+
+constexpr std::string_view kHeading =
+    "# proto-file: proto/tessera/v1/scene.proto\n"
+    "# proto-message: tessera.v1.Scene\n\n";
+
+v1::Scene parse_text(std::string_view text, const std::string& name) {
+  TextErrors errors(name, text);
+  pb::TextFormat::ParseInfoTree places;
+  pb::TextFormat::Parser parser;
+  parser.RecordErrorsTo(&errors);
+  parser.WriteLocationsTo(&places);
+  parser.SetRecursionLimit(kMaxSceneDepth);
+  pb::io::ArrayInputStream input(text.data(), static_cast<int>(text.size()));
+  v1::Scene scene;
+  const bool parsed = parser.Parse(&input, &scene);
+  errors.throw_if_any();
+  if (!parsed) throw scene_error({name}, "the text cannot be read", "a scene in text format");
+  if (const auto field = find_infinite(scene, &places))
+    throw scene_error({name, field->line, field->column},
+                      fmt::format("{} is not finite", field->path), "a finite number");
+  return scene;
+}
+
+bool parse_binary(std::string_view bytes, v1::Scene& scene) {
+  const pb::LogSilencer silencer;  // the caller says what is wrong, once
+  pb::io::CodedInputStream input(reinterpret_cast<const uint8_t*>(bytes.data()),
+                                 static_cast<int>(bytes.size()));
+  input.SetRecursionLimit(kMaxSceneDepth);
+  if (!scene.ParseFromCodedStream(&input) || !input.ConsumedEntireMessage()) return false;
+  // A field of a later version may change the picture: better no scene than another one.
+  const size_t size = scene.ByteSizeLong();
+  scene.DiscardUnknownFields();
+  return scene.ByteSizeLong() == size;
+}
+
+v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const std::string& name) {
+  if (text.size() > kMaxSceneFileBytes)
+    throw scene_error({name}, fmt::format("{} bytes", text.size()),
+                      fmt::format("at most {}", kMaxSceneFileBytes));
+  if (encoding != SceneEncoding::binary) {
+    const size_t bad = find_invalid_utf8(text);
+    if (bad != std::string_view::npos)
+      throw scene_error(place_of(name, text, bad), "a byte that is not UTF-8", "text");
+  }
+  if (encoding == SceneEncoding::text) return parse_text(text, name);
+  v1::Scene scene;
+  if (encoding == SceneEncoding::binary) {
+    if (!parse_binary(text, scene))
+      throw scene_error({name}, "the bytes are no scene, a part of one, or of a later version",
+                        "a scene as `tessera convert` writes it");
+  } else {
+    check_scene_json(text, name);
+    pb::util::JsonParseOptions options;
+    const auto status =
+        pb::util::JsonStringToMessage(pb::StringPiece(text.data(), text.size()), &scene, options);
+    if (!status.ok()) throw scene_json_error(name, text, std::string(status.message()));
+  }
+  if (const auto field = find_infinite(scene, nullptr)) {
+    if (encoding == SceneEncoding::json)
+      throw scene_json_error(name, text, fmt::format("({}): not finite", field->path));
+    throw scene_error({name}, fmt::format("{} is not finite", field->path), "a finite number");
+  }
+  return scene;
+}
+
+/// Moves the embedded blobs of `scene` into a store, each checked against its name.
+BlobStore take_blobs(v1::Scene& scene, const std::string& name) {
+  BlobStore blobs;
+  for (v1::Blob& blob : *scene.mutable_blobs()) {
+    const auto digest = Digest::parse(blob.digest());
+    const auto bytes = std::as_bytes(std::span(blob.data()));
+    if (!digest || Digest::of(bytes) != *digest)
+      throw scene_error({name}, fmt::format("blob '{}' does not have that digest", blob.digest()),
+                        "the BLAKE2b-256 of its data");
+    blobs.put(*digest, std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end()));
+    blob.clear_data();
+  }
+  scene.clear_blobs();
+  return blobs;
+}
+
+std::vector<v1::BlobRef> present_blobs(const v1::Scene& scene, const BlobStore& blobs) {
+  std::vector<v1::BlobRef> present;
+  for (v1::BlobRef& ref : referenced_blobs(scene).value_or(std::vector<v1::BlobRef>{}))
+    if (blobs.find(*Digest::parse(ref.digest()))) present.push_back(std::move(ref));
+  return present;
+}
+
+std::string_view as_text(const std::vector<std::byte>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// Protobuf writes a negative zero as -0 but reads that as the whole number 0; -0.0 keeps its sign.
+std::string with_negative_zeros(std::string_view json) {
+  std::string result;
+  result.reserve(json.size());
+  bool in_string = false;
+  for (size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    result += c;
+    if (c == '"') in_string = !in_string;
+    if (c == '\\') result += json[++i];  // within a string: never a quote of its own
+    const bool is_zero = !in_string && c == '0' && i > 0 && json[i - 1] == '-';
+    const bool ends = i + 1 == json.size() ||
+                      std::string_view(",]}\n ").find(json[i + 1]) != std::string_view::npos;
+    if (is_zero && ends) result += ".0";
+  }
+  return result;
+}
+
+void fetch_blobs(const std::string& path, SceneWithBlobs& read) {
+  const auto refs = referenced_blobs(read.scene);
+  if (!refs)
+    throw scene_error({path}, "a blob's name is no digest", "64 lower-case hexadecimal digits");
+  for (const v1::BlobRef& ref : *refs) {
+    const Digest digest = *Digest::parse(ref.digest());
+    if (read.blobs.find(digest)) continue;
+    const std::string file = fmt::format("{}.blobs/{}", path, ref.digest());
+    const std::string bytes = read_input_file(file, uint64_t{1} << 40);
+    if (Digest::of(bytes) != digest)
+      throw scene_error({file}, "the data do not have the digest of the file's name", "whole data");
+    const auto view = std::as_bytes(std::span(bytes));
+    read.blobs.put(digest,
+                   std::make_shared<const std::vector<std::byte>>(view.begin(), view.end()));
+  }
+}
+
+}  // namespace
+
+std::optional<SceneEncoding> scene_encoding_of(std::string_view path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".tessera") return SceneEncoding::text;
+  if (ending == ".tesserab") return SceneEncoding::binary;
+  if (ending == ".json") return SceneEncoding::json;
+  return std::nullopt;
+}
+
+SceneWithBlobs decode_scene(std::string_view text, SceneEncoding encoding,
+                            const std::string& name) {
+  SceneWithBlobs read;
+  read.scene = decode_message(text, encoding, name);
+  read.blobs = take_blobs(read.scene, name);
+  return read;
+}
+
+std::string encode_scene(const v1::Scene& scene, const BlobStore& blobs, SceneEncoding encoding,
+                         bool embed) {
+  v1::Scene whole = scene;
+  whole.clear_blobs();
+  if (embed) {
+    for (const v1::BlobRef& ref : present_blobs(scene, blobs)) {
+      v1::Blob* blob = whole.add_blobs();
+      blob->set_digest(ref.digest());
+      blob->set_data(std::string(as_text(*blobs.find(*Digest::parse(ref.digest())))));
+    }
+  }
+  if (encoding == SceneEncoding::binary) return serialize_scene(whole);
+  std::string text;
+  if (encoding == SceneEncoding::text) {
+    pb::TextFormat::Printer printer;
+    printer.SetUseShortRepeatedPrimitives(true);
+    printer.PrintToString(whole, &text);
+    return std::string(kHeading) + text;
+  }
+  pb::util::JsonPrintOptions options;
+  options.add_whitespace = true;
+  options.preserve_proto_field_names = true;
+  const auto status = pb::util::MessageToJsonString(whole, &text, options);
+  TESSERA_CHECK(status.ok(), std::string(status.message()));
+  return with_negative_zeros(text);
+}
+
+SceneWithBlobs read_scene_file(const std::string& path, SceneEncoding encoding) {
+  SceneWithBlobs read = decode_scene(read_input_file(path, kMaxSceneFileBytes), encoding, path);
+  fetch_blobs(path, read);
+  return read;
+}
+
+void write_scene_file(const std::string& path, const v1::Scene& scene, const BlobStore& blobs) {
+  const auto encoding = scene_encoding_of(path);
+  if (!encoding)
+    throw usage_error(fmt::format(
+        "{}: unknown ending; expected .tessera (text), .tesserab (binary) or .json", path));
+  const auto present = present_blobs(scene, blobs);
+  uint64_t total = 0;
+  for (const v1::BlobRef& ref : present) total += blobs.find(*Digest::parse(ref.digest()))->size();
+  const bool embed = total <= kMaxEmbeddedBlobBytes;
+  if (!embed) {
+    const std::string folder = path + ".blobs";
+    std::error_code failure;
+    std::filesystem::create_directories(folder, failure);
+    if (failure) throw render_error(fmt::format("{}: {}", folder, failure.message()));
+    for (const v1::BlobRef& ref : present)
+      write_output_file(fmt::format("{}/{}", folder, ref.digest()),
+                        as_text(*blobs.find(*Digest::parse(ref.digest()))));
+  }
+  write_output_file(path, encode_scene(scene, blobs, *encoding, embed));
+}
+
+std::string serialize_scene(const v1::Scene& scene) {
+  std::string bytes;
+  pb::io::StringOutputStream output(&bytes);
+  pb::io::CodedOutputStream coded(&output);
+  coded.SetSerializationDeterministic(true);
+  scene.SerializeToCodedStream(&coded);
+  coded.Trim();
+  return bytes;
+}
+
+std::optional<v1::Scene> parse_scene(std::string_view bytes) {
+  v1::Scene scene;
+  if (bytes.size() > kMaxSceneFileBytes || !parse_binary(bytes, scene)) return std::nullopt;
+  if (find_infinite(scene, nullptr)) return std::nullopt;
+  return scene;
+}
+
+}  // namespace tessera

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "proto/tessera/v1/scene.pb.h"
+#include "proto/wire/blob_store.h"
+
+namespace tessera {
+
+/// The three forms of a scene of our own in a file; each holds the same message without loss.
+enum class SceneEncoding {
+  text,    ///< protobuf text format, `.tessera`
+  binary,  ///< protobuf wire format, `.tesserab`
+  json,    ///< protobuf's JSON mapping, `.json`
+};
+
+/// A description and, apart from it, its bulk data: scene.blobs() is empty.
+struct SceneWithBlobs {
+  v1::Scene scene;
+  BlobStore blobs;
+};
+
+/// Blobs of at most this many bytes in all are written into the file, more of them beside it.
+inline constexpr uint64_t kMaxEmbeddedBlobBytes = uint64_t{64} << 20;
+/// Longer files are refused unread.
+inline constexpr uint64_t kMaxSceneFileBytes = uint64_t{1} << 30;
+/// Messages inside messages; deeper ones are refused.
+inline constexpr int kMaxSceneDepth = 100;
+
+/// By the ending of `path`, in any case; nothing for an ending that is not ours.
+std::optional<SceneEncoding> scene_encoding_of(std::string_view path);
+
+/// Reads `text`, which came from the file `name`. Every number in it is finite, every string UTF-8,
+/// every embedded blob has the digest that it claims. Throws scene_error with the place.
+SceneWithBlobs decode_scene(std::string_view text, SceneEncoding encoding, const std::string& name);
+/// `blobs` that `scene` does not refer to are left out; none are embedded where `embed` is false.
+/// The same scene gives the same bytes.
+std::string encode_scene(const v1::Scene& scene, const BlobStore& blobs, SceneEncoding encoding,
+                         bool embed = true);
+
+/// As decode_scene, and fetches the blobs that lie in the folder `PATH.blobs`, verified.
+SceneWithBlobs read_scene_file(const std::string& path, SceneEncoding encoding);
+/// Writes `path` by its ending, and `PATH.blobs/DIGEST` where the blobs are too large to embed. The
+/// file appears whole or not at all. Throws usage_error for an ending that is not ours,
+/// render_error where it cannot be written.
+void write_scene_file(const std::string& path, const v1::Scene& scene, const BlobStore& blobs);
+
+/// The digests that `scene` refers to, each once, in the order of the message; nothing where one is
+/// no digest.
+std::optional<std::vector<v1::BlobRef>> referenced_blobs(const v1::Scene& scene);
+
+/// The canonical wire form: equal scenes, equal bytes; its digest names the scene.
+std::string serialize_scene(const v1::Scene& scene);
+/// The scene in bytes that may be hostile; nothing where they are none, are too deep, or hold a
+/// number that is not finite. Never throws.
+std::optional<v1::Scene> parse_scene(std::string_view bytes);
+
+}  // namespace tessera

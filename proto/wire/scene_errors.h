@@ -1,0 +1,47 @@
+#pragma once
+
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/io/tokenizer.h>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+
+namespace tessera {
+
+/// The line and column of a byte of `text`.
+SourcePlace place_of(const std::string& file, std::string_view text, size_t offset);
+
+/// Of a message type, of an enumeration: the names that may be written.
+std::vector<std::string> field_names(const google::protobuf::Descriptor& type);
+std::vector<std::string> value_names(const google::protobuf::EnumDescriptor& type);
+
+/// "one of a, b, c; did you mean 'b'?" where `written` is none of them.
+std::string one_of(const std::vector<std::string>& names, const std::string& written);
+
+/// Takes the first complaint of protobuf's text parser and says it in our words.
+class TextErrors : public google::protobuf::io::ErrorCollector {
+ public:
+  /// `text` must outlive this.
+  TextErrors(std::string file, std::string_view text) : file_(std::move(file)), text_(text) {}
+  void AddError(int line, int column, const std::string& message) override;
+  void AddWarning(int, int, const std::string&) override {}
+  void throw_if_any() const;
+
+ private:
+  std::string file_;
+  std::string_view text_;
+  std::optional<Error> first_;
+};
+
+/// Throws where `text` is no JSON, is nested deeper than kMaxSceneDepth, or names a field or value
+/// that a scene does not have.
+void check_scene_json(std::string_view text, const std::string& file);
+/// What protobuf's JSON parser complains of in JSON that passed check_scene_json, with its place.
+/// Messages begin with the path in parentheses: "(nodes[0].shape): ...".
+Error scene_json_error(const std::string& file, std::string_view text, const std::string& message);
+
+}  // namespace tessera

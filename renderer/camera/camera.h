@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+
+#include "renderer/camera/lens.h"
+#include "renderer/math/transform.h"
+#include "renderer/math/vec.h"
+#include "renderer/shapes/ray.h"
+
+namespace tessera {
+
+enum class Projection : uint8_t { perspective, orthographic, spherical, cylindrical };
+
+struct CameraSettings {
+  enum class Axis : uint8_t { smaller, vertical, horizontal, larger };
+
+  Affine world_from_camera{};  ///< the axes' lengths do not matter; may mirror
+  Projection projection = Projection::perspective;
+  double field_of_view = 0.78539816339744830962;  ///< radians over `axis`; vertical if panoramic
+  Axis axis = Axis::smaller;
+  /// The orthographic window in metres; its shorter side grows to the frame's shape.
+  double min_x = -1, min_y = -1, max_x = 1, max_y = 1;
+  double near_distance = 0;  ///< metres along the ray; 0: no bound
+  double far_distance = std::numeric_limits<double>::infinity();
+  LensSettings lens{};
+};
+
+/// `settings` with the view grown until every one of `corners` is inside the frame: a
+/// perspective camera moves back along its view, a little farther than needed; an orthographic one
+/// widens its window too. Panoramas are left alone, and so is a view that has them all already.
+CameraSettings grown_view(const CameraSettings& settings, int frame_width, int frame_height,
+                          std::span<const Point3> corners);
+
+/// From raster points of a whole frame to rays. A crop is a part of the same frame, so
+/// its rays have the same bits. Immutable; thread-safe.
+class Camera {
+ public:
+  Camera(const CameraSettings& settings, int frame_width, int frame_height);
+
+  /// The ray of a pinhole through raster point (x, y), y downwards from the frame's top left
+  /// corner. Its direction is of unit length.
+  Ray ray(double x, double y) const;
+  /// The ray through the point of the lens that the uniform numbers `u` choose.
+  Ray lens_ray(double x, double y, const Vec2& u) const;
+  /// How many rays through the lens make one sample; 0: there is no lens.
+  uint32_t lens_samples() const { return lens_.is_pinhole() ? 0 : lens_.samples; }
+
+  /// The raster point whose ray passes through `p`; nothing where `p` is not clearly before the
+  /// camera, or the projection is no plane one.
+  std::optional<Vec2> raster_of(const Point3& p) const;
+
+  /// How wide the patch of one pixel is at a distance along its ray: at_eye + distance * spread;
+  /// the middle of the frame stands for all of it.
+  struct PixelCone {
+    double at_eye = 0, spread = 0;
+  };
+  PixelCone pixel_cone() const;
+
+  const Vec3& right() const { return right_; }
+  const Vec3& up() const { return up_; }
+  const Point3& position() const { return eye_; }
+  /// Unit; the way that the camera looks.
+  const Vec3& view() const { return view_; }
+
+ private:
+  Projection projection_;
+  Point3 eye_;
+  Vec3 view_, right_, up_;  ///< unit and square to each other
+  /// A raster point's place on the image plane, or its angles, is offset + raster * scale.
+  Vec2 offset_, scale_;
+  double near_, far_;
+  LensSettings lens_;  ///< its radius in metres
+};
+
+}  // namespace tessera

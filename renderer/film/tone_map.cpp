@@ -1,0 +1,165 @@
+#include "renderer/film/tone_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "renderer/math/elementary.h"
+
+namespace tessera {
+
+namespace {
+
+using Rgb = std::array<double, 3>;
+
+double luminance(const Rgb& c) {
+  return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+}
+
+double reinhard(double x) {
+  return x <= 0 ? x : x / (1 + x);
+}
+
+double filmic(double x) {
+  x = std::max(x, 0.0);
+  return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+}
+
+Rgb apply_curve(ToneCurve curve, Rgb c) {
+  switch (curve) {
+    case ToneCurve::clamp:
+    case ToneCurve::linear:
+      break;
+    case ToneCurve::reinhard:
+      for (double& v : c) v = reinhard(v);
+      break;
+    case ToneCurve::reinhard_luminance: {
+      const double y = luminance(c);
+      if (y > 0) {
+        for (double& v : c) v /= 1 + y;
+      }
+      break;
+    }
+    case ToneCurve::filmic:
+      for (double& v : c) v = filmic(v);
+      break;
+  }
+  return c;
+}
+
+double apply_transfer(const OutputSettings& settings, double v) {
+  switch (settings.transfer) {
+    case TransferCurve::display:
+      return v;
+    case TransferCurve::gamma:
+      return portable::pow(v, 1 / settings.gamma);
+    case TransferCurve::srgb:
+      break;
+  }
+  // IEC 61966-2-1. White is exempt: 1.055 - 0.055 rounds to less than 1, which would truncate to
+  // 254.
+  if (v >= 1) return 1;
+  return v <= 0.0031308 ? 12.92 * v : 1.055 * portable::pow(v, 1 / 2.4) - 0.055;
+}
+
+/// A finite stand-in, far above what any curve tells from its limit, so that no curve meets
+/// inf/inf.
+double finite(double v) {
+  constexpr double kLargest = 1e30;
+  return std::isnan(v) ? 0.0 : std::clamp(v, -kLargest, kLargest);
+}
+
+double exposure_scale(const OutputSettings& settings) {
+  constexpr double kLogTwo = 0.69314718055994530942;
+  return settings.exposure == 0 ? 1.0 : portable::exp(settings.exposure * kLogTwo);
+}
+
+/// All but the transfer curve, in [0, 1].
+Rgb before_transfer(const OutputSettings& settings, double scale, const float* linear) {
+  Rgb c{};
+  for (size_t i = 0; i < c.size(); ++i) c[i] = finite(scale * finite(double{linear[i]}));
+  c = apply_curve(settings.tone_curve, c);
+  for (double& v : c) {
+    v = std::clamp(v, 0.0, 1.0);
+    if (settings.has_response) {
+      const auto& [a, b, constant] = settings.response;
+      v = std::clamp((a * v + b) * v + constant, 0.0, 1.0);
+    }
+  }
+  return c;
+}
+
+template <typename Value, typename Convert>
+std::vector<Value> convert(const Film& film, const OutputSettings& settings, Convert to_value) {
+  const std::span<const float> values = film.values();
+  const double scale = exposure_scale(settings);
+  std::vector<Value> result(values.size());
+  for (size_t i = 0; i + 2 < values.size(); i += kFilmChannels) {
+    const Rgb mapped = before_transfer(settings, scale, &values[i]);
+    for (size_t c = 0; c < kFilmChannels; ++c) result[i + c] = to_value(mapped[c]);
+  }
+  return result;
+}
+
+double transferred(const OutputSettings& settings, double v) {
+  return std::clamp(apply_transfer(settings, v), 0.0, 1.0);
+}
+
+/// Where each byte begins: the smallest values whose transferred and quantized value is 1, 2, ...
+/// 255. A power a pixel would take longer than tracing a simple scene.
+std::array<double, 255> byte_thresholds(const OutputSettings& settings) {
+  std::array<double, 255> thresholds{};
+  double low = 0;
+  for (uint32_t byte = 1; byte <= 255; ++byte) {
+    double high = 1;
+    // Bisection down to neighbouring doubles.
+    while (true) {
+      const double middle = low + (high - low) / 2;
+      if (middle <= low || middle >= high) break;
+      const bool reached =
+          quantize(transferred(settings, middle), 255, settings.quantization) >= byte;
+      (reached ? high : low) = middle;
+    }
+    thresholds[byte - 1] = high;
+  }
+  return thresholds;
+}
+
+}  // namespace
+
+std::array<double, 3> tone_map(const OutputSettings& settings, const std::array<float, 3>& linear) {
+  Rgb c = before_transfer(settings, exposure_scale(settings), linear.data());
+  for (double& v : c) v = transferred(settings, v);
+  return c;
+}
+
+uint32_t quantize(double value, uint32_t largest, Quantization how) {
+  const double scaled = value * largest;
+  return static_cast<uint32_t>(how == Quantization::round ? scaled + 0.5 : scaled);
+}
+
+std::vector<uint8_t> to_8_bit(const Film& film, const OutputSettings& settings) {
+  if (settings.transfer == TransferCurve::display) {
+    return convert<uint8_t>(film, settings, [&](double v) {
+      return static_cast<uint8_t>(quantize(v, 255, settings.quantization));
+    });
+  }
+  const std::array<double, 255> thresholds = byte_thresholds(settings);
+  return convert<uint8_t>(film, settings, [&](double v) {
+    return static_cast<uint8_t>(std::upper_bound(thresholds.begin(), thresholds.end(), v) -
+                                thresholds.begin());
+  });
+}
+
+std::vector<uint16_t> to_16_bit(const Film& film, const OutputSettings& settings) {
+  return convert<uint16_t>(film, settings, [&](double v) {
+    return static_cast<uint16_t>(quantize(transferred(settings, v), 65535, settings.quantization));
+  });
+}
+
+std::vector<float> to_display_float(const Film& film, const OutputSettings& settings) {
+  return convert<float>(film, settings,
+                        [&](double v) { return static_cast<float>(transferred(settings, v)); });
+}
+
+}  // namespace tessera

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "renderer/film/film.h"
+#include "renderer/film/tone_map.h"
+
+namespace tessera {
+
+/// What an image file tells of its making, where its format has room for it.
+struct ImageMetadata {
+  std::string scene_digest;
+  uint32_t seed = 0;
+  uint32_t samples_per_pixel = 0;
+  double render_seconds = 0;
+};
+
+/// A picture read back: rows from the top, three floats a pixel, numbers as the file has them
+/// (integers divided by their largest value, no transfer curve undone).
+struct RgbImage {
+  int width = 0, height = 0;
+  std::vector<float> values;
+};
+
+/// A picture as a texture holds it: rows from the top, tightly packed, numbers as the file has
+/// them, alpha not multiplied in.
+struct TextureImage {
+  uint32_t width = 0, height = 0;
+  uint32_t channels = 0;  ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA
+  uint32_t bits = 0;      ///< 8, 16 (half float) or 32 (float)
+  std::vector<std::byte> texels;
+};
+
+/// Starts loading the module that holds OpenImageIO (0.3 s of shared libraries) on a thread of its
+/// own, so that it is there when the frame is done. May be called from any thread, often, or never.
+void preload_image_module();
+
+/// Throws a usage error now for what write_image could not do later: an ending that is no format, a
+/// folder that is missing or not writable, a path that is no regular file. Leaves nothing behind.
+void check_writable(const std::filesystem::path& path);
+
+/// Writes the format that the ending names: exr, hdr and pfm take the linear values, every other
+/// one is tone-mapped to 8 bits by `settings`. The file appears whole or not at all: it is written
+/// beside its place, synced and renamed. Throws a render error where that fails.
+void write_image(const std::filesystem::path& path, const Film& film,
+                 const OutputSettings& settings, const ImageMetadata& metadata);
+
+/// The first three channels (one or two: the first thrice) of any file that OpenImageIO reads.
+/// Throws a scene error.
+RgbImage read_image(const std::filesystem::path& path);
+/// At most the first four channels of the same, without loss. Throws a scene error.
+TextureImage read_texture_image(const std::filesystem::path& path);
+
+}  // namespace tessera

@@ -1,0 +1,140 @@
+#include "renderer/integrator/direct_light.h"
+
+#include <algorithm>
+
+namespace tessera {
+
+namespace {
+
+/// The stretch between a point and a light on which occluders count.
+[[gnu::always_inline]] inline Ray shadow_ray(const SurfacePoint& point, const Light& light,
+                                             const LightSample& sample) {
+  if (light.kind == LightKind::point || light.kind == LightKind::spot) {
+    Ray ray = spawn_ray_to(point.surface, light.position);
+    ray.t_max = std::min(ray.t_max, light.shadow_distance / sample.distance);
+    return ray;
+  }
+  Ray ray = spawn_ray(point.surface, sample.wi);
+  ray.t_max = std::min(sample.distance, light.shadow_distance);
+  return ray;
+}
+
+/// What transparent occluders leave of the light, from the point outwards. Light goes straight
+/// through them: there are no caustics here.
+template <bool kRich>
+Color clear_transmittance(const Scene& scene, Ray ray, [[maybe_unused]] double width,
+                          TraceCounters& counters) {
+  Color left = kWhite;
+  const double metres = length(ray.direction);
+  for (uint32_t pass = 0; pass < kMaxPasses && !is_black(left); ++pass) {
+    Hit hit;
+    if (!scene.clear_occluders->closest_hit(ray, hit, counters.traversal)) break;
+    SurfacePoint point(scene, scene.clear_instances[hit.instance], ray, hit);
+    if constexpr (kRich) look_up_textures(scene, ray, width, point);
+    const Coverage coverage = straight_coverage(point);
+    const Material& material = *point.material;
+    Color through = kWhite * coverage.through;
+    if (material.transmission == Transmission::refract && coverage.covered > 0) {
+      through += transmission_tint(material) * (coverage.covered * material.transparency);
+    }
+    left = left * through;
+    if (point.is_back && !point.is_hidden && !is_black(material.absorption)) {
+      left = left * transmittance(material.absorption, hit.t * metres);
+    }
+    const double t_max = ray.t_max - hit.t;
+    ray = spawn_ray(point.surface, ray.direction);
+    ray.t_max = t_max;
+  }
+  return left;
+}
+
+template <bool kRich>
+Color visibility(const Scene& scene, const SurfacePoint& point, const Light& light,
+                 const LightSample& sample, double width, TraceCounters& counters) {
+  const Ray ray = shadow_ray(point, light, sample);
+  ++counters.rays_shadow;
+  Color visible = kWhite;
+  if (scene.opaque_occluders && scene.opaque_occluders->any_hit(ray, counters.traversal)) {
+    visible = kBlack;
+  } else if (scene.clear_occluders) {
+    visible = clear_transmittance<kRich>(scene, ray, width, counters);
+  }
+  return kWhite - light.shadow_intensity * (kWhite - visible);
+}
+
+Color diffuse_color(const SurfacePoint& point) {
+  const Material& material = *point.material;
+  if (!point.surface.has_vertex_color) return material.diffuse;
+  return material.vertex_color_replaces_diffuse ? point.surface.vertex_color
+                                                : material.diffuse * point.surface.vertex_color;
+}
+
+}  // namespace
+
+template <bool kShadows, bool kRich>
+Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& wo,
+                     double path_length, TraceCounters& counters) {
+  const Material& material = *point.material;
+  if (material.model == MaterialModel::unlit) {
+    return point.surface.has_vertex_color ? material.emission * point.surface.vertex_color
+                                          : material.emission;
+  }
+  // A refracting surface sends the share that it lets through elsewhere (scene.proto, REFRACT).
+  const double kept =
+      material.transmission == Transmission::refract ? 1 - material.transparency : 1.0;
+  const Color diffuse = diffuse_color(point);
+  const Color kept_diffuse = diffuse * kept;
+  Color ambient = scene.settings.ambient;
+  Color sum = material.emission;
+  for (const uint32_t index : scene.lights_of(point.surface.instance)) {
+    const Light& light = scene.lights[index];
+    if (!light.ambient_attenuated) ambient += light.ambient;
+    LightSample sample;
+    if (!sample_light(light, point.surface.point, path_length, sample)) {
+      ++counters.shadow_rays_skipped;
+      continue;
+    }
+    if (light.ambient_attenuated) ambient += light.ambient * sample.factor;
+    Color arriving = light.intensity * sample.factor;
+    Color share;
+    if (kRich && material.model != MaterialModel::classic) {
+      share = any_reflected_share(material, diffuse, point.normal, sample.wi, wo);
+    } else {
+      share = reflected_share(material, kept_diffuse, point.normal, sample.wi, wo);
+    }
+    if (is_black(arriving) || is_black(share)) {
+      ++counters.shadow_rays_skipped;
+      continue;
+    }
+    if constexpr (kShadows) {
+      // Light behind a surface that subtracts it is in the shadow of that surface.
+      const bool shades_itself = material.diffuse_model == DiffuseModel::signed_lambert &&
+                                 light.shadow_intensity == 1 && material.is_opaque() &&
+                                 dot(point.geometric_normal, sample.wi) < 0;
+      if (light.casts_shadow && shades_itself) {
+        ++counters.shadow_rays_skipped;
+        continue;
+      }
+      if (light.casts_shadow)
+        arriving = arriving * visibility<kRich>(scene, point, light, sample,
+                                                cone_width(scene, path_length), counters);
+    }
+    sum += arriving * share;
+  }
+  if (kRich && material.model != MaterialModel::classic) {
+    return sum + ambient * ambient_share(material, diffuse) * kept;
+  }
+  return sum + ambient * material.ambient *
+                   (material.ambient_times_diffuse ? kept_diffuse : kWhite * kept);
+}
+
+template Color local_radiance<false, false>(const Scene&, const SurfacePoint&, const Vec3&, double,
+                                            TraceCounters&);
+template Color local_radiance<false, true>(const Scene&, const SurfacePoint&, const Vec3&, double,
+                                           TraceCounters&);
+template Color local_radiance<true, false>(const Scene&, const SurfacePoint&, const Vec3&, double,
+                                           TraceCounters&);
+template Color local_radiance<true, true>(const Scene&, const SurfacePoint&, const Vec3&, double,
+                                          TraceCounters&);
+
+}  // namespace tessera

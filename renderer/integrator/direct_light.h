@@ -1,0 +1,20 @@
+#pragma once
+
+#include "renderer/integrator/integrator.h"
+#include "renderer/integrator/surface_point.h"
+
+namespace tessera {
+
+/// Emission, ambient light and the light of every light of the point's set, towards `wo`.
+/// `path_length` is that from the camera to the point. Without kRich the scene must have no rich
+/// materials.
+template <bool kShadows, bool kRich>
+Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& wo,
+                     double path_length, TraceCounters& counters);
+
+/// The width, in metres, of what one sample stands for at the end of a path.
+inline double cone_width(const Scene& scene, double path_length) {
+  return scene.cone.at_eye + scene.cone.spread * path_length;
+}
+
+}  // namespace tessera

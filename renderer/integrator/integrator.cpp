@@ -1,0 +1,34 @@
+#include "renderer/integrator/integrator.h"
+
+#include "renderer/integrator/views.h"
+#include "renderer/integrator/whitted.h"
+
+namespace tessera {
+
+void TraceCounters::add_to(CounterMap& map) const {
+  map["node_visits"] += traversal.node_visits;
+  map["primitive_tests"] += traversal.primitive_tests;
+  map["rays_primary"] += rays_primary;
+  map["rays_shadow"] += rays_shadow;
+  map["rays_reflection"] += rays_reflection;
+  map["rays_refraction"] += rays_refraction;
+  map["hits"] += hits;
+  map["shadow_rays_skipped"] += shadow_rays_skipped;
+  map["samples"] += samples;
+  if (paths_cut > 0) map["paths_cut"] += paths_cut;  // told only when it happened
+  map["nan_samples"] += nan_samples;
+}
+
+std::unique_ptr<const Integrator> make_integrator(std::shared_ptr<const Scene> scene) {
+  switch (scene->settings.integrator) {
+    case IntegratorKind::normals:
+      return make_normals_view(std::move(scene));
+    case IntegratorKind::depth:
+      return make_depth_view(std::move(scene));
+    case IntegratorKind::whitted:
+      break;
+  }
+  return make_whitted(std::move(scene));
+}
+
+}  // namespace tessera

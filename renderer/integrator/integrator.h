@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "renderer/math/color.h"
+#include "renderer/scene/scene.h"
+#include "renderer/shapes/ray.h"
+
+namespace tessera {
+
+/// Stretches that one camera ray is followed for, so that no scene makes a pixel endless.
+inline constexpr uint32_t kMaxSegments = 1u << 18;
+/// Surfaces that a ray passes unbent on one way.
+inline constexpr uint32_t kMaxPasses = 1u << 16;
+
+/// Work done, by kind of ray; totals over pixels do not depend on how the frame is cut.
+struct TraceCounters {
+  TraversalCounters traversal;
+  uint64_t rays_primary = 0, rays_shadow = 0, rays_reflection = 0, rays_refraction = 0;
+  uint64_t hits = 0;                 ///< of all but shadow rays
+  uint64_t shadow_rays_skipped = 0;  ///< lights whose share is zero whatever is in the way
+  uint64_t samples = 0;
+  uint64_t paths_cut = 0;    ///< camera rays whose tree was larger than kMaxSegments
+  uint64_t nan_samples = 0;  ///< results that were no finite colour, counted as black
+
+  void add_to(CounterMap& map) const;
+};
+
+/// A stretch of a path that is still to be followed.
+struct PathSegment {
+  Ray ray;  ///< its direction is of unit length
+  Color throughput = kWhite;
+  Color medium = kBlack;     ///< absorption per metre along it
+  double path_length = 0;    ///< metres from the camera to its origin
+  double view_distance = 0;  ///< metres back to the viewer or the last bend, for fog
+  uint32_t depth = 0;        ///< reflections and refractions so far
+  uint32_t passes = 0;       ///< surfaces passed unbent so far
+};
+
+/// The key of a sample's numbers.
+struct SampleKey {
+  int x = 0, y = 0;
+  uint32_t sample = 0;
+};
+
+/// What one thread needs while it traces; made once a tile, so that no ray allocates.
+struct TraceState {
+  TraceCounters counters;
+  std::vector<PathSegment> stack;
+};
+
+/// Radiance along camera rays. Immutable; may be called from many threads, each with its state.
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+  virtual Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const = 0;
+  /// What radiance() returns, to the last bit, for a camera ray that meets nothing.
+  virtual Color background(const Ray& ray) const = 0;
+};
+
+/// The integrator that the scene's settings name, in the variant that leaves out what it can.
+std::unique_ptr<const Integrator> make_integrator(std::shared_ptr<const Scene> scene);
+
+}  // namespace tessera

@@ -1,0 +1,109 @@
+#include "renderer/integrator/surface_point.h"
+
+#include <algorithm>
+
+namespace tessera {
+
+namespace {
+
+/// Where a ray cone `width` wide meets the surface: across the ray, and along it on the surface.
+void add_patch(const Ray& ray, double width, const Vec3& n, TextureCoordinate& world) {
+  constexpr double kMostStretched = 64;
+  const Vec3 d = normalize(ray.direction);
+  const double cosine = std::max(std::abs(dot(d, n)), 1 / kMostStretched);
+  const Vec3 across = cross(n, d);
+  const Vec3 unit = length_squared(across) > 1e-20
+                        ? normalize(across)
+                        : normalize(cross(n, std::abs(n.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+  world.a = unit * width;
+  world.b = cross(n, unit) * (width / cosine);
+}
+
+Vec3 transposed(const Affine& m, const Vec3& v) {
+  return {m.m[0][0] * v.x + m.m[1][0] * v.y + m.m[2][0] * v.z,
+          m.m[0][1] * v.x + m.m[1][1] * v.y + m.m[2][1] * v.z,
+          m.m[0][2] * v.x + m.m[1][2] * v.y + m.m[2][2] * v.z};
+}
+
+TexturePoint texture_point(const Scene& scene, const Ray& ray, double width,
+                           const SurfacePoint& point) {
+  const SurfaceInteraction& s = point.surface;
+  const Transform& world_from_object = scene.instances[s.instance].world_from_object;
+  const Affine& to_object = world_from_object.inverse_matrix();
+  TexturePoint at;
+  at.world.at = s.point - Point3{};
+  add_patch(ray, width, point.geometric_normal, at.world);
+  at.object = {to_object(s.point) - Point3{}, to_object(at.world.a), to_object(at.world.b)};
+  at.uv.at = {s.uv.x, s.uv.y, 0};
+  uv_along(s.dpdu, s.dpdv, at.world.a, at.uv.a);
+  uv_along(s.dpdu, s.dpdv, at.world.b, at.uv.b);
+  const auto front = static_cast<Vec3>(s.shading_normal);
+  at.object_normal = normalize(transposed(world_from_object.matrix(), front));
+  const Camera& camera = *scene.camera;
+  at.view_normal = {dot(front, camera.right()), dot(front, camera.up()),
+                    -dot(front, camera.view())};
+  return at;
+}
+
+Hit in_instance(Hit hit, uint32_t instance_index) {
+  hit.instance = instance_index;
+  return hit;
+}
+
+}  // namespace
+
+SurfacePoint::SurfacePoint(const Scene& scene, uint32_t instance_index, const Ray& ray,
+                           const Hit& hit)
+    : surface(surface_at(scene.instances, ray, in_instance(hit, instance_index))) {
+  is_back = dot(surface.geometric_normal, ray.direction) > 0;
+  material = &scene.material(instance_index, surface.material);
+  if (is_back && material->sides != Sides::two_sided) {
+    is_hidden = material->sides == Sides::front_only;
+    if (!is_hidden) material = &scene.materials[material->back];
+  }
+  geometric_normal = static_cast<Vec3>(surface.geometric_normal);
+  normal = material->flat ? geometric_normal : static_cast<Vec3>(surface.shading_normal);
+  if (is_back) {
+    geometric_normal = -geometric_normal;
+    normal = -normal;
+  }
+}
+
+void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfacePoint& point) {
+  if (point.material->inputs == kNoMaterialInputs || point.is_hidden) return;
+  const MaterialInputs& inputs = scene.inputs[point.material->inputs];
+  SurfaceInteraction& s = point.surface;
+  point.resolved = *point.material;
+  point.material = &*point.resolved;
+  TexturePoint at;
+  if (inputs.needs_point()) at = texture_point(scene, ray, width, point);
+  VertexColor vertex{s.vertex_color, s.vertex_alpha, s.has_vertex_color};
+  resolve_material(inputs, at, scene.textures, vertex, *point.resolved);
+  s.vertex_alpha = vertex.alpha;
+  s.has_vertex_color = vertex.exists;
+  if (inputs.normal_map == kNoTexture && inputs.bump == kNoTexture) return;
+  // Relief is given as seen from the front.
+  const double side = point.is_back ? -1 : 1;
+  const SurfaceFrame frame{point.normal * side, s.dpdu, s.dpdv};
+  // Nothing finer than the rounding of the point can be told apart.
+  const double least = 0x1p-20 * max_component(abs(at.world.at));
+  const Affine& to_object = scene.instances[s.instance].world_from_object.inverse_matrix();
+  point.normal = perturbed_normal(inputs, at, scene.textures, frame, to_object,
+                                  std::max({width, least, 1e-100})) *
+                 side;
+}
+
+Coverage straight_coverage(const SurfacePoint& point) {
+  if (point.is_hidden) return {1, 0};
+  const Material& material = *point.material;
+  const double alpha = point.surface.vertex_alpha * material.alpha;
+  double covered = alpha;
+  // Vertex colours that replace the material's replace its transparency too.
+  const bool replaced = material.vertex_color_replaces_diffuse && point.surface.vertex_alpha < 1;
+  if (material.transmission == Transmission::straight && !replaced) {
+    covered *= 1 - material.transparency;
+  }
+  return {1 - covered, covered};
+}
+
+}  // namespace tessera

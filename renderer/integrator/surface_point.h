@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+
+#include "renderer/scene/scene.h"
+#include "renderer/shapes/surface_interaction.h"
+
+namespace tessera {
+
+/// A hit, seen from where the ray came: its material for the side that is seen and normals turned
+/// towards the viewer.
+struct SurfacePoint {
+  /// What lies at the hit, with the material's constants.
+  SurfacePoint(const Scene& scene, uint32_t instance_index, const Ray& ray, const Hit& hit);
+  SurfacePoint(const SurfacePoint&) = delete;
+  SurfacePoint& operator=(const SurfacePoint&) = delete;
+
+  SurfaceInteraction surface;
+  const Material* material = nullptr;  ///< the scene's, or `resolved`
+  Vec3 geometric_normal;               ///< unit, towards the viewer
+  Vec3 normal;                         ///< unit, for shading
+  bool is_back = false;                ///< the ray met the back of the surface: it was inside
+  bool is_hidden = false;              ///< a back face that is not there
+  std::optional<Material> resolved;    ///< the material with its textures looked up
+};
+
+/// Looks the material's textures up at the point, where it has any. Only scenes with rich materials
+/// need it. `width`, in metres, is that of the patch across the ray that the point stands for.
+void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfacePoint& point);
+
+/// How much of what is behind the surface comes straight through, and the rest. For a refracting
+/// material 0 and 1: what it lets through is bent.
+struct Coverage {
+  double through = 0, covered = 1;
+};
+Coverage straight_coverage(const SurfacePoint& point);
+
+}  // namespace tessera

@@ -1,0 +1,193 @@
+#include "renderer/integrator/whitted.h"
+
+#include <algorithm>
+
+#include "renderer/integrator/direct_light.h"
+#include "renderer/integrator/surface_point.h"
+
+namespace tessera {
+
+namespace {
+
+/// Branches whose whole weight is below this are not followed, so that two pieces of glass do not
+/// cost 2^depth rays. Far below what a float pixel resolves.
+constexpr double kNegligible = 1e-9;
+
+template <bool kShadows, bool kSecondary, bool kRich>
+class WhittedIntegrator final : public Integrator {
+ public:
+  explicit WhittedIntegrator(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
+
+  Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const override {
+    ++state.counters.rays_primary;
+    Color sum = follow({.ray = ray}, key, state);
+    if constexpr (kSecondary) {
+      for (uint32_t segments = 1; !state.stack.empty(); ++segments) {
+        if (segments >= kMaxSegments) {
+          ++state.counters.paths_cut;
+          state.stack.clear();
+          break;
+        }
+        const PathSegment segment = state.stack.back();
+        state.stack.pop_back();
+        sum += follow(segment, key, state);
+      }
+    }
+    return sum;
+  }
+
+  Color background(const Ray& ray) const override {
+    return scene_->background.radiance(ray.origin, ray.direction, scene_->lights);
+  }
+
+ private:
+  /// What the segment brings by itself; what is to be followed from its end goes on the stack.
+  Color follow(const PathSegment& segment, const SampleKey& key, TraceState& state) const {
+    Hit hit;
+    if (!scene_->surfaces ||
+        !scene_->surfaces->closest_hit(segment.ray, hit, state.counters.traversal)) {
+      return segment.throughput * background(segment.ray);
+    }
+    ++state.counters.hits;
+    const double path_length = segment.path_length + hit.t;
+    SurfacePoint point(*scene_, hit.instance, segment.ray, hit);
+    if constexpr (kRich) {
+      look_up_textures(*scene_, segment.ray, cone_width(*scene_, path_length), point);
+    }
+    Color throughput = segment.throughput;
+    Coverage coverage;
+    if constexpr (kSecondary) {
+      throughput = throughput * transmittance_along(segment, point, hit.t);
+      coverage = straight_coverage(point);
+    }
+    const double clearness = scene_->fog.clearness(segment.view_distance + hit.t);
+    Color result = kBlack;
+    if (coverage.covered > 0) {
+      Color seen = local_radiance<kShadows, kRich>(*scene_, point, -segment.ray.direction,
+                                                   path_length, state.counters);
+      if (point.material->grain > 0) seen = seen - kWhite * grain(*point.material, segment, key);
+      seen = seen * clearness + scene_->fog.color * (1 - clearness);
+      result = throughput * seen * coverage.covered;
+    }
+    if constexpr (kSecondary) {
+      const PathSegment end{.ray = segment.ray,
+                            .throughput = throughput,
+                            .medium = medium_before(segment, point),
+                            .path_length = path_length,
+                            .view_distance = segment.view_distance + hit.t,
+                            .depth = segment.depth,
+                            .passes = segment.passes};
+      if (coverage.through > 0) pass_straight(end, point, hit.t, coverage.through, state);
+      if (coverage.covered > 0) result += branch(end, point, coverage.covered * clearness, state);
+    }
+    return result;
+  }
+
+  /// A ray that meets a back face came through that material; else through what it last entered.
+  static Color medium_before(const PathSegment& segment, const SurfacePoint& point) {
+    const bool from_inside = point.is_back && !point.is_hidden && !point.material->thin;
+    return from_inside ? point.material->absorption : segment.medium;
+  }
+  static Color medium_beyond(const PathSegment& end, const SurfacePoint& point) {
+    if (point.is_hidden || point.material->thin) return end.medium;
+    return point.is_back ? kBlack : point.material->absorption;
+  }
+  static Color transmittance_along(const PathSegment& segment, const SurfacePoint& point,
+                                   double distance) {
+    const Color medium = medium_before(segment, point);
+    return is_black(medium) ? kWhite : transmittance(medium, distance);
+  }
+
+  double grain(const Material& material, const PathSegment& segment, const SampleKey& key) const {
+    const auto use = static_cast<SampleUse>(static_cast<uint32_t>(SampleUse::grain) +
+                                            segment.depth + segment.passes);
+    return material.grain * 0.3 * scene_->sampler->pair(key.x, key.y, key.sample, use).x;
+  }
+
+  void pass_straight(const PathSegment& end, const SurfacePoint& point, double t, double through,
+                     TraceState& state) const {
+    PathSegment next = end;
+    next.throughput = end.throughput * through;
+    if (max_component(next.throughput) < kNegligible || end.passes >= kMaxPasses) return;
+    next.ray = spawn_ray(point.surface, end.ray.direction);
+    next.ray.t_max = end.ray.t_max - t;
+    next.medium = medium_beyond(end, point);
+    ++next.passes;
+    ++state.counters.rays_refraction;
+    state.stack.push_back(next);
+  }
+
+  /// Mirror and glass. What is pushed last is followed first, so that no more than two segments a
+  /// level (what passed straight and what was refracted) wait on the stack.
+  Color branch(const PathSegment& end, const SurfacePoint& point, double weight,
+               TraceState& state) const {
+    const Material& material = *point.material;
+    const bool bends = material.transmission == Transmission::refract && material.transparency > 0;
+    if (!bends && !material.is_mirror()) return kBlack;
+    const Vec3 d = end.ray.direction;
+    const Vec3 n = dot(point.normal, d) < 0 ? point.normal : point.geometric_normal;
+    const double cosine = std::min(1.0, -dot(d, n));
+    Color mirrored = kRich ? mirrored_share(material, cosine) : material.reflectivity;
+    Color result = kBlack;
+    if (bends) {
+      const bool from_inside = point.is_back && !material.thin;
+      const double eta = from_inside ? 1 / material.refractive_index : material.refractive_index;
+      double fresnel = fresnel_dielectric(cosine, eta);
+      // Both faces of a sheet reflect, and what is between them does so again and again.
+      if (material.thin) fresnel = 2 * fresnel / (1 + fresnel);
+      mirrored += kWhite * (material.transparency * fresnel);
+      Vec3 beyond = d;
+      if (fresnel < 1 && (material.thin || refract(d, n, eta, beyond))) {
+        const double share = weight * material.transparency * (1 - fresnel);
+        const Color tint = kRich ? transmission_tint(material) : kWhite;
+        result += bend(end, point, beyond, tint * share, medium_beyond(end, point),
+                       state.counters.rays_refraction, state);
+      }
+    }
+    Vec3 r = reflect(d, n);
+    // A bent normal may mirror the ray into the surface; there the true one decides.
+    if (dot(r, point.geometric_normal) <= 0) r = reflect(d, point.geometric_normal);
+    return result + bend(end, point, normalize(r), mirrored * weight, end.medium,
+                         state.counters.rays_reflection, state);
+  }
+
+  Color bend(const PathSegment& end, const SurfacePoint& point, const Vec3& direction,
+             const Color& share, const Color& medium, uint64_t& counter, TraceState& state) const {
+    PathSegment next{.ray = spawn_ray(point.surface, direction),
+                     .throughput = end.throughput * share,
+                     .medium = medium,
+                     .path_length = end.path_length,
+                     .depth = end.depth + 1,
+                     .passes = end.passes};
+    if (max_component(next.throughput) < kNegligible) return kBlack;
+    if (end.depth >= scene_->settings.max_depth) {
+      return scene_->settings.background_at_max_depth ? next.throughput * background(next.ray)
+                                                      : kBlack;
+    }
+    ++counter;
+    state.stack.push_back(next);
+    return kBlack;
+  }
+
+  std::shared_ptr<const Scene> scene_;
+};
+
+template <bool kShadows, bool kSecondary>
+std::unique_ptr<const Integrator> make_variant(std::shared_ptr<const Scene> scene) {
+  if (scene->features.rich) {
+    return std::make_unique<WhittedIntegrator<kShadows, kSecondary, true>>(std::move(scene));
+  }
+  return std::make_unique<WhittedIntegrator<kShadows, kSecondary, false>>(std::move(scene));
+}
+
+}  // namespace
+
+std::unique_ptr<const Integrator> make_whitted(std::shared_ptr<const Scene> scene) {
+  const SceneFeatures features = scene->features;
+  if (features.shadows && features.secondary) return make_variant<true, true>(std::move(scene));
+  if (features.shadows) return make_variant<true, false>(std::move(scene));
+  if (features.secondary) return make_variant<false, true>(std::move(scene));
+  return make_variant<false, false>(std::move(scene));
+}
+
+}  // namespace tessera

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+
+#include "renderer/math/rounding.h"
+
+namespace tessera {
+
+/// a[0] b[0] + ... + a[N-1] b[N-1] as if summed in twice the working precision and rounded once
+/// (Ogita, Rump, Oishi 2005, algorithm Dot2), in the range of two_product.
+template <size_t N>
+double accurate_dot(const double (&a)[N], const double (&b)[N]) {
+  DoubleDouble sum = two_product(a[0], b[0]);
+  for (size_t i = 1; i < N; ++i) {
+    const DoubleDouble product = two_product(a[i], b[i]);
+    const DoubleDouble next = two_sum(sum.high, product.high);
+    sum = {next.high, sum.low + (next.low + product.low)};
+  }
+  return sum.high + sum.low;
+}
+
+}  // namespace tessera

@@ -1,0 +1,118 @@
+#include "renderer/sampler/sampler.h"
+
+#include <cmath>
+
+namespace tessera {
+
+namespace {
+
+constexpr double kTwoToMinus32 = 0x1p-32;
+
+uint32_t reverse_bits(uint32_t v) {
+  v = __builtin_bswap32(v);
+  v = ((v & 0xf0f0f0f0u) >> 4) | ((v & 0x0f0f0f0fu) << 4);
+  v = ((v & 0xccccccccu) >> 2) | ((v & 0x33333333u) << 2);
+  return ((v & 0xaaaaaaaau) >> 1) | ((v & 0x55555555u) << 1);
+}
+
+/// The finalizer of SplitMix64 (Steele, Lea, Flood 2014).
+uint64_t mix(uint64_t v) {
+  v += 0x9e3779b97f4a7c15u;
+  v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
+  v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
+  return v ^ (v >> 31);
+}
+
+/// Each bit of the result depends on `seed` and on the bits of `v` at and below it (Laine and
+/// Karras 2011, with the constants of Vegdahl 2021). On reversed bits this is an Owen scramble.
+uint32_t scramble_upwards(uint32_t v, uint32_t seed) {
+  v ^= v * 0x3d20adeau;
+  v += seed;
+  v *= (seed >> 16) | 1u;
+  v ^= v * 0x05526c56u;
+  v ^= v * 0x53a22864u;
+  return v;
+}
+
+/// The bits of the second Sobol coordinate from the last to the first. Its primitive polynomial is
+/// x + 1, its direction numbers are the rows of Pascal's triangle modulo 2: bit j is the sum of the
+/// index bits whose number contains j as a binary set, which five steps add up.
+uint32_t sobol_second_reversed(uint32_t index) {
+  index ^= (index >> 1) & 0x55555555u;
+  index ^= (index >> 2) & 0x33333333u;
+  index ^= (index >> 4) & 0x0f0f0f0fu;
+  index ^= (index >> 8) & 0x00ff00ffu;
+  return index ^ (index >> 16);
+}
+
+uint64_t pixel_key(int x, int y, uint32_t seed, SampleUse use) {
+  const uint64_t pixel = (uint64_t{static_cast<uint32_t>(y)} << 32) | static_cast<uint32_t>(x);
+  return mix(mix(pixel) ^ ((uint64_t{seed} << 32) | static_cast<uint32_t>(use)));
+}
+
+Vec2 owen_sobol_pair(uint64_t key, uint32_t sample) {
+  const auto low = static_cast<uint32_t>(key);
+  const auto high = static_cast<uint32_t>(key >> 32);
+  // Shuffling the order by an Owen scramble of the index keeps the first 2^k points a net, and
+  // unties this pair from the others.
+  const uint32_t index =
+      reverse_bits(scramble_upwards(reverse_bits(sample), static_cast<uint32_t>(mix(key))));
+  // The first coordinate is van der Corput's: the index reversed.
+  const uint32_t u = reverse_bits(scramble_upwards(index, low));
+  const uint32_t v = reverse_bits(scramble_upwards(sobol_second_reversed(index), high));
+  return {u * kTwoToMinus32, v * kTwoToMinus32};
+}
+
+Vec2 independent_pair(uint64_t key, uint32_t sample) {
+  const uint64_t bits = mix(key ^ mix(sample));
+  return {static_cast<uint32_t>(bits) * kTwoToMinus32,
+          static_cast<uint32_t>(bits >> 32) * kTwoToMinus32};
+}
+
+/// Distance from the centre, in radii, below which a share `u` of a tent lies.
+double tent(double u) {
+  return u < 0.5 ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 * (1 - u));
+}
+
+}  // namespace
+
+Sampler::Sampler(const SamplerSettings& settings) : settings_(settings) {
+  while (uint64_t{grid_ + 1} * (grid_ + 1) <= settings_.samples_per_pixel) ++grid_;
+}
+
+Vec2 Sampler::pixel_square(int x, int y, uint32_t sample) const {
+  switch (settings_.pattern) {
+    case SamplePattern::center:
+      return {0.5, 0.5};
+    case SamplePattern::centered_grid:
+    case SamplePattern::corner_grid: {
+      const bool centered = settings_.pattern == SamplePattern::centered_grid || grid_ == 1;
+      const double shift = centered ? 0.5 : 0.0;
+      const uint32_t column = sample % grid_, row = sample / grid_;
+      return {(column + shift) / grid_, (row + shift) / grid_};
+    }
+    case SamplePattern::owen_sobol:
+    case SamplePattern::independent:
+      break;
+  }
+  return pair(x, y, sample, SampleUse::pixel);
+}
+
+Vec2 Sampler::raster_point(int x, int y, uint32_t sample) const {
+  Vec2 u = pixel_square(x, y, sample);
+  if (settings_.filter == PixelFilter::tent) {
+    u = {0.5 + settings_.filter_radius * tent(u.x), 0.5 + settings_.filter_radius * tent(u.y)};
+  } else if (settings_.filter_radius != 0.5) {
+    const double side = 2 * settings_.filter_radius;
+    u = {0.5 + side * (u.x - 0.5), 0.5 + side * (u.y - 0.5)};
+  }
+  return {x + u.x, y + u.y};
+}
+
+Vec2 Sampler::pair(int x, int y, uint32_t sample, SampleUse use) const {
+  const uint64_t key = pixel_key(x, y, settings_.seed, use);
+  return settings_.pattern == SamplePattern::independent ? independent_pair(key, sample)
+                                                         : owen_sobol_pair(key, sample);
+}
+
+}  // namespace tessera

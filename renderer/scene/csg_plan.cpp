@@ -1,0 +1,130 @@
+#include "renderer/scene/csg_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "base/error.h"
+#include "renderer/scene/read_transform.h"
+
+namespace tessera {
+
+namespace {
+
+constexpr int kMaxDepth = 200;
+constexpr size_t kMaxSteps = 1'000'000;
+
+/// The number of a step; nothing for an empty solid.
+using Part = std::optional<uint32_t>;
+using Nodes = google::protobuf::RepeatedPtrField<v1::Node>;
+
+class Planner {
+ public:
+  Planner(const v1::Scene& scene, double time) : scene_(scene), time_(time) {}
+
+  Part combine(const Where& where, const v1::Csg& csg, const Affine& to_whole) {
+    if (++depth_ > kMaxDepth) {
+      fail_value(where, "nesting", fmt::format("deeper than {} levels", kMaxDepth),
+                 "a flatter combination, without a cycle");
+    }
+    CsgPlan::Step step;
+    step.operation = csg.operation() == v1::Csg::INTERSECTION ? CsgOperation::intersect
+                     : csg.operation() == v1::Csg::DIFFERENCE ? CsgOperation::subtract
+                                                              : CsgOperation::join;
+    bool is_nothing = csg.operands().empty();
+    for (int i = 0; i < csg.operands_size(); ++i) {
+      const Part part = read_node(where, csg.operands(i), i, to_whole);
+      const bool needed = step.operation == CsgOperation::intersect ||
+                          (step.operation == CsgOperation::subtract && i == 0);
+      if (part) step.operands.push_back(*part);
+      is_nothing |= needed && !part;
+    }
+    --depth_;
+    if (is_nothing || step.operands.empty()) return std::nullopt;
+    return step.operands.size() == 1 ? step.operands.front() : add(where, std::move(step));
+  }
+
+  CsgPlan take() { return std::move(plan_); }
+
+ private:
+  uint32_t add(const Where& where, CsgPlan::Step step) {
+    if (plan_.steps.size() >= kMaxSteps) {
+      fail_value(where, "the combination", fmt::format("of more than {} parts", kMaxSteps),
+                 "fewer");
+    }
+    step.path = where.str();
+    plan_.steps.push_back(std::move(step));
+    return static_cast<uint32_t>(plan_.steps.size() - 1);
+  }
+
+  Part read_node(const Where& parent, const v1::Node& node, int index, const Affine& parent_place) {
+    if (node.hidden()) return std::nullopt;
+    const Where where{.parent = &parent, .kind = "operand", .name = node.name(), .index = index};
+    const Affine place = parent_place * read_transform(where, node.transform(), node.keys(), time_);
+    if (!is_invertible(place)) return std::nullopt;
+    std::vector<uint32_t> below;
+    const auto keep = [&](const Part& part) {
+      if (part) below.push_back(*part);
+    };
+    if (node.has_shape()) keep(read_shape(where, node.shape(), place));
+    if (!node.instance_of().empty()) {
+      join(where, object(where, node.instance_of()).nodes(), place, below);
+    }
+    join(where, node.children(), place, below);
+    if (below.empty()) return std::nullopt;
+    if (below.size() == 1) return below.front();
+    CsgPlan::Step step;
+    step.operands = std::move(below);
+    return add(where, std::move(step));
+  }
+
+  void join(const Where& where, const Nodes& nodes, const Affine& place,
+            std::vector<uint32_t>& below) {
+    if (++depth_ > kMaxDepth) {
+      fail_value(where, "nesting", fmt::format("deeper than {} levels", kMaxDepth),
+                 "a flatter combination, without a cycle");
+    }
+    for (int i = 0; i < nodes.size(); ++i) {
+      if (const Part part = read_node(where, nodes[i], i, place)) below.push_back(*part);
+    }
+    --depth_;
+  }
+
+  Part read_shape(const Where& where, const v1::Shape& shape, const Affine& place) {
+    if (shape.has_csg()) return combine(where, shape.csg(), place);
+    CsgPlan::Step step;
+    step.solid = &shape;
+    step.csg_from_solid = place;
+    return add(where, std::move(step));
+  }
+
+  const v1::Object& object(const Where& where, const std::string& name) const {
+    std::vector<std::string> known;
+    for (const v1::Object& candidate : scene_.objects()) {
+      if (candidate.name() == name) return candidate;
+      known.push_back(candidate.name());
+    }
+    fail_value(where, "instance_of", fmt::format("'{}'", name),
+               "an object of the scene" + suggestion(name, known));
+  }
+
+  const v1::Scene& scene_;
+  double time_;
+  CsgPlan plan_;
+  int depth_ = 0;
+};
+
+}  // namespace
+
+CsgPlan plan_csg(const Where& where, const v1::Csg& csg, const v1::Scene& scene, double time) {
+  Planner planner(scene, time);
+  const Part whole = planner.combine(where, csg, Affine{});
+  CsgPlan plan = planner.take();
+  if (!whole) return {};
+  // What an empty operand left behind is not part of the whole.
+  plan.steps.resize(*whole + 1);
+  return plan;
+}
+
+}  // namespace tessera

@@ -1,0 +1,66 @@
+#include "renderer/scene/material_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "renderer/scene/read_shading.h"
+
+namespace tessera {
+
+MaterialTable::MaterialTable(const v1::Scene& scene, TextureTable& textures)
+    : scene_(scene), textures_(textures) {
+  for (const v1::Material& material : scene.materials()) {
+    const Where where{.kind = "material", .name = material.name()};
+    if (material.name().empty()) fail_value(where, "name", "empty", "a name");
+    if (!by_name_.try_emplace(material.name(), &material).second) {
+      fail_value(where, "name", "used twice", "a name of its own");
+    }
+  }
+}
+
+uint32_t MaterialTable::use(const Where& where, const std::string& name) {
+  const v1::Material* source = &v1::Material::default_instance();
+  if (!name.empty()) {
+    const auto found = by_name_.find(name);
+    if (found == by_name_.end()) {
+      std::vector<std::string> known;
+      for (const v1::Material& material : scene_.materials()) known.push_back(material.name());
+      throw scene_error(
+          SourcePlace{where.str()},
+          fmt::format("material '{}' is not defined{}", name, suggestion(name, known)), "");
+    }
+    source = found->second;
+  }
+  const auto [known, is_new] = used_.try_emplace(source, static_cast<uint32_t>(materials_.size()));
+  const uint32_t index = known->second;
+  if (!is_new) return index;
+  const Where place{.kind = "material", .name = name};
+  MaterialInputs inputs;
+  materials_.push_back(read_material(place, *source, textures_, inputs));
+  if (inputs.needs_point() || inputs.alpha_mode != AlphaMode::blend) {
+    materials_.back().inputs = static_cast<uint32_t>(inputs_.size());
+    inputs_.push_back(std::move(inputs));
+  }
+  // Its own number is known by now, so that materials may name each other.
+  if (materials_[index].sides == Sides::back_material) {
+    const uint32_t back = use(place, source->back());
+    materials_[index].back = back;
+  }
+  return index;
+}
+
+bool MaterialTable::needs_uv(uint32_t index) const {
+  if (materials_[index].inputs == kNoMaterialInputs) return false;
+  const MaterialInputs& inputs = inputs_[materials_[index].inputs];
+  const auto by_uv = [&](uint32_t texture) {
+    return texture != kNoTexture && textures_.needs_uv(texture);
+  };
+  // A normal map is laid along the directions in which the coordinates grow.
+  return inputs.normal_map != kNoTexture || by_uv(inputs.bump) ||
+         std::any_of(inputs.slots.begin(), inputs.slots.end(),
+                     [&](const MaterialInputs::Slot& slot) { return by_uv(slot.texture); });
+}
+
+}  // namespace tessera

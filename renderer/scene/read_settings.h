@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "proto/tessera/v1/farm.pb.h"
+#include "proto/tessera/v1/scene.pb.h"
+#include "renderer/camera/camera.h"
+#include "renderer/math/color.h"
+#include "renderer/sampler/sampler.h"
+#include "renderer/shading/light.h"
+
+namespace tessera {
+
+/// What traces a frame.
+enum class IntegratorKind { whitted, normals, depth };
+
+/// The scene's settings with the frame's over them: all that tracing asks.
+struct RenderSettings {
+  int width = 960, height = 540;
+  double time = 0;
+  IntegratorKind integrator = IntegratorKind::whitted;
+  uint32_t max_depth = 8;
+  v1::IntegratorSettings::Shadows shadows = v1::IntegratorSettings::SHADOWS_ON;
+  bool background_at_max_depth = false;
+  Color ambient = kBlack;
+  SamplerSettings sampler;
+};
+
+/// Recursion deeper than this is refused.
+inline constexpr uint32_t kMaxDepth = 10000;
+
+/// A width, height or sample count of 0 in `frame`, or an empty name, means the scene's.
+RenderSettings read_settings(const v1::Settings& settings, const v1::FrameSettings& frame);
+
+struct CameraChoice {
+  CameraSettings settings;
+  /// Sits in the camera's frame.
+  const v1::Light* headlight = nullptr;
+  bool frame_all = false;
+};
+
+/// The light that a camera at `world_from_camera` carries.
+Light read_headlight(const v1::Light& light, const Affine& world_from_camera);
+
+/// The camera called `name` (or described so, or of that number counting from 1; empty: the first)
+/// at `time`. Throws a usage error for an unknown one.
+CameraChoice read_camera(const v1::Scene& scene, const std::string& name, double time);
+
+}  // namespace tessera

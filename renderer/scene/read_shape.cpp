@@ -1,0 +1,219 @@
+#include "renderer/scene/read_shape.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "renderer/accel/make_accelerator.h"
+#include "renderer/scene/read_mesh.h"
+#include "renderer/shapes/box.h"
+#include "renderer/shapes/closed_mesh.h"
+#include "renderer/shapes/convex_polygon.h"
+#include "renderer/shapes/csg_shape.h"
+#include "renderer/shapes/disc.h"
+#include "renderer/shapes/frustum.h"
+#include "renderer/shapes/half_plane.h"
+#include "renderer/shapes/plane.h"
+#include "renderer/shapes/sphere.h"
+#include "renderer/shapes/torus.h"
+
+namespace tessera {
+
+namespace {
+
+/// Puts the place before the message of an error that has none yet.
+[[noreturn]] void rethrow_with(const std::string& path, const Error& error) {
+  const std::string message = error.what();
+  throw Error(error.code(), message.starts_with(path) ? message : path + ": " + message);
+}
+
+BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSource& source) {
+  auto mesh = std::make_shared<TriangleMesh>(
+      read_mesh(where, shape.mesh(), source.blobs, static_cast<size_t>(shape.materials_size())));
+  BuiltShape built;
+  if (!source.keep_uvs) {
+    built.bytes_dropped = mesh->uvs.size() * sizeof(Float2);
+    mesh->uvs = {};
+  }
+  built.bytes = mesh->bytes();
+  built.triangles_dropped = drop_degenerate(*mesh).total();
+  built.triangles = mesh->triangles.size();
+  built.has_clear_vertices = std::any_of(mesh->colors.begin(), mesh->colors.end(),
+                                         [](const Float4& c) { return c.w < 1; });
+  if (mesh->triangles.empty()) return built;
+  built.shape = make_mesh_shape(std::move(mesh), source.accelerator, source.threads);
+  return built;
+}
+
+std::shared_ptr<const Shape> build_sphere(const Where& where, const v1::Sphere& in) {
+  const Point3 center = checked_point(where, "sphere.center", in.center());
+  const double radius =
+      in.has_radius() ? checked(where, "sphere.radius", in.radius(), kPositive) : 1;
+  return std::make_shared<Sphere>(center, radius);
+}
+
+std::shared_ptr<const Shape> build_plane(const Where& where, const v1::Plane& in) {
+  const Vec3 normal =
+      in.has_normal() ? checked_direction(where, "plane.normal", in.normal()) : Vec3{0, 1, 0};
+  return std::make_shared<Plane>(normal, checked(where, "plane.offset", in.offset()));
+}
+
+std::shared_ptr<const Shape> build_box(const Where& where, const v1::Box& in) {
+  const Point3 min = in.has_min() ? checked_point(where, "box.min", in.min()) : Point3{-1, -1, -1};
+  const Point3 max = in.has_max() ? checked_point(where, "box.max", in.max()) : Point3{1, 1, 1};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (min[axis] > max[axis]) {
+      fail_value(where, "box.min", fmt::format("{} on axis {}", min[axis], axis),
+                 fmt::format("at most box.max, {}", max[axis]));
+    }
+  }
+  return std::make_shared<Box>(Bounds3{min, max});
+}
+
+std::shared_ptr<const Shape> build_half_plane(const Where& where, const v1::HalfPlane& in) {
+  return std::make_shared<HalfPlane>(
+      checked_point(where, "half_plane.point", in.point()),
+      checked_direction(where, "half_plane.normal", in.normal()),
+      checked_direction(where, "half_plane.edge_normal", in.edge_normal()));
+}
+
+std::shared_ptr<const Shape> build_disc(const Where& where, const v1::Disc& in) {
+  const Vec3 normal =
+      in.has_normal() ? checked_direction(where, "disc.normal", in.normal()) : Vec3{0, 0, 1};
+  const double radius = in.has_radius() ? checked(where, "disc.radius", in.radius(), kPositive) : 1;
+  const double inner = checked(where, "disc.inner_radius", in.inner_radius(),
+                               {.min = 0, .max = radius, .below_max = true});
+  return std::make_shared<Disc>(checked_point(where, "disc.center", in.center()), normal, radius,
+                                inner);
+}
+
+std::shared_ptr<const Shape> build_rectangle(const Where& where, const v1::Rectangle& in) {
+  return std::make_shared<Rectangle>(checked_point(where, "rectangle.corner", in.corner()),
+                                     checked(where, "rectangle.edge_u", in.edge_u()),
+                                     checked(where, "rectangle.edge_v", in.edge_v()));
+}
+
+std::shared_ptr<const Shape> build_polygon(const Where& where, const v1::Polygon& in) {
+  std::vector<Point3> points;
+  for (const v1::Vec3& point : in.points()) {
+    points.push_back(checked_point(where, "polygon.points", point));
+  }
+  return std::make_shared<ConvexPolygon>(std::move(points));
+}
+
+std::shared_ptr<const Shape> build_cylinder(const Where& where, const v1::Cylinder& in) {
+  const double radius =
+      in.has_radius() ? checked(where, "cylinder.radius", in.radius(), kPositive) : 1;
+  const double height =
+      in.has_height() ? checked(where, "cylinder.height", in.height(), kPositive) : 2;
+  return std::make_shared<Cylinder>(radius, height,
+                                    OpenParts{in.open_side(), in.open_top(), in.open_bottom()});
+}
+
+std::shared_ptr<const Shape> build_cone(const Where& where, const v1::Cone& in) {
+  const double radius = in.has_radius() ? checked(where, "cone.radius", in.radius(), kPositive) : 1;
+  const double height = in.has_height() ? checked(where, "cone.height", in.height(), kPositive) : 2;
+  const double top = checked(where, "cone.top_radius", in.top_radius(), kNotNegative);
+  return std::make_shared<Cone>(radius, height, top,
+                                OpenParts{in.open_side(), false, in.open_bottom()});
+}
+
+std::shared_ptr<const Shape> build_torus(const Where& where, const v1::Torus& in) {
+  const double major = in.has_major_radius()
+                           ? checked(where, "torus.major_radius", in.major_radius(), kPositive)
+                           : 1;
+  const double minor = in.has_minor_radius()
+                           ? checked(where, "torus.minor_radius", in.minor_radius(), kPositive)
+                           : 0.25;
+  return std::make_shared<Torus>(major, minor);
+}
+
+/// A shape of one primitive; what its constructor refuses is told with its place.
+std::shared_ptr<const Shape> build_simple(const Where& where, const v1::Shape& shape) {
+  try {
+    switch (shape.kind_case()) {
+      case v1::Shape::kSphere:
+        return build_sphere(where, shape.sphere());
+      case v1::Shape::kPlane:
+        return build_plane(where, shape.plane());
+      case v1::Shape::kBox:
+        return build_box(where, shape.box());
+      case v1::Shape::kHalfPlane:
+        return build_half_plane(where, shape.half_plane());
+      case v1::Shape::kDisc:
+        return build_disc(where, shape.disc());
+      case v1::Shape::kRectangle:
+        return build_rectangle(where, shape.rectangle());
+      case v1::Shape::kPolygon:
+        return build_polygon(where, shape.polygon());
+      case v1::Shape::kCylinder:
+        return build_cylinder(where, shape.cylinder());
+      case v1::Shape::kCone:
+        return build_cone(where, shape.cone());
+      case v1::Shape::kTorus:
+        return build_torus(where, shape.torus());
+      default:
+        break;
+    }
+  } catch (const Error& error) {
+    rethrow_with(where.str(), error);
+  }
+  fail_value(where, "its kind", "missing", "mesh, sphere, plane, box ...");
+}
+
+/// A mesh as a solid: CSG asks for crossings, which the accelerators do not know.
+BuiltShape build_solid(const Where& where, const v1::Shape& shape, const ShapeSource& source) {
+  if (!shape.has_mesh()) return {build_simple(where, shape)};
+  auto mesh = std::make_shared<TriangleMesh>(
+      read_mesh(where, shape.mesh(), source.blobs, static_cast<size_t>(shape.materials_size())));
+  BuiltShape built;
+  if (!source.keep_uvs) {
+    built.bytes_dropped = mesh->uvs.size() * sizeof(Float2);
+    mesh->uvs = {};
+  }
+  built.bytes = mesh->bytes();
+  built.triangles_dropped = drop_degenerate(*mesh).total();
+  built.triangles = mesh->triangles.size();
+  built.shape = std::make_shared<ClosedMesh>(std::move(mesh));
+  return built;
+}
+
+}  // namespace
+
+BuiltShape read_csg(const CsgPlan& plan, const ShapeSource& source) {
+  BuiltShape whole;
+  if (plan.steps.empty()) return whole;
+  CsgTree tree;
+  std::vector<CsgTree::Node> nodes;
+  uint32_t first_material = 0;
+  for (const CsgPlan::Step& step : plan.steps) {
+    try {
+      if (step.solid) {
+        const Where where{.kind = step.path.c_str()};
+        const BuiltShape built = build_solid(where, *step.solid, source);
+        whole.triangles += built.triangles;
+        whole.triangles_dropped += built.triangles_dropped;
+        whole.bytes += built.bytes;
+        whole.bytes_dropped += built.bytes_dropped;
+        nodes.push_back(tree.add(built.shape, Transform(step.csg_from_solid), first_material));
+        first_material += static_cast<uint32_t>(material_count(*step.solid));
+      } else {
+        std::vector<CsgTree::Node> operands;
+        for (const uint32_t operand : step.operands) operands.push_back(nodes[operand]);
+        nodes.push_back(tree.combine(step.operation, operands));
+      }
+    } catch (const Error& error) {
+      rethrow_with(step.path, error);
+    }
+  }
+  whole.shape = std::make_shared<CsgShape>(tree, nodes.back());
+  return whole;
+}
+
+BuiltShape read_shape(const Where& where, const v1::Shape& shape, const ShapeSource& source) {
+  if (shape.has_mesh()) return build_mesh(where, shape, source);
+  return {build_simple(where, shape)};
+}
+
+}  // namespace tessera

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+
+#include "proto/tessera/v1/scene.pb.h"
+#include "proto/wire/blob_store.h"
+#include "renderer/accel/accelerator.h"
+#include "renderer/scene/check.h"
+#include "renderer/scene/csg_plan.h"
+#include "renderer/shapes/shape.h"
+
+namespace tessera {
+
+struct ShapeSource {
+  const BlobStore& blobs;
+  AcceleratorKind accelerator;
+  int threads;
+  bool keep_uvs = false;  ///< some material of the shape looks at texture coordinates
+};
+
+/// A built shape, and what building it left out.
+struct BuiltShape {
+  std::shared_ptr<const Shape> shape;  ///< null where nothing is left of it
+  size_t triangles = 0;
+  size_t triangles_dropped = 0;     ///< degenerate ones
+  size_t bytes = 0;                 ///< of the arrays of its meshes
+  size_t bytes_dropped = 0;         ///< of arrays that the picture does not depend on
+  bool has_clear_vertices = false;  ///< some vertex colour lets light through
+};
+
+/// Checks the shape's numbers, sizes, counts and indices before anything is allocated for them, and
+/// builds it. Throws a scene error that begins with `where`.
+BuiltShape read_shape(const Where& where, const v1::Shape& shape, const ShapeSource& source);
+
+/// The same of a CSG shape. Its materials are those of its solids, one after the other.
+BuiltShape read_csg(const CsgPlan& plan, const ShapeSource& source);
+
+/// How many materials a shape that is no CSG takes: one where it names none.
+inline int material_count(const v1::Shape& shape) {
+  return shape.materials_size() > 0 ? shape.materials_size() : 1;
+}
+
+}  // namespace tessera

@@ -1,0 +1,357 @@
+#include "renderer/scene/scene.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <thread>
+
+#include "base/error.h"
+#include "renderer/accel/make_accelerator.h"
+#include "renderer/scene/csg_plan.h"
+#include "renderer/scene/material_table.h"
+#include "renderer/scene/read_shading.h"
+#include "renderer/scene/read_shape.h"
+#include "renderer/scene/scene_graph.h"
+
+namespace tessera {
+
+namespace {
+
+AcceleratorKind read_accelerator(const v1::Settings& settings, const v1::FrameSettings& frame) {
+  const std::string& name =
+      frame.accelerator().empty() ? settings.accelerator() : frame.accelerator();
+  if (name.empty()) return AcceleratorKind::bvh;
+  if (const auto kind = parse_accelerator(name)) return *kind;
+  const std::vector<std::string> known{"bvh", "octree", "nonuniform-octree", "embree", "linear"};
+  throw usage_error(fmt::format("there is no accelerator '{}'; expected one of {}{}", name,
+                                fmt::join(known, ", "), suggestion(name, known)));
+}
+
+/// One shape's materials, and what follows for every instance of it.
+struct ShapeMaterials {
+  uint32_t first = 0, count = 0;
+  bool is_clear = false;       ///< may let shadow rays through
+  bool has_secondary = false;  ///< may send a ray on
+  bool keep_uvs = false;       ///< some texture looks at texture coordinates
+  Cull cull = Cull::none;
+};
+
+/// Calls work(i) for every i below count on up to `threads` threads. Of several exceptions the one
+/// of the smallest i is thrown, whatever the timing.
+template <typename Work>
+void for_each_parallel(size_t count, int threads, const Work& work) {
+  std::atomic<size_t> next{0};
+  std::vector<std::exception_ptr> failures(count);
+  const auto run = [&] {
+    for (size_t i = next++; i < count; i = next++) {
+      try {
+        work(i);
+      } catch (...) {
+        failures[i] = std::current_exception();
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> helpers;
+    const size_t wanted = std::min(count, static_cast<size_t>(std::max(threads, 1)));
+    for (size_t i = 1; i < wanted; ++i) helpers.emplace_back(run);
+    run();
+  }
+  for (const std::exception_ptr& failure : failures) {
+    if (failure) std::rethrow_exception(failure);
+  }
+}
+
+/// The pixels that the corners of the scene's box span, for the box is convex. The margin of a
+/// pixel is far above the rounding errors of projecting and of tracing.
+PixelRect seen_rect(const Scene& scene) {
+  const RenderSettings& settings = scene.settings;
+  const PixelRect frame{0, 0, settings.width, settings.height};
+  if (!scene.surfaces) return {};
+  if (scene.camera->lens_samples() > 0) return frame;  // what is out of focus spreads
+  const Bounds3 box = scene.surfaces->bounds();
+  Vec2 low{1e30, 1e30}, high{-1e30, -1e30};
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto raster = scene.camera->raster_of({corner & 1 ? box.max.x : box.min.x,
+                                                 corner & 2 ? box.max.y : box.min.y,
+                                                 corner & 4 ? box.max.z : box.min.z});
+    if (!raster || !std::isfinite(raster->x) || !std::isfinite(raster->y)) return frame;
+    low = {std::min(low.x, raster->x), std::min(low.y, raster->y)};
+    high = {std::max(high.x, raster->x), std::max(high.y, raster->y)};
+  }
+  const double margin = 1 + settings.sampler.filter_radius;
+  const auto inside = [](double v, int side) {
+    return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(side)));
+  };
+  return {
+      inside(std::floor(low.x - margin), frame.x1), inside(std::floor(low.y - margin), frame.y1),
+      inside(std::ceil(high.x + margin), frame.x1), inside(std::ceil(high.y + margin), frame.y1)};
+}
+
+class SceneBuilder {
+ public:
+  SceneBuilder(const v1::Scene& description, const BlobStore& blobs, const v1::FrameSettings& frame,
+               int threads)
+      : description_(description),
+        frame_(frame),
+        source_{blobs, read_accelerator(description.settings(), frame), threads},
+        textures_(description, blobs),
+        materials_(description, textures_) {}
+
+  std::shared_ptr<const Scene> build() {
+    if (description_.includes_size() > 0) {
+      throw scene_error("the scene still includes other files; expected them to be read in");
+    }
+    scene_->settings = read_settings(description_.settings(), frame_);
+    const RenderSettings& settings = scene_->settings;
+    CameraChoice choice = read_camera(description_, frame_.camera(), settings.time);
+    scene_->sampler.emplace(settings.sampler);
+    scene_->background = read_background(description_.background(), textures_);
+    scene_->fog = read_fog(description_.fog());
+    graph_ = unfold_graph(description_, settings.time, choice.settings.world_from_camera);
+    add_materials();
+    build_shapes();
+    add_instances();
+    add_camera(choice);
+    add_lights(choice);
+    build_accelerators();
+    scene_->seen = seen_rect(*scene_);
+    count();
+    return scene_;
+  }
+
+ private:
+  void add_camera(CameraChoice& choice) {
+    const RenderSettings& settings = scene_->settings;
+    if (choice.frame_all) {
+      choice.settings =
+          grown_view(choice.settings, settings.width, settings.height, bounded_corners());
+    }
+    scene_->camera.emplace(choice.settings, settings.width, settings.height);
+    // More samples share the pixel; but few look at exactly their own part of it.
+    const double share =
+        std::max(1 / std::sqrt(static_cast<double>(settings.sampler.samples_per_pixel)), 0.125);
+    scene_->cone = scene_->camera->pixel_cone();
+    scene_->cone = {scene_->cone.at_eye * share, scene_->cone.spread * share};
+  }
+
+  /// Of the boxes of all instances that end somewhere.
+  std::vector<Point3> bounded_corners() const {
+    std::vector<Point3> corners;
+    for (const Instance& instance : scene_->instances) {
+      const Bounds3 box = bounds_of(instance);
+      if (!is_finite(box.max - box.min)) continue;
+      for (int i = 0; i < 8; ++i) {
+        corners.push_back({i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y,
+                           i & 4 ? box.max.z : box.min.z});
+      }
+    }
+    return corners;
+  }
+
+  void add_lights(const CameraChoice& choice) {
+    using Settings = v1::IntegratorSettings;
+    for (Light& light : graph_.lights) {
+      if (scene_->settings.shadows != Settings::SHADOWS_BY_LIGHT) {
+        light.casts_shadow = scene_->settings.shadows == Settings::SHADOWS_ON;
+      }
+      if (light.shadow_intensity == 0) light.casts_shadow = false;
+    }
+    if (choice.headlight) {
+      graph_.global_lights.push_back(static_cast<uint32_t>(graph_.lights.size()));
+      graph_.lights.push_back(read_headlight(*choice.headlight, choice.settings.world_from_camera));
+    }
+    scene_->lights = graph_.lights;
+    for (const std::vector<uint32_t>& scope : graph_.scopes) {
+      std::vector<uint32_t> set = graph_.global_lights;
+      set.insert(set.end(), scope.begin(), scope.end());
+      // A glowing background looks at every light, but a black one lights no surface.
+      std::erase_if(set, [&](uint32_t i) {
+        return is_black(scene_->lights[i].intensity) && is_black(scene_->lights[i].ambient);
+      });
+      std::sort(set.begin(), set.end());
+      scene_->light_sets.push_back(std::move(set));
+    }
+  }
+
+  void add_materials() {
+    for (const GraphShape& graph_shape : graph_.shapes) {
+      const Where where{.kind = graph_shape.path.c_str()};
+      ShapeMaterials entry;
+      entry.first = static_cast<uint32_t>(scene_->material_slots.size());
+      csg_plans_.emplace_back();
+      if (graph_shape.shape->has_csg()) {
+        CsgPlan& plan = csg_plans_.back();
+        plan = plan_csg(where, graph_shape.shape->csg(), description_, scene_->settings.time);
+        for (const CsgPlan::Step& step : plan.steps) {
+          if (step.solid) use_materials({.kind = step.path.c_str()}, *step.solid);
+        }
+      } else {
+        use_materials(where, *graph_shape.shape);
+      }
+      entry.count = static_cast<uint32_t>(scene_->material_slots.size()) - entry.first;
+      shape_materials_.push_back(entry);
+    }
+    for (ShapeMaterials& entry : shape_materials_) classify(entry);
+    for (const Material& material : materials_.materials()) {
+      scene_->features.rich |= material.is_rich();
+    }
+    scene_->materials = materials_.take();
+    scene_->inputs = materials_.take_inputs();
+    texture_count_ = textures_.size();
+    scene_->textures = textures_.take();
+  }
+
+  void use_materials(const Where& where, const v1::Shape& shape) {
+    for (const std::string& name : shape.materials()) {
+      scene_->material_slots.push_back(materials_.use(where, name));
+    }
+    if (shape.materials().empty()) scene_->material_slots.push_back(materials_.use(where, ""));
+  }
+
+  void classify(ShapeMaterials& entry) const {
+    uint32_t one_sided = 0;
+    for (uint32_t i = 0; i < entry.count; ++i) {
+      const uint32_t index = scene_->material_slots[entry.first + i];
+      const Material* material = &materials_.materials()[index];
+      if (material->sides == Sides::front_only) ++one_sided;
+      const Material* sides[] = {material, &materials_.materials()[material->back]};
+      const size_t count = material->sides == Sides::back_material ? 2 : 1;
+      for (size_t side = 0; side < count; ++side) {
+        if (!sides[side]->is_opaque()) entry.is_clear = entry.has_secondary = true;
+        if (sides[side]->is_mirror()) entry.has_secondary = true;
+        entry.keep_uvs |= materials_.needs_uv(side == 0 ? index : material->back);
+      }
+    }
+    if (one_sided == entry.count) {
+      entry.cull = Cull::back;
+    } else if (one_sided > 0) {
+      entry.is_clear = entry.has_secondary = true;
+    }
+  }
+
+  void build_shapes() {
+    shapes_.resize(graph_.shapes.size());
+    const auto build_one = [&](size_t i, int threads) {
+      const Where where{.kind = graph_.shapes[i].path.c_str()};
+      const v1::Shape& shape = *graph_.shapes[i].shape;
+      const ShapeSource source{source_.blobs, source_.accelerator, threads,
+                               shape_materials_[i].keep_uvs};
+      shapes_[i] =
+          shape.has_csg() ? read_csg(csg_plans_[i], source) : read_shape(where, shape, source);
+    };
+    // Few shapes: each build uses all threads. Many: each is small beside their sum.
+    if (shapes_.size() < 4 * static_cast<size_t>(std::max(source_.threads, 1))) {
+      for (size_t i = 0; i < shapes_.size(); ++i) build_one(i, source_.threads);
+    } else {
+      for_each_parallel(shapes_.size(), source_.threads, [&](size_t i) { build_one(i, 1); });
+    }
+    for (size_t i = 0; i < shapes_.size(); ++i) {
+      if (shapes_[i].has_clear_vertices) {
+        shape_materials_[i].is_clear = shape_materials_[i].has_secondary = true;
+      }
+    }
+  }
+
+  void add_instances() {
+    for (const GraphInstance& in : graph_.instances) {
+      const BuiltShape& built = shapes_[in.shape];
+      if (!built.shape) continue;
+      const ShapeMaterials& materials = shape_materials_[in.shape];
+      scene_->instances.push_back({.shape = built.shape,
+                                   .world_from_object = Transform(in.world_from_object),
+                                   .casts_shadow = in.casts_shadow,
+                                   .cull = materials.cull,
+                                   .flip_normals = graph_.shapes[in.shape].shape->flip_normals()});
+      scene_->shading.push_back({materials.first, materials.count, in.scope});
+      is_clear_.push_back(materials.is_clear);
+      scene_->features.secondary |= materials.has_secondary;
+    }
+  }
+
+  void build_accelerators() {
+    const std::vector<Instance>& instances = scene_->instances;
+    if (instances.empty()) return;
+    const auto make = [&](std::vector<Instance> of) -> std::shared_ptr<const Accelerator> {
+      if (of.empty()) return nullptr;
+      return make_instance_accelerator(std::move(of), source_.accelerator, source_.threads);
+    };
+    scene_->surfaces = make(instances);
+    if (std::none_of(scene_->lights.begin(), scene_->lights.end(),
+                     [](const Light& light) { return light.casts_shadow; })) {
+      return;
+    }
+    std::vector<Instance> opaque, clear;
+    bool has_casters = false;
+    for (size_t i = 0; i < instances.size(); ++i) {
+      if (!instances[i].casts_shadow) continue;
+      has_casters = true;
+      (is_clear_[i] ? clear : opaque).push_back(instances[i]);
+      if (is_clear_[i]) scene_->clear_instances.push_back(static_cast<uint32_t>(i));
+    }
+    scene_->features.shadows = has_casters;
+    // With nothing transparent the one structure serves both: its any_hit passes by what casts
+    // none.
+    scene_->opaque_occluders = clear.empty() ? scene_->surfaces : make(std::move(opaque));
+    scene_->clear_occluders = make(std::move(clear));
+  }
+
+  void count() {
+    CounterMap& counters = scene_->counters;
+    counters["materials_total"] = static_cast<uint64_t>(description_.materials_size());
+    counters["materials_used"] = scene_->materials.size();
+    counters["objects_total"] = static_cast<uint64_t>(description_.objects_size());
+    counters["objects_used"] = graph_.objects_used;
+    counters["shapes"] = shapes_.size();
+    counters["instances"] = scene_->instances.size();
+    counters["lights_used"] = scene_->lights.size();
+    counters["lights_off"] = graph_.lights_off;
+    counters["nodes_hidden"] = graph_.hidden_nodes;
+    counters["nodes_flat"] = graph_.flat_nodes;
+    counters["textures_total"] = static_cast<uint64_t>(description_.textures_size());
+    counters["textures_used"] = texture_count_;
+    counters["texture_bytes"] = textures_.texel_bytes();
+    uint64_t& mesh_bytes = counters["mesh_bytes"];
+    uint64_t& mesh_bytes_dropped = counters["mesh_bytes_dropped"];
+    uint64_t& attributes_dropped = counters["attributes_dropped"];
+    uint64_t& triangles = counters["triangles"];
+    uint64_t& dropped = counters["triangles_dropped"];
+    for (const BuiltShape& built : shapes_) {
+      triangles += built.triangles;
+      dropped += built.triangles_dropped;
+      mesh_bytes += built.bytes;
+      mesh_bytes_dropped += built.bytes_dropped;
+      if (built.bytes_dropped > 0) ++attributes_dropped;
+    }
+    if (graph_.flat_nodes > 0) {
+      spdlog::warn("{} nodes are scaled to nothing or out of range: left out", graph_.flat_nodes);
+    }
+    if (dropped > 0) spdlog::warn("{} triangles without an area: left out", dropped);
+  }
+
+  const v1::Scene& description_;
+  const v1::FrameSettings& frame_;
+  ShapeSource source_;
+  TextureTable textures_;
+  MaterialTable materials_;
+  size_t texture_count_ = 0;
+  std::shared_ptr<Scene> scene_ = std::make_shared<Scene>();
+  SceneGraph graph_;
+  std::vector<ShapeMaterials> shape_materials_;  // one a graph shape
+  std::vector<CsgPlan> csg_plans_;               // one a graph shape, empty for most
+  std::vector<BuiltShape> shapes_;               // one a graph shape
+  std::vector<bool> is_clear_;                   // one an instance
+};
+
+}  // namespace
+
+std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
+                                         const v1::FrameSettings& frame, int threads) {
+  return SceneBuilder(description, blobs, frame, threads).build();
+}
+
+}  // namespace tessera

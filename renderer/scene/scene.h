@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "proto/tessera/v1/farm.pb.h"
+#include "proto/tessera/v1/scene.pb.h"
+#include "proto/wire/blob_store.h"
+#include "renderer/accel/accelerator.h"
+#include "renderer/accel/instance.h"
+#include "renderer/camera/camera.h"
+#include "renderer/film/tile.h"
+#include "renderer/sampler/sampler.h"
+#include "renderer/scene/read_settings.h"
+#include "renderer/shading/background.h"
+#include "renderer/shading/light.h"
+#include "renderer/shading/material.h"
+#include "renderer/shading/material_inputs.h"
+
+namespace tessera {
+
+/// What shading needs to know of an instance.
+struct InstanceShading {
+  uint32_t first_material = 0;  ///< into Scene::material_slots
+  uint32_t material_count = 1;
+  uint32_t light_set = 0;
+};
+
+/// What tracing this scene may leave out.
+struct SceneFeatures {
+  bool shadows = false;    ///< some light casts shadows and something may
+  bool secondary = false;  ///< mirrors, transparency, absorption, surfaces without back faces
+  bool rich = false;       ///< materials with textures, or of other models than classic and unlit
+};
+
+/// One frame, ready to be traced: made of exactly what its picture depends on. Immutable once built
+/// and shared by threads.
+struct Scene {
+  RenderSettings settings;
+  std::optional<Camera> camera;    ///< always there once built
+  std::optional<Sampler> sampler;  ///< always there once built
+  Background background;
+  Fog fog;
+  SceneFeatures features;
+
+  std::vector<Material> materials;
+  std::vector<MaterialInputs> inputs;  ///< by Material::inputs
+  std::vector<Texture> textures;
+  Camera::PixelCone cone;                ///< of one sample
+  std::vector<uint32_t> material_slots;  ///< indices into materials
+  std::vector<Instance> instances;
+  std::vector<InstanceShading> shading;  ///< one an instance
+  std::vector<Light> lights;
+  std::vector<std::vector<uint32_t>> light_sets;  ///< ascending indices into lights
+
+  std::shared_ptr<const Accelerator> surfaces;  ///< every instance
+  /// What throws shadows: instances that let nothing through, and the others. Null: there are none.
+  std::shared_ptr<const Accelerator> opaque_occluders, clear_occluders;
+  std::vector<uint32_t> clear_instances;  ///< Scene::instances by Hit::instance of the latter
+
+  CounterMap counters;  ///< of building
+
+  /// Pixels outside this rectangle of the frame look past everything: none of their samples can
+  /// hit.
+  PixelRect seen;
+
+  const Material& material(uint32_t instance, uint32_t index) const {
+    const InstanceShading& s = shading[instance];
+    const uint32_t slot = index < s.material_count ? index : s.material_count - 1;
+    return materials[material_slots[s.first_material + slot]];
+  }
+  const std::vector<uint32_t>& lights_of(uint32_t instance) const {
+    return light_sets[shading[instance].light_set];
+  }
+};
+
+/// Bounds on what a description may unfold to.
+inline constexpr int kMaxNodeDepth = 200;
+inline constexpr size_t kMaxNodeVisits = size_t{1} << 24;
+inline constexpr size_t kMaxInstances = size_t{1} << 22;
+
+/// Builds the frame's scene. Throws a scene error where the description is wrong and a usage error
+/// for an unknown integrator, camera or accelerator. `threads` do not change the result.
+std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
+                                         const v1::FrameSettings& frame, int threads);
+
+}  // namespace tessera

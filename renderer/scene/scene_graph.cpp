@@ -1,0 +1,198 @@
+#include "renderer/scene/scene_graph.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "base/error.h"
+#include "renderer/math/elementary.h"
+#include "renderer/scene/read_shading.h"
+#include "renderer/scene/read_transform.h"
+#include "renderer/scene/scene.h"
+
+namespace tessera {
+
+namespace {
+
+using Nodes = google::protobuf::RepeatedPtrField<v1::Node>;
+
+/// What nodes inherit from above.
+struct Inherited {
+  Affine world_from_parent;
+  uint32_t scope = 0;
+  bool casts_shadow = true;
+  int depth = 0;
+};
+
+Vec3 column(const Affine& frame, size_t number) {
+  return {frame.m[0][number], frame.m[1][number], frame.m[2][number]};
+}
+
+/// The turn that takes +z towards the viewer (whose frame is given in the node's): about `axis`, or
+/// where that is 0, fully, with +y as the viewer's (ISO/IEC 19775-1, 23.4.1).
+Affine billboard_turn(const Vec3& axis, const Affine& viewer) {
+  const Vec3 to_viewer = column(viewer, 3);
+  if (axis == Vec3{}) {
+    const Vec3 x = cross(column(viewer, 1), to_viewer);
+    if (!(length_squared(x) > 0)) return {};
+    const Vec3 unit_x = normalize(x), z = normalize(to_viewer), y = cross(z, unit_x);
+    Affine turn;
+    for (size_t row = 0; row < 3; ++row) {
+      const int r = static_cast<int>(row);
+      turn.m[row] = {unit_x[r], y[r], z[r], 0};
+    }
+    return turn;
+  }
+  const Vec3 a = normalize(axis);
+  const Vec3 from = Vec3{0, 0, 1} - a * a.z, to = to_viewer - a * dot(a, to_viewer);
+  if (!(length_squared(from) > 0) || !(length_squared(to) > 0)) return {};
+  return rotation(a, portable::atan2(dot(a, cross(from, to)), dot(from, to)));
+}
+
+class Walker {
+ public:
+  Walker(const v1::Scene& scene, double time, const Affine& viewer)
+      : scene_(scene), time_(time), viewer_(viewer) {
+    graph_.scopes.emplace_back();
+    for (const v1::Object& object : scene.objects()) {
+      const Where where{.kind = "object", .name = object.name()};
+      if (object.name().empty()) fail_value(where, "name", "empty", "a name");
+      if (!objects_.try_emplace(object.name(), &object).second) {
+        fail_value(where, "name", "used twice", "a name of its own");
+      }
+    }
+  }
+
+  SceneGraph run() {
+    walk(nullptr, scene_.nodes(), {});
+    graph_.objects_used = used_objects_.size();
+    return std::move(graph_);
+  }
+
+ private:
+  void walk(const Where* parent, const Nodes& nodes, Inherited inherited) {
+    if (inherited.depth >= kMaxNodeDepth) {
+      fail_value(*parent, "nesting", fmt::format("deeper than {} nodes", kMaxNodeDepth),
+                 "a flatter scene");
+    }
+    inherited.scope = add_lights(parent, nodes, inherited);
+    for (int i = 0; i < nodes.size(); ++i) {
+      const v1::Node& node = nodes[i];
+      if (node.hidden()) {
+        ++graph_.hidden_nodes;
+        continue;
+      }
+      const Where where{.parent = parent, .kind = "node", .name = node.name(), .index = i};
+      visit(where, node, inherited);
+    }
+  }
+
+  void visit(const Where& where, const v1::Node& node, Inherited inherited) {
+    if (++visits_ > kMaxNodeVisits) {
+      fail_value(where, "the scene",
+                 fmt::format("more than {} nodes once unfolded", kMaxNodeVisits), "fewer");
+    }
+    if (!has_content(node)) return;
+    inherited.world_from_parent = world_from_node(where, node, inherited);
+    if (!is_invertible(inherited.world_from_parent)) {
+      ++graph_.flat_nodes;
+      return;
+    }
+    inherited.casts_shadow = inherited.casts_shadow && !node.casts_no_shadow();
+    ++inherited.depth;
+    if (node.has_shape()) add_instance(where, node.shape(), inherited);
+    if (!node.instance_of().empty()) enter_object(where, node.instance_of(), inherited);
+    if (!node.children().empty()) walk(&where, node.children(), inherited);
+  }
+
+  Affine world_from_node(const Where& where, const v1::Node& node,
+                         const Inherited& inherited) const {
+    const Affine frame =
+        inherited.world_from_parent * read_transform(where, node.transform(), node.keys(), time_);
+    if (!node.has_billboard_axis() || !is_invertible(frame)) return frame;
+    return frame * billboard_turn(checked(where, "billboard_axis", node.billboard_axis()),
+                                  inverse(frame) * viewer_);
+  }
+
+  static bool has_content(const v1::Node& node) {
+    return node.has_shape() || !node.instance_of().empty() || !node.children().empty();
+  }
+
+  void enter_object(const Where& where, const std::string& name, const Inherited& inherited) {
+    const auto found = objects_.find(name);
+    if (found == objects_.end()) {
+      std::vector<std::string> known;
+      for (const v1::Object& object : scene_.objects()) known.push_back(object.name());
+      throw scene_error(SourcePlace{where.str()},
+                        fmt::format("instance_of names object '{}', which is not defined{}", name,
+                                    suggestion(name, known)),
+                        "");
+    }
+    const v1::Object* object = found->second;
+    if (std::find(active_.begin(), active_.end(), object) != active_.end()) {
+      fail_value(where, "instance_of", fmt::format("'{}', which it is itself a part of", name),
+                 "an object without a cycle");
+    }
+    used_objects_.try_emplace(object, true);
+    active_.push_back(object);
+    const Where inside{.parent = &where, .kind = "object", .name = name};
+    walk(&inside, object->nodes(), inherited);
+    active_.pop_back();
+  }
+
+  void add_instance(const Where& where, const v1::Shape& shape, const Inherited& inherited) {
+    if (graph_.instances.size() >= kMaxInstances) {
+      fail_value(where, "the scene", fmt::format("more than {} instances", kMaxInstances), "fewer");
+    }
+    const auto [known, is_new] =
+        shapes_.try_emplace(&shape, static_cast<uint32_t>(graph_.shapes.size()));
+    if (is_new) {
+      graph_.shapes.push_back({&shape, Where{&where, "shape", shape.name()}.str()});
+    }
+    graph_.instances.push_back(
+        {known->second, inherited.world_from_parent, inherited.scope, inherited.casts_shadow});
+  }
+
+  /// Adds the lights that these siblings hold; returns the scope that they share.
+  uint32_t add_lights(const Where* parent, const Nodes& nodes, const Inherited& inherited) {
+    std::vector<uint32_t> scoped;
+    for (int i = 0; i < nodes.size(); ++i) {
+      const v1::Node& node = nodes[i];
+      if (!node.has_light() || node.hidden()) continue;
+      const Where node_where{.parent = parent, .kind = "node", .name = node.name(), .index = i};
+      const Where where{.parent = &node_where, .kind = "light", .name = node.light().name()};
+      const Affine frame = world_from_node(node_where, node, inherited);
+      if (node.light().off() || !is_invertible(frame)) {
+        ++graph_.lights_off;
+        continue;
+      }
+      const auto index = static_cast<uint32_t>(graph_.lights.size());
+      graph_.lights.push_back(read_light(where, node.light(), frame));
+      (node.light().scoped() ? scoped : graph_.global_lights).push_back(index);
+    }
+    if (scoped.empty()) return inherited.scope;
+    std::vector<uint32_t> scope = graph_.scopes[inherited.scope];
+    scope.insert(scope.end(), scoped.begin(), scoped.end());
+    graph_.scopes.push_back(std::move(scope));
+    return static_cast<uint32_t>(graph_.scopes.size() - 1);
+  }
+
+  const v1::Scene& scene_;
+  const double time_;
+  const Affine viewer_;
+  SceneGraph graph_;
+  std::unordered_map<std::string_view, const v1::Object*> objects_;
+  std::unordered_map<const v1::Shape*, uint32_t> shapes_;
+  std::unordered_map<const v1::Object*, bool> used_objects_;
+  std::vector<const v1::Object*> active_;
+  size_t visits_ = 0;
+};
+
+}  // namespace
+
+SceneGraph unfold_graph(const v1::Scene& scene, double time, const Affine& viewer) {
+  return Walker(scene, time, viewer).run();
+}
+
+}  // namespace tessera

@@ -1,0 +1,115 @@
+#include "renderer/scene/texture_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "renderer/scene/read_texture.h"
+
+namespace tessera {
+
+TextureTable::TextureTable(const v1::Scene& scene, const BlobStore& blobs)
+    : scene_(scene), blobs_(blobs) {
+  for (const v1::Texture& texture : scene.textures()) {
+    const Where where{.kind = "texture", .name = texture.name()};
+    if (texture.name().empty()) fail_value(where, "name", "empty", "a name");
+    if (!by_name_.try_emplace(texture.name(), &texture).second) {
+      fail_value(where, "name", "used twice", "a name of its own");
+    }
+  }
+}
+
+const v1::Texture& TextureTable::find(const Where& where, const std::string& name) const {
+  const auto found = by_name_.find(name);
+  if (found != by_name_.end()) return *found->second;
+  std::vector<std::string> known;
+  for (const v1::Texture& texture : scene_.textures()) known.push_back(texture.name());
+  throw scene_error(SourcePlace{where.str()},
+                    fmt::format("texture '{}' is not defined{}", name, suggestion(name, known)),
+                    "");
+}
+
+std::shared_ptr<const ImageTexture> TextureTable::read_image(const Where& where,
+                                                             const v1::Texture::Image& in) {
+  auto image = read_image_texture(where, in, blobs_);
+  blob_bytes_[in.texels().digest()] = image->settings().bytes();
+  return image;
+}
+
+std::shared_ptr<const ImageTexture> TextureTable::use_image(const Where& where,
+                                                            const std::string& name) {
+  const v1::Texture& in = find(where, name);
+  if (!in.has_image()) {
+    fail_value(where, fmt::format("texture '{}'", name), "no image", "a texture with an image");
+  }
+  return textures_[use(where, name)].image;
+}
+
+uint32_t TextureTable::use(const Where& where, const std::string& name) {
+  const v1::Texture& in = find(where, name);
+  const Where place{.kind = "texture", .name = name};
+  if (std::find(active_.begin(), active_.end(), &in) != active_.end()) {
+    fail_value(place, "checker", "made of itself", "other textures");
+  }
+  if (const auto known = used_.find(&in); known != used_.end()) return known->second;
+  Texture out;
+  read_mapping(place, in, out);
+  switch (in.kind_case()) {
+    case v1::Texture::kImage:
+      out.kind = TextureKind::image;
+      out.image = read_image(place, in.image());
+      break;
+    case v1::Texture::kChecker:
+      active_.push_back(&in);
+      out.kind = TextureKind::checker;
+      out.odd = read(place, "checker.odd", in.checker().odd(), kBlack);
+      out.even = read(place, "checker.even", in.checker().even(), kWhite);
+      active_.pop_back();
+      break;
+    case v1::Texture::kNoise:
+      read_noise(place, in.noise(), out);
+      break;
+    case v1::Texture::kGradient:
+      read_gradient(place, in.gradient(), out);
+      break;
+    case v1::Texture::KIND_NOT_SET:
+      fail_value(place, "its kind", "missing", "image, checker, noise or gradient");
+  }
+  const auto index = static_cast<uint32_t>(textures_.size());
+  Facts facts{out.mapping == TextureMapping::uv, 1};
+  for (const uint32_t part : {out.odd.texture, out.even.texture}) {
+    if (part == kNoTexture) continue;
+    facts.needs_uv |= facts_[part].needs_uv;
+    facts.depth = std::max(facts.depth, facts_[part].depth + 1);
+  }
+  // A look-up at an edge takes both sides: its cost doubles with every level.
+  constexpr int kDeepest = 8;
+  if (facts.depth > kDeepest) {
+    fail_value(place, "checkers in checkers", std::to_string(facts.depth) + " deep",
+               fmt::format("at most {}", kDeepest));
+  }
+  facts_.push_back(facts);
+  textures_.push_back(std::move(out));
+  used_.emplace(&in, index);
+  return index;
+}
+
+TexturedColor TextureTable::read(const Where& where, std::string_view field,
+                                 const v1::ColorInput& input, const Color& fallback) {
+  TexturedColor out{fallback};
+  if (!input.texture().empty()) {
+    const Where place{.parent = &where, .kind = "field", .name = field};
+    out = {kWhite, use(place, input.texture())};
+  }
+  if (input.has_value()) out.value = checked(where, field, input.value());
+  return out;
+}
+
+uint64_t TextureTable::texel_bytes() const {
+  uint64_t sum = 0;
+  for (const auto& [digest, bytes] : blob_bytes_) sum += bytes;
+  return sum;
+}
+
+}  // namespace tessera

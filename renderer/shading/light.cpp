@@ -1,0 +1,75 @@
+#include "renderer/shading/light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderer/math/elementary.h"
+
+namespace tessera {
+
+namespace {
+
+double attenuation_factor(const LightAttenuation& a, double d) {
+  double denominator = a.constant + d * (a.linear + d * a.quadratic);
+  if (a.constant == 0 && a.linear == 0 && a.quadratic == 0) denominator = 1;
+  if (a.at_most_one) denominator = std::max(denominator, 1.0);
+  return denominator > 0 ? a.scale / denominator : 0;
+}
+
+/// By the arc tangent: the arc cosine of a dot product loses half of the digits near the axis.
+double angle_between(const Vec3& a, const Vec3& b) {
+  return portable::atan2(length(cross(a, b)), dot(a, b));
+}
+
+double spot_factor_towards(const Light& light, const Vec3& direction) {
+  const double cosine = dot(direction, light.direction);
+  if (cosine > light.cos_full) return 1;
+  if (cosine < light.cos_none) return 0;
+  return spot_factor(angle_between(direction, light.direction), light.beam_width, light.cut_off);
+}
+
+bool sample_cylinder(const Light& light, const Point3& p, LightSample& sample) {
+  const Vec3 offset = p - light.position;
+  sample.distance = dot(offset, light.direction);
+  const Vec3 across = offset - light.direction * sample.distance;
+  sample.wi = -light.direction;
+  return sample.distance > 0 && length(across) * light.frame_scale <= light.beam_radius;
+}
+
+}  // namespace
+
+void set_spot_cosines(Light& light) {
+  constexpr double kMargin = 1e-12;  // far above the rounding of a cosine
+  light.cos_full = portable::cos(std::min(light.beam_width, light.cut_off)) + kMargin;
+  light.cos_none = portable::cos(light.cut_off) - kMargin;
+}
+
+double spot_factor(double angle, double beam_width, double cut_off) {
+  if (angle >= cut_off) return 0;
+  if (angle <= beam_width) return 1;
+  return (angle - cut_off) / (beam_width - cut_off);
+}
+
+bool sample_light(const Light& light, const Point3& p, double path_length, LightSample& sample) {
+  if (light.kind == LightKind::directional) {
+    sample = {-light.direction, std::numeric_limits<double>::infinity(), 1};
+    return true;
+  }
+  if (light.kind == LightKind::cylinder) {
+    if (!sample_cylinder(light, p, sample)) return false;
+  } else {
+    const Vec3 to_light = light.position - p;
+    sample.distance = length(to_light);
+    if (!(sample.distance > 0)) return false;
+    sample.wi = to_light / sample.distance;
+  }
+  const double reach = sample.distance * light.frame_scale;
+  if (reach > light.radius) return false;
+  const double way =
+      light.attenuation.whole_path ? (sample.distance + path_length) * light.frame_scale : reach;
+  sample.factor = attenuation_factor(light.attenuation, way);
+  if (light.kind == LightKind::spot) sample.factor *= spot_factor_towards(light, -sample.wi);
+  return sample.factor > 0;
+}
+
+}  // namespace tessera

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "renderer/math/color.h"
+#include "renderer/math/vec.h"
+
+namespace tessera {
+
+enum class LightKind : uint8_t { directional, point, spot, cylinder };
+
+/// scale / (constant + linear d + quadratic d^2), d in the light's own frame.
+struct LightAttenuation {
+  double constant = 0, linear = 0, quadratic = 0;  ///< >= 0; all zero: no attenuation
+  double scale = 1;
+  bool at_most_one = false;  ///< the denominator is at least 1
+  bool whole_path = false;   ///< d also counts the way back to the camera
+  friend bool operator==(const LightAttenuation&, const LightAttenuation&) = default;
+};
+
+/// A light without extent, in world coordinates. A value.
+struct Light {
+  LightKind kind = LightKind::directional;
+  Point3 position{};
+  Vec3 direction{0, 0, -1};  ///< unit; the way light travels
+  Color intensity = kWhite;  ///< color * intensity
+  Color ambient = kBlack;    ///< color * ambient intensity
+  bool ambient_attenuated = false;
+  LightAttenuation attenuation{};
+  /// Metres of the light's frame per metre of the world: one over the mean length of its axes.
+  double frame_scale = 1;
+  double radius = std::numeric_limits<double>::infinity();  ///< in the light's frame
+  double beam_radius = 0;                                   ///< in the light's frame; of a cylinder
+  double beam_width = 0;                                    ///< radians; full strength up to here
+  double cut_off = 0;  ///< radians; none from here on; linear in angle between
+  /// Cosines of angles at which the factor is surely 1 and surely 0; by themselves they decide
+  /// nothing.
+  double cos_full = 2, cos_none = -2;
+  bool casts_shadow = true;
+  double shadow_intensity = 1;  ///< share that an occluder takes
+  double shadow_distance = std::numeric_limits<double>::infinity();  ///< metres of the world
+};
+
+/// What a light sends to a point.
+struct LightSample {
+  Vec3 wi;              ///< unit, from the point to the light
+  double distance = 0;  ///< metres; infinite for a directional light
+  double factor = 0;    ///< attenuation * beam shape
+};
+
+/// False where nothing arrives at `p`; `path_length` is that from the camera to `p`.
+bool sample_light(const Light& light, const Point3& p, double path_length, LightSample& sample);
+
+/// Sets cos_full and cos_none from the angles, so that most points need no arc.
+void set_spot_cosines(Light& light);
+
+/// 1 up to beam_width, 0 from cut_off on, linear in `angle` (radians) between.
+double spot_factor(double angle, double beam_width, double cut_off);
+
+}  // namespace tessera

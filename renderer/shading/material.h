@@ -1,0 +1,101 @@
+#pragma once
+
+#include <cstdint>
+
+#include "renderer/math/color.h"
+#include "renderer/math/vec.h"
+
+namespace tessera {
+
+enum class MaterialModel : uint8_t { classic, unlit, physical, conductor, dielectric };
+enum class DiffuseModel : uint8_t { lambert, half_lambert, signed_lambert };
+enum class SpecularModel : uint8_t { blinn_phong, phong };
+enum class Transmission : uint8_t { refract, straight };
+enum class Sides : uint8_t { two_sided, front_only, back_material };
+
+inline constexpr uint32_t kNoMaterialInputs = 0xffffffffu;
+
+/// A surface's constants, or what a surface is at one point: the local illumination models of
+/// scene.proto. A value.
+struct Material {
+  Color ambient = kBlack;
+  Color diffuse{0.8, 0.8, 0.8};  ///< the base colour of a physical one
+  Color specular = kBlack;
+  Color emission = kBlack;
+  Color reflectivity = kBlack;
+  Color absorption = kBlack;  ///< per metre inside
+  double shininess = 25.6;
+  double transparency = 0;
+  double refractive_index = 1;         ///< inside over outside
+  double alpha = 1;                    ///< the surface is there by this share
+  double metallic = 1, roughness = 1;  ///< roughness of all models but classic and unlit
+  double clearcoat = 0, clearcoat_roughness = 0;
+  double occlusion = 1;            ///< of ambient light, on a physical one
+  Color eta = kWhite, k = kBlack;  ///< the refractive index of a conductor
+  double diffuse_exponent = 3;
+  double grain = 0;
+  uint32_t back = 0;                    ///< the material of back faces, where sides say so
+  uint32_t inputs = kNoMaterialInputs;  ///< what of it depends on the point, in Scene::inputs
+  MaterialModel model = MaterialModel::classic;
+  DiffuseModel diffuse_model = DiffuseModel::lambert;
+  SpecularModel specular_model = SpecularModel::blinn_phong;
+  Transmission transmission = Transmission::refract;
+  Sides sides = Sides::two_sided;
+  bool flat = false;
+  bool vertex_color_replaces_diffuse = false;
+  bool ambient_times_diffuse = false;  ///< ambient is a factor on the diffuse colour
+  bool thin = false;                   ///< a sheet: what goes through is not bent
+  bool has_clear_input = false;        ///< somewhere it may let light through
+
+  bool is_opaque() const { return transparency <= 0 && alpha >= 1 && !has_clear_input; }
+  /// Whether it may mirror anything.
+  bool is_mirror() const {
+    return !is_black(reflectivity) || model == MaterialModel::conductor ||
+           (model == MaterialModel::physical &&
+            (inputs != kNoMaterialInputs || roughness < 1 || clearcoat > 0));
+  }
+  /// Whether more than the classic formulas is needed to shade it.
+  bool is_rich() const {
+    return inputs != kNoMaterialInputs || alpha < 1 || model >= MaterialModel::physical;
+  }
+};
+
+/// The share of a light's radiant intensity that leaves towards `wo`: diffuse and specular term.
+/// `diffuse` is the material's, after vertex colours; `n`, `wi` (to the light) and `wo` (to the
+/// viewer) are of unit length. The specular term is zero where the light is behind the surface.
+Color reflected_share(const Material& material, const Color& diffuse, const Vec3& n, const Vec3& wi,
+                      const Vec3& wo);
+
+/// The same of a material of any model; in all but the classic one light behind the surface gives
+/// nothing.
+Color any_reflected_share(const Material& material, const Color& diffuse, const Vec3& n,
+                          const Vec3& wi, const Vec3& wo);
+
+/// The share of light that comes back along the ideal mirror direction, refraction apart; `cosine`
+/// in [0, 1] is that of the angle of incidence.
+Color mirrored_share(const Material& material, double cosine);
+
+/// What the share of light that goes through is multiplied by.
+inline Color transmission_tint(const Material& material) {
+  return material.model == MaterialModel::physical ? material.diffuse : kWhite;
+}
+
+/// The share of light from everywhere that leaves again in every direction.
+Color ambient_share(const Material& material, const Color& diffuse);
+
+/// The share of unpolarised light that a smooth dielectric reflects; `cos_i` in [0, 1] on the side
+/// that light comes from, `eta` the refractive index beyond over that on this side. 1 at total
+/// internal reflection. (Born and Wolf, 1.5.2.)
+double fresnel_dielectric(double cos_i, double eta);
+
+/// The same of a conductor of refractive index eta + i k per channel. (Born and Wolf, 14.2.)
+Color fresnel_conductor(double cos_i, const Color& eta, const Color& k);
+
+/// Snell's law: the direction beyond the surface of a ray of unit direction `d` that meets it with
+/// unit normal `n` against it; `eta` as above. False, and `out` untouched, at total reflection.
+bool refract(const Vec3& d, const Vec3& n, double eta, Vec3& out);
+
+/// exp(-absorption * distance) per channel (Beer-Lambert).
+Color transmittance(const Color& absorption, double distance);
+
+}  // namespace tessera

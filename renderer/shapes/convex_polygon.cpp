@@ -1,0 +1,183 @@
+#include "renderer/shapes/convex_polygon.h"
+
+#include "base/error.h"
+#include "renderer/shapes/planar.h"
+#include "renderer/shapes/projected_edge.h"
+
+namespace tessera {
+namespace {
+
+/// Twice the vector area, by a fan about the first point.
+Vec3 area_vector(std::span<const Point3> points) {
+  Vec3 sum;
+  for (size_t i = 2; i < points.size(); ++i)
+    sum = sum + accurate_cross(points[i - 1] - points[0], points[i] - points[0]);
+  return sum;
+}
+
+Bounds3 box_of(std::span<const Point3> points) {
+  Bounds3 box;
+  for (const Point3& p : points) box.extend(p);
+  return box;
+}
+
+/// Whether edges seen by the ray are all on one side of it.
+struct EdgeSides {
+  bool left = false, right = false;
+  void add(double edge) {
+    left |= edge > 0;
+    right |= edge < 0;
+  }
+  bool inside() const { return left != right; }
+};
+
+}  // namespace
+
+bool ConvexPolygon::is_convex(std::span<const Point3> points) {
+  if (points.size() < 3) return false;
+  for (const Point3& p : points)
+    if (!is_finite(p - Point3{})) return false;
+  const Vec3 normal = area_vector(points);
+  if (!is_finite(normal) || normal == Vec3{}) return false;
+  const Vec3 n = normalize(normal);
+  const double extent = length(box_of(points).diagonal());
+  double turned = 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Point3& a = points[i];
+    const Vec3 in = points[(i + 1) % points.size()] - a;
+    const Vec3 out = points[(i + 2) % points.size()] - points[(i + 1) % points.size()];
+    if (std::abs(dot(n, a - points[0])) > 1e-6 * extent) return false;
+    if (dot(n, accurate_cross(in, out)) < -1e-12 * (length(in) * length(out))) return false;
+    // Once round, and not twice as a pentagram: every triangle of the fan turns the same way.
+    const double fan = dot(n, accurate_cross(a - points[0], in));
+    if (fan < -1e-12 * (extent * extent)) return false;
+    turned += fan;
+  }
+  return turned > 0;
+}
+
+ConvexPolygon::ConvexPolygon(std::vector<Point3> points) : points_(std::move(points)) {
+  if (!is_convex(points_))
+    throw scene_error(
+        "a polygon is not flat and convex; expected 3 or more finite points round a flat area");
+  normal_ = area_vector(points_);
+  const Vec3 n = normalize(normal_);
+  size_t second = 1;
+  while (points_[second] == points_[0]) ++second;
+  const Vec3 along = normalize(points_[second] - points_[0]);
+  const Vec3 up = cross(n, along);
+  double low = 0, high = 0, left = 0, right = 0;
+  for (const Point3& p : points_) {
+    left = std::min(left, dot(p - points_[0], along));
+    right = std::max(right, dot(p - points_[0], along));
+    low = std::min(low, dot(p - points_[0], up));
+    high = std::max(high, dot(p - points_[0], up));
+  }
+  uv_origin_ = points_[0] + along * left + up * low;
+  const double side = std::max(right - left, high - low);
+  dpdu_ = along * side;
+  dpdv_ = up * side;
+  bounds_ = box_of(points_);
+  // Hits lie on one plane, the points only nearly so.
+  double off_plane = 0;
+  for (const Point3& p : points_)
+    off_plane = std::max(off_plane, std::abs(accurate_dot(n, p - points_[0])));
+  for (int a = 0; a < 3; ++a) {
+    const double slack =
+        off_plane + gamma(8) * std::max(std::abs(bounds_.min[a]), std::abs(bounds_.max[a]));
+    bounds_.min[a] = next_down(bounds_.min[a] - slack);
+    bounds_.max[a] = next_up(bounds_.max[a] + slack);
+  }
+}
+
+bool ConvexPolygon::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
+  ++counters.primitive_tests;
+  const TriangleRay frame(ray);
+  if (!frame.valid()) return false;
+  EdgeSides sides;
+  const ProjectedVertex first = project(frame, points_[0]);
+  ProjectedVertex from = first;
+  for (size_t i = 1; i < points_.size(); ++i) {
+    const ProjectedVertex to = project(frame, points_[i]);
+    sides.add(edge_function(from, to));
+    from = to;
+  }
+  sides.add(edge_function(from, first));
+  PlaneCrossing at;
+  if (!sides.inside() || !cross_plane(points_[0], normal_, ray, hit, at)) return false;
+  hit = {at.t, 0, 0, hit.instance, 0};
+  return true;
+}
+
+bool ConvexPolygon::any_hit(const Ray& ray, TraversalCounters& counters) const {
+  Hit hit;
+  return closest_hit(ray, hit, counters);
+}
+
+LocalSurface ConvexPolygon::surface(const Ray& ray, const Hit& hit) const {
+  LocalSurface s;
+  project_to_plane(points_[0], normal_, ray.at(hit.t), s);
+  const Vec3 from_origin = s.point - uv_origin_;
+  s.uv = {dot(from_origin, dpdu_) / dot(dpdu_, dpdu_), dot(from_origin, dpdv_) / dot(dpdv_, dpdv_)};
+  s.dpdu = dpdu_;
+  s.dpdv = dpdv_;
+  return s;
+}
+
+Rectangle::Rectangle(const Point3& corner, const Vec3& edge_u, const Vec3& edge_v)
+    : corner_(corner), edge_u_(edge_u), edge_v_(edge_v), normal_(accurate_cross(edge_u, edge_v)) {
+  if (!is_finite(corner - Point3{}) || !is_finite(normal_) || normal_ == Vec3{})
+    throw scene_error("a rectangle's edges are parallel or not finite; expected two directions");
+}
+
+Bounds3 Rectangle::bounds() const {
+  const Point3 corners[4] = {corner_, corner_ + edge_u_, corner_ + edge_v_,
+                             corner_ + edge_u_ + edge_v_};
+  Bounds3 box = box_of(corners);
+  for (int a = 0; a < 3; ++a) {
+    const double slack = gamma(8) * std::max(std::abs(box.min[a]), std::abs(box.max[a]));
+    box.min[a] = next_down(box.min[a] - slack);
+    box.max[a] = next_up(box.max[a] + slack);
+  }
+  return box;
+}
+
+bool Rectangle::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
+  ++counters.primitive_tests;
+  const TriangleRay frame(ray);
+  if (!frame.valid()) return false;
+  const ProjectedVertex p00 = project(frame, corner_);
+  const ProjectedVertex p10 = project(frame, corner_ + edge_u_);
+  const ProjectedVertex p11 = project(frame, corner_ + edge_u_ + edge_v_);
+  const ProjectedVertex p01 = project(frame, corner_ + edge_v_);
+  const double bottom = edge_function(p00, p10), right = edge_function(p10, p11);
+  const double top = edge_function(p11, p01), left = edge_function(p01, p00);
+  EdgeSides sides;
+  for (const double edge : {bottom, right, top, left}) sides.add(edge);
+  PlaneCrossing at;
+  if (!sides.inside() || !cross_plane(corner_, normal_, ray, hit, at)) return false;
+  const auto share = [](double a, double b) { return a + b != 0 ? a / (a + b) : 0; };
+  hit = {at.t, share(left, right), share(bottom, top), hit.instance, 0};
+  return true;
+}
+
+bool Rectangle::any_hit(const Ray& ray, TraversalCounters& counters) const {
+  Hit hit;
+  return closest_hit(ray, hit, counters);
+}
+
+LocalSurface Rectangle::surface(const Ray&, const Hit& hit) const {
+  LocalSurface s;
+  const Vec3 along = edge_u_ * hit.u, up = edge_v_ * hit.v;
+  s.point = corner_ + along + up;
+  for (int a = 0; a < 3; ++a)
+    s.point_error[a] = gamma(8) * (std::abs(along[a]) + std::abs(up[a])) +
+                       gamma(3) * (std::abs(corner_[a]) + std::abs(s.point[a]));
+  s.geometric_normal = s.shading_normal = to_normal(normalize(normal_));
+  s.uv = {hit.u, hit.v};
+  s.dpdu = edge_u_;
+  s.dpdv = edge_v_;
+  return s;
+}
+
+}  // namespace tessera

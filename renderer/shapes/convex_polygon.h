@@ -1,0 +1,52 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "renderer/shapes/shape.h"
+
+namespace tessera {
+
+/// A flat convex polygon, counter-clockwise seen from its front. Its edges are tested as those of
+/// the watertight triangle test, so polygons and triangles that share vertices leave no crack
+/// (where no three points are in a line, which rounding could bend inward). Texture coordinates
+/// start at the first point, u along the first edge, and reach 1 at the longer side of the
+/// rectangle around it.
+class ConvexPolygon final : public Shape {
+ public:
+  /// Throws Error where is_convex(points) does not hold.
+  explicit ConvexPolygon(std::vector<Point3> points);
+  /// At least three finite points round a convex area, in either sense, flat to within a millionth
+  /// of their extent; three in a line are allowed.
+  static bool is_convex(std::span<const Point3> points);
+
+  Bounds3 bounds() const override { return bounds_; }
+  bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
+  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  LocalSurface surface(const Ray& ray, const Hit& hit) const override;
+
+ private:
+  std::vector<Point3> points_;
+  Vec3 normal_;  ///< not of unit length
+  Point3 uv_origin_;
+  Vec3 dpdu_, dpdv_;
+  Bounds3 bounds_;
+};
+
+/// The parallelogram corner + u edge_u + v edge_v, u and v in [0, 1]; its front is where
+/// edge_u x edge_v points. Watertight as ConvexPolygon.
+class Rectangle final : public Shape {
+ public:
+  /// Throws Error where the edges are parallel or not finite.
+  Rectangle(const Point3& corner, const Vec3& edge_u, const Vec3& edge_v);
+  Bounds3 bounds() const override;
+  bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
+  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  LocalSurface surface(const Ray& ray, const Hit& hit) const override;
+
+ private:
+  Point3 corner_;
+  Vec3 edge_u_, edge_v_, normal_;
+};
+
+}  // namespace tessera

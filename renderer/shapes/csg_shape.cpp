@@ -1,0 +1,114 @@
+#include "renderer/shapes/csg_shape.h"
+
+#include <algorithm>
+
+#include "renderer/math/rounding.h"
+#include "renderer/shapes/csg_sweep.h"
+#include "renderer/shapes/line_box.h"
+#include "renderer/shapes/surface_interaction.h"
+
+namespace tessera {
+namespace {
+
+bool can_cross(const Ray& ray) {
+  return is_finite(ray.origin - Point3{}) && is_finite(ray.direction) && ray.direction != Vec3{};
+}
+
+}  // namespace
+
+CsgShape::CsgShape(const CsgTree& tree, CsgTree::Node root) : gates_(tree, root) {
+  // A ray that leaves the surface starts beyond the error of every operand: where faces of several
+  // coincide it must leave all of them behind. Bounded for all at once, by the largest entries.
+  position_error_.m = {};
+  for (const CsgGates::Leaf& leaf : gates_.leaves()) {
+    const auto& to = leaf.csg_from_solid.matrix().m;
+    const auto& from = leaf.csg_from_solid.inverse_matrix().m;
+    const Bounds3& box = gates_.gates()[leaf.gate].bounds;
+    for (size_t r = 0; r < 3; ++r) {
+      for (size_t c = 0; c < 4; ++c) {
+        double sum = c < 3 ? (r == c ? 1 : 0) : std::abs(to[r][3]);
+        for (size_t k = 0; k < 3; ++k) sum += std::abs(to[r][k]) * std::abs(from[k][c]);
+        double& bound = position_error_.m[r][c];
+        bound = std::max(bound, gamma(16) * sum);
+      }
+      const int axis = static_cast<int>(r);
+      const double reach = std::max(std::abs(box.min[axis]), std::abs(box.max[axis]));
+      double& constant = position_error_.m[r][3];
+      if (std::isfinite(reach)) constant = std::max(constant, gamma(16) * reach);
+    }
+  }
+}
+
+bool CsgShape::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
+  if (!can_cross(ray)) return false;
+  const LineRange range = line_range(bounds(), ray);
+  if (range.empty() || range.high < ray.t_min || range.low > std::min(ray.t_max, hit.t))
+    return false;
+  const CsgSweep::Lease sweep;
+  sweep->gather(gates_, ray, {}, &counters);
+  while (const CsgEvent* e = sweep->next(gates_)) {
+    // Entering shows the front, leaving the back.
+    if (ray.cull == (e->inward ? Cull::front : Cull::back)) continue;
+    // Nearer than its error it may be the surface that the ray starts on.
+    if (!(e->t > ray.t_min && e->t > e->error && e->t < ray.t_max)) continue;
+    if (e->t > hit.t || (e->t == hit.t && e->primitive >= hit.primitive)) return false;
+    hit = {e->t, e->u, e->v, hit.instance, e->primitive};
+    return true;
+  }
+  return false;
+}
+
+bool CsgShape::any_hit(const Ray& ray, TraversalCounters& counters) const {
+  Hit hit;
+  return closest_hit(ray, hit, counters);
+}
+
+void CsgShape::crossings(const Ray& ray, const RayError& error,
+                         std::vector<SolidEvent>& events) const {
+  if (!can_cross(ray) || line_range(bounds(), ray).empty()) return;
+  const CsgSweep::Lease sweep;
+  sweep->gather(gates_, ray, error, nullptr);
+  while (const CsgEvent* e = sweep->next(gates_)) {
+    const bool endless = std::isinf(e->t);
+    const double reach = std::max(e->t - sweep->low(), sweep->high() - e->t);
+    events.push_back({e->t, endless ? 0 : reach, e->inward, e->primitive, e->u, e->v});
+  }
+}
+
+uint32_t CsgShape::operand_of(uint32_t primitive) const {
+  const auto& leaves = gates_.leaves();
+  const auto above = std::upper_bound(
+      leaves.begin(), leaves.end(), primitive,
+      [](uint32_t p, const CsgGates::Leaf& leaf) { return p < leaf.first_primitive; });
+  return static_cast<uint32_t>(above - leaves.begin() - 1);
+}
+
+LocalSurface CsgShape::surface(const Ray& ray, const Hit& hit) const {
+  const CsgGates::Leaf& leaf = gates_.leaves()[operand_of(hit.primitive)];
+  const Hit local_hit{hit.t, hit.u, hit.v, hit.instance, hit.primitive - leaf.first_primitive};
+  LocalSurface s;
+  if (leaf.moved) {
+    const Affine& m = leaf.csg_from_solid.inverse_matrix();
+    s = leaf.solid->surface({m(ray.origin), m(ray.direction)}, local_hit);
+    const SurfaceInteraction moved = to_world(s, leaf.csg_from_solid, leaf.complement, 0);
+    s.point = moved.point;
+    s.point_error = moved.point_error;
+    s.geometric_normal = moved.geometric_normal;
+    s.shading_normal = moved.shading_normal;
+    s.dpdu = moved.dpdu;
+    s.dpdv = moved.dpdv;
+  } else {
+    s = leaf.solid->surface(ray, local_hit);
+    if (leaf.complement)
+      s.geometric_normal = -s.geometric_normal, s.shading_normal = -s.shading_normal;
+  }
+  for (int r = 0; r < 3; ++r) {
+    const auto& row = position_error_.m[static_cast<size_t>(r)];
+    s.point_error[r] += row[0] * std::abs(s.point.x) + row[1] * std::abs(s.point.y) +
+                        row[2] * std::abs(s.point.z) + row[3];
+  }
+  s.material += leaf.first_material;
+  return s;
+}
+
+}  // namespace tessera

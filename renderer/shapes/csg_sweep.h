@@ -1,0 +1,68 @@
+#pragma once
+
+#include <vector>
+
+#include "renderer/shapes/csg_gates.h"
+
+namespace tessera {
+
+/// A crossing of one operand, in the frame of the whole.
+struct CsgEvent {
+  double t, low, high;  ///< where it may truly be
+  double error;
+  uint32_t leaf;
+  uint32_t primitive;  ///< within the whole
+  int turn;            ///< +1 entering the operand, -1 leaving it
+  bool inward;         ///< whether it can only add to the whole: entering a solid, leaving a hole
+  double u, v;
+};
+
+/// Walks along a line through a combination of solids. One per thread and nesting depth; reused.
+class CsgSweep {
+ public:
+  /// Gathers and sorts the crossings of all operands that matter on this line.
+  void gather(const CsgGates& gates, const Ray& ray, const RayError& error,
+              TraversalCounters* counters);
+  /// The next change of the whole: its event, or null at the end.
+  const CsgEvent* next(const CsgGates& gates);
+  /// After next(): where the change may truly be.
+  double low() const { return low_; }
+  double high() const { return high_; }
+
+  /// A sweep that nothing else on this thread uses until the lease ends.
+  class Lease {
+   public:
+    Lease();
+    ~Lease();
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    CsgSweep* operator->() const { return sweep_; }
+
+   private:
+    CsgSweep* sweep_;
+  };
+
+ private:
+  /// What is known of a gate on this line; valid where `line` is the current one's.
+  struct State {
+    uint64_t line = 0;
+    uint32_t count = 0;
+    int winding = 0;
+    size_t first_event = 0;
+  };
+  State& state(const CsgGates& gates, uint32_t gate);
+  void gather_leaf(const CsgGates::Leaf& leaf, const Bounds3& bounds, uint32_t number,
+                   const Ray& ray, const RayError& error);
+  /// Passes an event; says whether the whole changes there.
+  bool pass(const CsgGates& gates, const CsgEvent& event);
+
+  std::vector<CsgEvent> events_;
+  std::vector<SolidEvent> leaf_events_;
+  std::vector<State> states_;
+  uint64_t line_ = 0;
+  size_t at_ = 0;
+  bool inside_ = false;
+  double low_ = 0, high_ = 0;
+};
+
+}  // namespace tessera

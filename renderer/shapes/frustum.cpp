@@ -1,0 +1,214 @@
+#include "renderer/shapes/frustum.h"
+
+#include "base/error.h"
+#include "renderer/math/accurate_dot.h"
+#include "renderer/math/elementary.h"
+
+namespace tessera {
+namespace {
+
+constexpr double kEndless = Bounds3::kInfinity;
+
+/// The unit direction of p across the axis; +x on the axis itself.
+Vec3 outward(const Point3& p) {
+  const double r = std::sqrt(p.x * p.x + p.z * p.z);
+  if (!(r > 0)) return {1, 0, 0};
+  return {p.x / r, 0, p.z / r};
+}
+
+}  // namespace
+
+Frustum::Frustum(double bottom_radius, double top_radius, double height, const OpenParts& open)
+    : bottom_radius_(bottom_radius),
+      top_radius_(top_radius),
+      half_height_(0.5 * height),
+      mean_radius_(0.5 * (bottom_radius + top_radius)),
+      slope_((top_radius - bottom_radius) / height),
+      open_(open) {
+  if (!(height > 0 && std::isfinite(height) && bottom_radius >= 0 && top_radius >= 0 &&
+        mean_radius_ > 0 && std::isfinite(mean_radius_) && std::isfinite(slope_)))
+    throw scene_error("a cylinder's or cone's radius or height is wrong; expected numbers > 0");
+  mean_radius_low_ = 0.5 * two_sum(bottom_radius, top_radius).low;
+  const DoubleDouble widening = two_sum(top_radius, -bottom_radius);
+  const DoubleDouble product = two_product(slope_, height);
+  slope_low_ = ((widening.high - product.high) - product.low + widening.low) / height;
+}
+
+Bounds3 Frustum::bounds() const {
+  const double reach = next_up(std::max(bottom_radius_, top_radius_) * (1 + gamma(8)));
+  return {{-reach, -half_height_, -reach}, {reach, half_height_, reach}};
+}
+
+bool Frustum::is_open(Part part) const {
+  return part == kSide ? open_.side : part == kTop ? open_.top : open_.bottom;
+}
+
+bool Frustum::cross_side(const Ray& ray, Stretch& inside) const {
+  const Point3& o = ray.origin;
+  const Vec3& d = ray.direction;
+  // a t^2 + 2 b t + c is the squared distance from the axis less the squared radius there, which is
+  // radius + grow t. Both are sums of two doubles: their products cancel far from the solid.
+  const auto widening = [this](double y) {
+    const DoubleDouble product = two_product(slope_, y);
+    return fast_two_sum(product.high, product.low + slope_low_ * y);
+  };
+  const DoubleDouble k = widening(o.y), grow = widening(d.y);
+  const DoubleDouble sum = two_sum(mean_radius_, k.high);
+  const DoubleDouble radius = fast_two_sum(sum.high, sum.low + (k.low + mean_radius_low_));
+  const double a =
+      accurate_dot({d.x, d.z, -grow.high, -2 * grow.high}, {d.x, d.z, grow.high, grow.low});
+  const double b = accurate_dot({o.x, o.z, -radius.high, -radius.high, -radius.low},
+                                {d.x, d.z, grow.high, grow.low, grow.high});
+  const double c =
+      accurate_dot({o.x, o.z, -radius.high, -2 * radius.high}, {o.x, o.z, radius.high, radius.low});
+  // b^2 - a c by the line's moments about the origin, as small as its distance from there, or as it
+  // stands: whichever cancels less. For an origin inside of a > 0 nothing cancels.
+  const double wx =
+      accurate_dot({d.x, d.x, -o.x, -o.x}, {radius.high, radius.low, grow.high, grow.low});
+  const double wz =
+      accurate_dot({d.z, d.z, -o.z, -o.z}, {radius.high, radius.low, grow.high, grow.low});
+  const double w2 = wx * wx + wz * wz;
+  double discriminant;
+  if ((a > 0 && c < 0) || b * b + std::abs(a * c) < w2) {
+    discriminant = b * b - a * c;
+  } else {
+    const double w = std::sqrt(w2);
+    const double axial = std::abs(difference_of_products(o.x, d.z, o.z, d.x));
+    discriminant = (w + axial) * (w - axial);
+  }
+  if (!(discriminant >= 0)) {
+    if (a >= 0) return false;
+    discriminant = 0;
+  }
+  if (!std::isfinite(a + b + c)) return false;
+  const double q = -(b + std::copysign(std::sqrt(discriminant), b));
+  if (a == 0 && b == 0) {
+    if (c > 0) return false;
+    inside = {-kEndless, kEndless};
+    return true;
+  }
+  // Where q is 0 so are b and the discriminant, and c or a: the double root 0.
+  const double t0 = q == 0 ? 0 : c / q, t1 = q == 0 ? 0 : q / a;
+  if (a > 0)
+    inside = {std::min(t0, t1), std::max(t0, t1)};
+  else if (grow.high > 0)
+    inside = {a == 0 ? t0 : std::max(t0, t1), kEndless};
+  else
+    inside = {-kEndless, a == 0 ? t0 : std::min(t0, t1)};
+  return true;
+}
+
+bool Frustum::cross(const Ray& ray, Crossing& enter, Crossing& leave) const {
+  const double o = ray.origin.y, d = ray.direction.y;
+  enter = {-kEndless, kTop};
+  leave = {kEndless, kTop};
+  if (d == 0) {
+    if (!(std::abs(o) <= half_height_)) return false;
+  } else {
+    const double top = (half_height_ - o) / d, bottom = (-half_height_ - o) / d;
+    enter = d < 0 ? Crossing{top, kTop} : Crossing{bottom, kBottom};
+    leave = d < 0 ? Crossing{bottom, kBottom} : Crossing{top, kTop};
+  }
+  Stretch side;
+  if (!cross_side(ray, side)) return false;
+  // A cap of no radius is the apex, which belongs to the side.
+  const auto is_point = [this](Part part) {
+    return (part == kTop ? top_radius_ : bottom_radius_) == 0;
+  };
+  if (side.enter >= enter.t)
+    enter = {side.enter, kSide};
+  else if (is_point(enter.part))
+    enter.part = kSide;
+  if (side.leave <= leave.t)
+    leave = {side.leave, kSide};
+  else if (is_point(leave.part))
+    leave.part = kSide;
+  // A line without direction, or with a part that is not finite, has no finite ends.
+  return enter.t <= leave.t && enter.t > -kEndless && leave.t < kEndless;
+}
+
+bool Frustum::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
+  ++counters.primitive_tests;
+  Crossing crossings[2];
+  if (!cross(ray, crossings[0], crossings[1])) return false;
+  for (int i = 0; i < 2; ++i) {
+    // Entering shows the front, leaving the back.
+    if (ray.cull == (i == 0 ? Cull::front : Cull::back)) continue;
+    const Crossing& at = crossings[i];
+    if (is_open(at.part) || !(at.t > ray.t_min && at.t < ray.t_max)) continue;
+    if (at.t > hit.t || (at.t == hit.t && at.part >= hit.primitive)) return false;
+    hit = {at.t, 0, 0, hit.instance, at.part};
+    return true;
+  }
+  return false;
+}
+
+bool Frustum::any_hit(const Ray& ray, TraversalCounters& counters) const {
+  Hit hit;
+  return closest_hit(ray, hit, counters);
+}
+
+double Frustum::event_error(const Ray& ray, const Crossing& at, const RayError& error) const {
+  const double rounding = gamma(3) * std::abs(at.t);
+  if (at.part != kSide)
+    return rounding + crossing_depth({0, 1, 0}, at.t, error, gamma(2) * half_height_) /
+                          std::abs(ray.direction.y);
+  const Point3 p = ray.at(at.t);
+  Vec3 n = outward(p);
+  n.y = -slope_;
+  const double distance = gamma(8) * (mean_radius_ + std::abs(slope_) * half_height_);
+  const double depth = crossing_depth(n, at.t, error, distance);
+  const double linear = depth / std::abs(dot(n, ray.direction));
+  // A tangent line is inside for no longer than the chord at the depth that is in doubt.
+  const double across =
+      std::sqrt(ray.direction.x * ray.direction.x + ray.direction.z * ray.direction.z);
+  const double chord =
+      2 * std::sqrt(2 * (depth + std::max(bottom_radius_, top_radius_)) * depth) / across;
+  return rounding + std::min(linear, chord);
+}
+
+void Frustum::crossings(const Ray& ray, const RayError& error,
+                        std::vector<SolidEvent>& events) const {
+  Crossing enter, leave;
+  if (!cross(ray, enter, leave)) return;
+  events.push_back({enter.t, event_error(ray, enter, error), true, enter.part});
+  events.push_back({leave.t, event_error(ray, leave, error), false, leave.part});
+}
+
+void Frustum::side_surface(const Point3& near_side, LocalSurface& s) const {
+  using namespace portable;
+  const double y = std::min(std::max(near_side.y, -half_height_), half_height_);
+  const double r = radius_at(y);
+  const Vec3 out = outward(near_side);
+  s.point = {out.x * r, y, out.z * r};
+  const double radius_error =
+      gamma(8) * std::abs(r) + gamma(4) * (mean_radius_ + std::abs(slope_ * y));
+  s.point_error = {std::abs(out.x) * radius_error, kUnitRoundoff * std::abs(y),
+                   std::abs(out.z) * radius_error};
+  s.geometric_normal = s.shading_normal = to_normal(normalize(Vec3{out.x, -slope_, out.z}));
+  s.uv = {0.5 + atan2(out.x, out.z) / (2 * kPi), 0.5 + y / (2 * half_height_)};
+  s.dpdu = Vec3{s.point.z, 0, -s.point.x} * (2 * kPi);
+  s.dpdv = Vec3{slope_ * out.x, 1, slope_ * out.z} * (2 * half_height_);
+}
+
+void Frustum::cap_surface(const Point3& near_cap, bool top, LocalSurface& s) const {
+  const double r = top ? top_radius_ : bottom_radius_;
+  const double sign = top ? 1 : -1;
+  s.point = {near_cap.x, sign * half_height_, near_cap.z};
+  s.point_error = {gamma(3) * std::abs(near_cap.x), 0, gamma(3) * std::abs(near_cap.z)};
+  s.geometric_normal = s.shading_normal = {0, sign, 0};
+  s.uv = {0.5 + near_cap.x / (2 * r), 0.5 - sign * near_cap.z / (2 * r)};
+  s.dpdu = {2 * r, 0, 0};
+  s.dpdv = {0, 0, -sign * 2 * r};
+}
+
+LocalSurface Frustum::surface(const Ray& ray, const Hit& hit) const {
+  LocalSurface s;
+  if (hit.primitive == kSide)
+    side_surface(ray.at(hit.t), s);
+  else
+    cap_surface(ray.at(hit.t), hit.primitive == kTop, s);
+  return s;
+}
+
+}  // namespace tessera

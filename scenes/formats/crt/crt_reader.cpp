@@ -1,0 +1,71 @@
+#include "scenes/formats/crt/crt_reader.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "base/file.h"
+#include "scenes/formats/crt/crt_evaluator.h"
+#include "scenes/formats/crt/crt_parser.h"
+#include "scenes/formats/crt/crt_writer.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxBytes = uint64_t{8} << 20;
+
+void check_file(const std::string& written, CrtSpan where, const std::string& folder,
+                CrtDiagnostics& diagnostics) {
+  const std::string reference = crt_file_reference(written);
+  if (reference.empty() || reference.find('\0') != std::string::npos) {
+    diagnostics.error(where, "a file without a name", "a file in the folder of the script");
+    return;
+  }
+  const auto file = resolve_inside(folder, reference);
+  std::error_code ignored;
+  if (!file)
+    diagnostics.error(where, fmt::format("'{}' is not inside the script's folder", written),
+                      "a file in that folder or below it");
+  else if (!fs::is_regular_file(*file, ignored))
+    diagnostics.error(where, fmt::format("there is no file '{}'", file->string()),
+                      "a file in the folder of the script or below it");
+}
+
+void check_files(const CrtProgram& program, const std::string& folder,
+                 CrtDiagnostics& diagnostics) {
+  const CrtBackground* background = program.background;
+  if (background && background->message.has_panorama())
+    check_file(background->image, background->image_span, folder, diagnostics);
+  for (const CrtEntity* entity : program.entities)
+    if (entity->kind == CrtEntity::Kind::include)
+      check_file(entity->include.file(), entity->span, folder, diagnostics);
+}
+
+}  // namespace
+
+LoadedScene parse_crt(const std::string& text, const std::string& name, const std::string& folder,
+                      int32_t frame) {
+  CrtDiagnostics diagnostics(name, text);
+  CrtSyntaxPool pool;
+  const CrtSyntax& script = CrtParser(text, pool, diagnostics).parse();
+  diagnostics.throw_if_any();
+  CrtHeap heap;
+  const CrtProgram program = CrtEvaluator(heap, diagnostics).run(script, frame);
+  if (!folder.empty()) check_files(program, folder, diagnostics);
+  diagnostics.throw_if_any();
+  LoadedScene loaded;
+  loaded.scene = write_crt_scene(program);
+  loaded.warnings = diagnostics.warnings();
+  loaded.depends_on_frame = program.uses_time;
+  return loaded;
+}
+
+LoadedScene read_crt(const std::string& path, const ReadOptions& options) {
+  const std::string text = to_utf8(read_input_file(path, kMaxBytes));
+  const std::string folder = fs::absolute(path).parent_path().string();
+  return parse_crt(text, path, folder, options.frame);
+}
+
+}  // namespace tessera

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scenes/import/loaded_scene.h"
+
+namespace tessera {
+
+/// Places the files that a scene includes into it, and what those include. Nothing outside the
+/// folder of the first file is read. Each file becomes one object, however often it is placed.
+class IncludeResolver {
+ public:
+  using Reader = std::function<LoadedScene(const std::string& path, const std::string& format)>;
+
+  /// `reader` reads one file without its includes.
+  IncludeResolver(const std::filesystem::path& file, Reader reader);
+  /// Empties loaded.scene.includes(). Throws scene_error for files that are missing, outside the
+  /// folder, include themselves, or are more than kMaxPlacements in all.
+  void resolve(LoadedScene& loaded);
+
+  static constexpr int kMaxDepth = 16;
+  static constexpr int kMaxPlacements = 10000;
+
+ private:
+  struct Part {
+    std::string object;  ///< the object's name; empty: `nodes` are copied in
+    std::vector<v1::Node> nodes;
+    std::vector<v1::Camera> cameras;
+  };
+
+  void resolve(LoadedScene& loaded, const std::filesystem::path& file);
+  const Part& part(LoadedScene& into, const v1::Include& include,
+                   const std::filesystem::path& file);
+  std::string unique_prefix(const std::filesystem::path& file);
+
+  std::filesystem::path root_, first_;
+  Reader reader_;
+  std::map<std::string, Part> parts_;
+  std::map<std::string, int> prefixes_;
+  std::vector<std::filesystem::path> open_;
+  int placements_ = 0;
+};
+
+}  // namespace tessera

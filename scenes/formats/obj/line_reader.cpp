@@ -1,0 +1,199 @@
+#include "scenes/formats/obj/line_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+#include "base/file.h"
+
+namespace tessera {
+namespace {
+
+constexpr size_t kPiece = size_t{1} << 20;
+constexpr size_t kLongestLine = size_t{64} << 20;
+
+bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+
+/// The number of lines that end in [begin, end); CRLF ends one.
+int64_t count_lines(const char* begin, const char* end) {
+  int64_t lines = std::count(begin, end, '\n');
+  for (const char* at = begin; (at = static_cast<const char*>(std::memchr(at, '\r', end - at)));
+       ++at)
+    if (at + 1 == end || at[1] != '\n') ++lines;
+  return lines;
+}
+
+/// The length of the joint (backslash and line end) at `at`, or 0.
+int joint(const char* at) {
+  if (*at != '\\' || !is_line_end(at[1])) return 0;
+  return at[1] == '\r' && at[2] == '\n' ? 3 : 2;
+}
+
+}  // namespace
+
+LineReader::LineReader(const std::string& path) : name_(path) {
+  check_input_file(path, uint64_t{1} << 40);
+  file_.reset(std::fopen(path.c_str(), "rb"));
+  if (!file_) throw scene_error(fmt::format("{}: {}", path, std::strerror(errno)));
+}
+
+LineReader::LineReader(std::string_view text, std::string name)
+    : name_(std::move(name)), pending_(text) {}
+
+bool LineReader::refill() {
+  lines_before_ += count_lines(buffer_.data(), buffer_.data() + buffer_.size());
+  buffer_ = std::move(pending_);
+  pending_.clear();
+  bool ended = !file_;
+  size_t cut = 0;
+  while (!ended && cut == 0) {
+    const size_t had = buffer_.size();
+    if (had > kLongestLine)
+      throw scene_error({name_, static_cast<int>(lines_before_) + 1}, "a line over 64 MiB long",
+                        "a text file");
+    buffer_.resize(had + kPiece);
+    const size_t got = std::fread(buffer_.data() + had, 1, kPiece, file_.get());
+    if (std::ferror(file_.get()))
+      throw scene_error(fmt::format("{}: {}", name_, std::strerror(errno)));
+    buffer_.resize(had + got);
+    ended = got < kPiece;
+    // Cut after a line end that joins nothing; CR alone may be the half of a CRLF.
+    cut = buffer_.size();
+    while (cut > 0) {
+      const size_t lf = buffer_.rfind('\n', cut - 1);
+      cut = lf == std::string::npos ? 0 : lf + 1;
+      if (cut == 0) break;
+      size_t before = lf;
+      if (before > 0 && buffer_[before - 1] == '\r') --before;
+      if (before == 0 || buffer_[before - 1] != '\\') break;
+      cut = lf;
+    }
+  }
+  if (ended) {
+    file_.reset();
+    // Two, since a backslash before the end would join the first.
+    if (!buffer_.empty()) buffer_ += "\n\n";
+    cut = buffer_.size();
+  }
+  pending_.assign(buffer_, cut);
+  buffer_.resize(cut);
+  at_ = word_ = buffer_.data();
+  end_ = at_ + buffer_.size();
+  return at_ != end_;
+}
+
+bool LineReader::next_line() {
+  if (in_line_) {
+    while (!is_line_end(*at_)) at_ += std::max(1, joint(at_));
+    at_ += at_[0] == '\r' && at_[1] == '\n' ? 2 : 1;
+  }
+  in_line_ = at_ != end_ || refill();
+  word_ = at_;
+  return in_line_;
+}
+
+void LineReader::skip_space() {
+  for (;;) {
+    if (is_blank(*at_))
+      ++at_;
+    else if (const int length = *at_ == '\\' ? joint(at_) : 0)
+      at_ += length;
+    else
+      return;
+  }
+}
+
+bool LineReader::at_word_end() const {
+  return is_blank(*at_) || is_line_end(*at_) || joint(at_) != 0;
+}
+
+bool LineReader::at_line_end() {
+  skip_space();
+  word_ = at_;
+  return is_line_end(*at_);
+}
+
+std::string_view LineReader::word() {
+  skip_space();
+  word_ = at_;
+  while (!at_word_end()) ++at_;
+  return {word_, static_cast<size_t>(at_ - word_)};
+}
+
+std::string LineReader::rest() {
+  skip_space();
+  word_ = at_;
+  while (!is_line_end(*at_) && joint(at_) == 0) ++at_;
+  const char* last = at_;
+  while (last > word_ && is_blank(last[-1])) --last;
+  return std::string(word_, last);
+}
+
+float LineReader::number(const char* what) {
+  skip_space();
+  word_ = at_;
+  const char* begin = *at_ == '+' ? at_ + 1 : at_;
+  float value = 0;
+  const auto [stop, problem] = std::from_chars(begin, end_, value);
+  if (problem == std::errc::invalid_argument) {
+    if (is_line_end(*at_)) throw error("the line ends here", what);
+    throw error(quoted_word(), what);
+  }
+  at_ = stop;
+  if (!at_word_end()) throw error(quoted_word(), what);
+  if (problem == std::errc::result_out_of_range) {
+    // Too small is as good as zero; too large has no place in a scene.
+    double wide = 0;
+    const auto again = std::from_chars(begin, end_, wide);
+    if (again.ec == std::errc::result_out_of_range || std::abs(wide) > 1)
+      throw error(quoted_word(), fmt::format("{} that single precision can hold", what));
+    return static_cast<float>(wide);
+  }
+  if (!std::isfinite(value)) throw error(quoted_word(), fmt::format("{} that is finite", what));
+  return value;
+}
+
+std::optional<float> LineReader::optional_number(const char* what) {
+  if (at_line_end() || *at_ == '#') return std::nullopt;
+  return number(what);
+}
+
+int64_t LineReader::index() {
+  const bool negative = *at_ == '-';
+  if (negative) ++at_;
+  int64_t value = 0;
+  const char* first = at_;
+  for (; *at_ >= '0' && *at_ <= '9'; ++at_)
+    if (value < int64_t{1} << 40) value = value * 10 + (*at_ - '0');
+  if (at_ == first) throw error(quoted_word(), "a vertex index");
+  return negative ? -value : value;
+}
+
+std::string LineReader::quoted_word() const {
+  constexpr size_t kLongestShown = 40;
+  const char* stop = word_;
+  while (stop < end_ && !is_blank(*stop) && !is_line_end(*stop)) ++stop;
+  const std::string text = to_utf8({word_, static_cast<size_t>(stop - word_)});
+  if (text.empty()) return "the line ends here";
+  return text.size() > kLongestShown
+             ? fmt::format("'{}...'", to_utf8(text.substr(0, kLongestShown)))
+             : fmt::format("'{}'", text);
+}
+
+SourcePlace LineReader::place_of(const char* at) const {
+  const char* begin = buffer_.data();
+  const char* line = at;
+  while (line > begin && !is_line_end(line[-1])) --line;
+  return {name_, static_cast<int>(lines_before_ + count_lines(begin, line)) + 1,
+          static_cast<int>(at - line) + 1};
+}
+
+Error LineReader::error(std::string_view found, std::string_view expected) const {
+  return scene_error(place(), found, expected);
+}
+
+}  // namespace tessera

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <charconv>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/error.h"
+
+namespace tessera {
+
+/// Reads the words and numbers of a text of lines, as OBJ and MTL are, piece by piece so that a
+/// large file is never held whole. A backslash at a line's end joins the next line to it; lines end
+/// with LF, CRLF or CR.
+class LineReader {
+ public:
+  /// Opens `path`; throws scene_error where it cannot be read.
+  explicit LineReader(const std::string& path);
+  /// Reads `text` instead of a file; `name` is what errors call it.
+  LineReader(std::string_view text, std::string name);
+
+  /// Goes to the next line; false at the end of the text. The rest of the line before is skipped.
+  bool next_line();
+  /// The next word of the line, empty at its end. Valid until next_line().
+  std::string_view word();
+  /// The rest of the line without spaces around it and with its line joints as they are.
+  std::string rest();
+  bool at_line_end();
+
+  /// A finite number that single precision can hold.
+  float number(const char* what);
+  /// The next word if there is one.
+  std::optional<float> optional_number(const char* what);
+  /// Reads an integer that may be negative; leaves the place after its last digit.
+  int64_t index();
+  /// The character at the place, '\n' at the line's end.
+  char peek() const { return *at_; }
+  void skip_char() { ++at_; }
+  /// Whether a word ends here.
+  bool at_word_end() const;
+
+  /// Where the word that was read last begins.
+  SourcePlace place() const { return place_of(word_); }
+  const std::string& name() const { return name_; }
+  Error error(std::string_view found, std::string_view expected) const;
+  /// What stands where the last word began, in quotes, shortened.
+  std::string quoted_word() const;
+
+ private:
+  struct CloseFile {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+
+  bool refill();
+  void skip_space();
+  SourcePlace place_of(const char* at) const;
+
+  std::string name_;
+  std::unique_ptr<std::FILE, CloseFile> file_;
+  std::string buffer_;   ///< whole lines, then the zero byte of every std::string
+  std::string pending_;  ///< the piece of a line after the last whole one
+  const char* at_ = nullptr;
+  const char* end_ = nullptr;
+  const char* word_ = nullptr;
+  bool in_line_ = false;
+  int64_t lines_before_ = 0;  ///< lines of the text before buffer_
+};
+
+}  // namespace tessera

@@ -1,0 +1,216 @@
+#include "scenes/formats/obj/obj_parser.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstring>
+
+#include "base/file.h"
+
+namespace tessera {
+namespace {
+
+/// Statements of the format that describe no polygon: curves, surfaces, display attributes.
+constexpr std::array<std::string_view, 28> kNotPolygons{
+    "vp",         "deg",       "bmat",  "step",     "cstype",   "curv",   "curv2",
+    "surf",       "parm",      "trim",  "hole",     "scrv",     "sp",     "end",
+    "con",        "bevel",     "lod",   "c_interp", "d_interp", "usemap", "maplib",
+    "shadow_obj", "trace_obj", "ctech", "stech",    "mg",       "call",   "csh"};
+
+bool is_text(std::string_view word) {
+  return std::none_of(word.begin(), word.end(),
+                      [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+}
+
+}  // namespace
+
+ObjFile ObjParser::parse() {
+  while (in_.next_line()) {
+    const std::string_view keyword = in_.word();
+    if (keyword.empty() || keyword.front() == '#') continue;
+    statement(keyword);
+  }
+  return std::move(file_);
+}
+
+void ObjParser::statement(std::string_view keyword) {
+  if (keyword == "v") return vertex();
+  if (keyword == "f" || keyword == "fo") return face();
+  if (keyword == "vn") return normal();
+  if (keyword == "vt") return texture_coordinate();
+  if (keyword == "usemtl") return use_material();
+  if (keyword == "s") return smoothing();
+  if (keyword == "mtllib") {
+    file_.libraries.push_back(in_.rest());
+    return;
+  }
+  if (keyword == "g" || keyword == "o") return;
+  skip(keyword);
+}
+
+void ObjParser::skip(std::string_view keyword) {
+  if (keyword == "l" || keyword == "p") {
+    warnings_.add(keyword == "l" ? "lines (l) have no surface and are left out"
+                                 : "points (p) have no surface and are left out");
+  } else if (std::find(kNotPolygons.begin(), kNotPolygons.end(), keyword) != kNotPolygons.end()) {
+    warnings_.add(fmt::format("statement '{}' describes no polygon and is left out", keyword));
+  } else if (!is_text(keyword)) {
+    throw in_.error("binary data", "the text of an OBJ file");
+  } else {
+    warnings_.add(fmt::format("unknown statement {} is left out", in_.quoted_word()));
+  }
+}
+
+void ObjParser::vertex() {
+  std::vector<float>& positions = file_.mesh.positions;
+  if (positions.size() / 3 >= ObjMesh::kMaxElements)
+    throw in_.error("too many vertices", fmt::format("at most {}", ObjMesh::kMaxElements));
+  for (int a = 0; a < 3; ++a) positions.push_back(in_.number("a coordinate"));
+  // Four numbers: a weight, which only curves use. Six or seven: a colour at the end.
+  std::array<float, 4> more{};
+  size_t count = 0;
+  while (count < more.size()) {
+    const auto value = in_.optional_number("a number");
+    if (!value) break;
+    more[count++] = *value;
+  }
+  std::vector<float>& colors = file_.mesh.colors;
+  if (count >= 3) {
+    colors.resize((positions.size() / 3 - 1) * 4, 1.f);
+    colors.insert(colors.end(), more.begin() + (count - 3), more.begin() + count);
+    colors.push_back(1.f);
+  } else if (!colors.empty()) {
+    colors.resize(positions.size() / 3 * 4, 1.f);
+  }
+}
+
+void ObjParser::texture_coordinate() {
+  std::vector<float>& uvs = file_.mesh.uvs;
+  if (uvs.size() / 2 >= ObjMesh::kMaxElements) throw in_.error("too many vt", "fewer");
+  uvs.push_back(in_.number("a texture coordinate"));
+  uvs.push_back(in_.optional_number("a texture coordinate").value_or(0.f));
+}
+
+void ObjParser::normal() {
+  std::vector<float>& normals = file_.mesh.normals;
+  if (normals.size() / 3 >= ObjMesh::kMaxElements) throw in_.error("too many vn", "fewer");
+  for (int a = 0; a < 3; ++a) normals.push_back(in_.number("a component of the normal"));
+}
+
+void ObjParser::smoothing() {
+  const std::string_view group = in_.word();
+  smoothing_group_ = 0;
+  if (group == "off" || group == "0") return;
+  if (group == "on") {
+    smoothing_group_ = 1;
+    return;
+  }
+  const auto [stop, problem] =
+      std::from_chars(group.data(), group.data() + group.size(), smoothing_group_);
+  if (problem != std::errc() || stop != group.data() + group.size() ||
+      smoothing_group_ >= ObjMesh::kFirstSmoothingGroup - 1) {
+    smoothing_group_ = 0;
+    throw in_.error(in_.quoted_word(), "a smoothing group's number, 'on' or 'off'");
+  }
+}
+
+void ObjParser::use_material() {
+  const std::string name = to_utf8(in_.rest());
+  if (name.empty()) throw in_.error("usemtl without a name", "a material's name");
+  const auto [at, is_new] =
+      material_index_.try_emplace(name, static_cast<uint32_t>(file_.materials.size()));
+  if (is_new) file_.materials.push_back(name);
+  material_ = at->second;
+}
+
+uint32_t ObjParser::current_material() {
+  if (material_ == kNoIndex) {
+    material_ = static_cast<uint32_t>(file_.materials.size());
+    file_.materials.emplace_back();
+  }
+  return material_;
+}
+
+uint32_t ObjParser::reference(const char* what, size_t count) {
+  const int64_t written = in_.index();
+  const int64_t index = written < 0 ? static_cast<int64_t>(count) + written : written - 1;
+  if (written == 0)
+    throw in_.error(fmt::format("{} 0 in {}", what, in_.quoted_word()),
+                    "a count from 1, or a negative one from the end");
+  if (index < 0 || index >= static_cast<int64_t>(count))
+    throw in_.error(fmt::format("{} {} in {}", what, written, in_.quoted_word()),
+                    count == 0 ? fmt::format("a {} before it", what)
+                               : fmt::format("at most {}, the number so far", count));
+  return static_cast<uint32_t>(index);
+}
+
+MeshCorner ObjParser::corner() {
+  const ObjMesh& mesh = file_.mesh;
+  MeshCorner corner;
+  corner.position = reference("vertex", mesh.position_count());
+  if (in_.peek() == '/') {
+    in_.skip_char();
+    if (in_.peek() != '/' && !in_.at_word_end())
+      corner.uv = reference("texture coordinate", mesh.uvs.size() / 2);
+    if (in_.peek() == '/') {
+      in_.skip_char();
+      if (!in_.at_word_end()) corner.normal = reference("normal", mesh.normals.size() / 3);
+    }
+  }
+  if (!in_.at_word_end()) throw in_.error(in_.quoted_word(), "v, v/t, v//n or v/t/n");
+  return corner;
+}
+
+void ObjParser::face() {
+  polygon_.clear();
+  while (!in_.at_line_end() && in_.peek() != '#') polygon_.push_back(corner());
+  if (polygon_.size() < 3)
+    throw in_.error(fmt::format("a face with {} corners", polygon_.size()), "at least 3");
+  // A face either brings all of its normals or gets them from its smoothing group.
+  const bool complete = std::none_of(polygon_.begin(), polygon_.end(),
+                                     [](const auto& c) { return c.normal == kNoIndex; });
+  if (!complete) {
+    const uint32_t generated = smoothing_group_ == 0
+                                   ? kNoIndex
+                                   : ObjMesh::kFirstSmoothingGroup + (smoothing_group_ - 1);
+    for (MeshCorner& c : polygon_) c.normal = generated;
+  }
+  add_polygon();
+}
+
+void ObjParser::add_polygon() {
+  triples_.clear();
+  if (polygon_.size() == 3) {
+    triples_.push_back({0, 1, 2});
+  } else {
+    points_.clear();
+    const std::vector<float>& p = file_.mesh.positions;
+    for (const MeshCorner& c : polygon_) {
+      const size_t at = size_t{c.position} * 3;
+      points_.push_back({p[at], p[at + 1], p[at + 2]});
+    }
+    if (!triangulate(points_, triples_))
+      throw in_.error(fmt::format("a concave face with {} corners", polygon_.size()),
+                      fmt::format("at most {}", kMaxConcaveCorners));
+  }
+  if (file_.mesh.triangle_count() + triples_.size() > ObjMesh::kMaxElements)
+    throw in_.error("too many faces", "fewer than 2^31 triangles");
+  const uint32_t material = current_material();
+  for (const CornerTriple& t : triples_) {
+    const MeshCorner &a = polygon_[t[0]], &b = polygon_[t[1]], &c = polygon_[t[2]];
+    if (a.position == b.position || b.position == c.position || c.position == a.position) {
+      warnings_.add("triangles that name a vertex twice are left out");
+      continue;
+    }
+    file_.mesh.add_triangle(a, b, c);
+    // Kept only from the second material on: most files have one.
+    if (material != 0 || !file_.mesh.face_materials.empty()) {
+      file_.mesh.face_materials.resize(file_.mesh.triangle_count() - 1, 0);
+      file_.mesh.face_materials.push_back(material);
+    }
+  }
+}
+
+}  // namespace tessera

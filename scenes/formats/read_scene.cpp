@@ -1,0 +1,123 @@
+#include "scenes/formats/read_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "proto/wire/scene_codec.h"
+#include "scenes/formats/crt/crt_reader.h"
+#include "scenes/formats/default_view.h"
+#include "scenes/formats/include_resolver.h"
+#include "scenes/formats/obj/obj_reader.h"
+#include "scenes/formats/x3d/x3d_reader.h"
+#include "scenes/import/texture_loader.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 6> kFormats{"tessera", "tesserab", "json",
+                                                   "obj",     "x3d",      "crt"};
+/// Formats that users may well try, so that the error can say that they were recognised.
+constexpr std::array<std::string_view, 21> kOthers{
+    "x3dv", "wrl", "vrml", "x3dz", "gltf", "glb", "ply",  "stl", "fbx", "dae", "blend",
+    "3ds",  "usd", "usda", "usdc", "usdz", "abc", "pbrt", "mtl", "xml", "gz"};
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::string readable() {
+  std::vector<std::string> endings = readable_endings();
+  return fmt::format("one of {}", fmt::join(endings, ", "));
+}
+
+std::string head_of(const std::string& path) {
+  check_input_file(path, UINT64_MAX);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
+                                                             &std::fclose);
+  if (!file) throw scene_error(fmt::format("{}: cannot be opened", path));
+  std::string head(4096, '\0');
+  head.resize(std::fread(head.data(), 1, head.size(), file.get()));
+  return head;
+}
+
+/// For files whose ending says nothing.
+std::string format_by_content(const std::string& path) {
+  const std::string head = head_of(path);
+  if (head.starts_with("# proto-file: proto/tessera/v1/")) return "tessera";
+  if (head.find("<X3D") != std::string::npos) return "x3d";
+  return "";
+}
+
+std::string format_of(const std::string& path, const std::string& asked) {
+  if (!asked.empty()) {
+    if (std::find(kFormats.begin(), kFormats.end(), asked) != kFormats.end()) return asked;
+    const std::vector<std::string> names(kFormats.begin(), kFormats.end());
+    throw usage_error(fmt::format("unknown format '{}'; expected one of {}{}", asked,
+                                  fmt::join(kFormats, ", "), suggestion(asked, names)));
+  }
+  std::string ending = lower(fs::path(path).extension().string());
+  if (!ending.empty()) ending.erase(0, 1);
+  if (std::find(kFormats.begin(), kFormats.end(), ending) != kFormats.end()) return ending;
+  check_input_file(path, UINT64_MAX);
+  if (std::find(kOthers.begin(), kOthers.end(), ending) != kOthers.end())
+    throw scene_error({path}, fmt::format("files of type .{} are not read", ending), readable());
+  const std::string found = format_by_content(path);
+  if (found.empty())
+    throw scene_error({path},
+                      ending.empty() ? std::string("the name has no ending")
+                                     : fmt::format("unknown ending '.{}'", ending),
+                      readable());
+  return found;
+}
+
+LoadedScene read_format(const std::string& path, const std::string& format,
+                        const ReadOptions& options) {
+  if (format == "obj") return read_obj(path);
+  if (format == "x3d") return read_x3d(path, options);
+  if (format == "crt") return read_crt(path, options);
+  const SceneEncoding encoding = format == "json"       ? SceneEncoding::json
+                                 : format == "tesserab" ? SceneEncoding::binary
+                                                        : SceneEncoding::text;
+  SceneWithBlobs read = read_scene_file(path, encoding);
+  return {.scene = std::move(read.scene), .blobs = std::move(read.blobs), .warnings = {}};
+}
+
+/// With its pictures, without its includes.
+LoadedScene read_one(const std::string& path, const std::string& asked,
+                     const ReadOptions& options) {
+  LoadedScene loaded = read_format(path, format_of(path, asked), options);
+  load_textures(loaded, fs::absolute(path).parent_path(), options.decode_texture);
+  return loaded;
+}
+
+}  // namespace
+
+LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
+  LoadedScene loaded = read_one(path, options.format, options);
+  IncludeResolver(path, [&](const std::string& file, const std::string& format) {
+    return read_one(file, format, options);
+  }).resolve(loaded);
+  if (format_of(path, options.format) == "obj") add_default_view(loaded);
+  if (loaded.scene.metadata().source_file().empty())
+    loaded.scene.mutable_metadata()->set_source_file(to_utf8(fs::path(path).filename().string()));
+  return loaded;
+}
+
+std::vector<std::string> readable_endings() {
+  std::vector<std::string> endings;
+  for (const std::string_view format : kFormats) endings.push_back(fmt::format(".{}", format));
+  return endings;
+}
+
+}  // namespace tessera

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenes/import/loaded_scene.h"
+
+namespace tessera {
+
+/// Reads a scene file of any known format, with all that it includes. Throws scene_error with the
+/// place for whatever is wrong with it. Nothing outside the file's folder is read.
+LoadedScene read_scene(const std::string& path, const ReadOptions& options = {});
+
+/// The endings of the files that read_scene reads, with a dot, in the order of the documentation.
+std::vector<std::string> readable_endings();
+
+}  // namespace tessera

@@ -1,0 +1,145 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <numbers>
+
+#include "scenes/formats/x3d/x3d_nodes.h"
+#include "scenes/formats/x3d/x3d_proto.h"
+#include "scenes/formats/x3d/x3d_translator.h"
+
+namespace tessera {
+namespace {
+
+bool is_group(std::string_view type) {
+  constexpr std::array<std::string_view, 8> kGroups{
+      "Transform", "Group", "StaticGroup", "Collision", "Anchor", "Switch", "LOD", "Billboard"};
+  return std::find(kGroups.begin(), kGroups.end(), type) != kGroups.end();
+}
+
+bool is_light(std::string_view type) {
+  return type == "DirectionalLight" || type == "PointLight" || type == "SpotLight";
+}
+
+}  // namespace
+
+LoadedScene X3dTranslator::translate(const std::string& file) {
+  check_names();
+  add_children(document_.scene(), {}, *out_.scene.mutable_nodes());
+  finish_cameras();
+  set_settings();
+  set_metadata(file);
+  list_ignored();
+  for (const std::string& remark : document_.remarks()) warnings_.add(remark);
+  for (std::string& line : warnings_.list(file)) out_.warnings.push_back(std::move(line));
+  return std::move(out_);
+}
+
+std::string X3dTranslator::unique(std::set<std::string>& taken, const std::string& wish) {
+  std::string name = wish;
+  for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}_{}", wish, i);
+  return name;
+}
+
+/// Says of every node and field that we do not know that it is left out.
+void X3dTranslator::check_names() {
+  for (const X3dNode& node : document_.nodes()) {
+    const X3dNodeType* type = find_x3d_node_type(node.type);
+    if (!type && &node != &document_.scene()) {
+      warnings_.add(fmt::format("unknown node '{}' is left out{}", node.type,
+                                suggestion(node.type, x3d_node_names())));
+      continue;
+    }
+    if (!type) continue;
+    for (const X3dField& field : node.fields)
+      if (!has_x3d_field(*type, field.name))
+        warnings_.add(fmt::format("unknown field '{}' of {} is left out", field.name, node.type));
+  }
+}
+
+void X3dTranslator::list_ignored() {
+  std::map<std::string, int> counts;
+  for (const X3dNode& node : document_.nodes()) {
+    const X3dNodeType* type = find_x3d_node_type(node.type);
+    if (type && type->use == X3dNodeType::Use::ignored) ++counts[node.type];
+  }
+  std::string list;
+  for (const auto& [type, count] : counts)
+    list += fmt::format("{}{} {}", list.empty() ? "" : ", ", count, type);
+  if (!list.empty()) warnings_.add("ignored: " + list);
+}
+
+void X3dTranslator::add_children(const X3dNode& parent, const v1::Transform& path, Nodes& out) {
+  // What is shown of a Switch and a LOD is one child; a Collision's proxy is never shown.
+  int64_t only = -1;
+  if (parent.type == "Switch") only = values_.integer(parent, "whichChoice", -1);
+  if (parent.type == "LOD") only = 0;
+  const bool selects = parent.type == "Switch" || parent.type == "LOD";
+  int64_t number = 0;
+  for (const X3dNode::Child& child : parent.children) {
+    if (child.container == "proxy" || child.container == "metadata") continue;
+    if (!selects || number++ == only) add_node(*child.node, path, out);
+  }
+}
+
+void X3dTranslator::add_node(const X3dNode& node, const v1::Transform& path, Nodes& out) {
+  if (is_group(node.type) || node.type == "Shape") {
+    if (node.uses > 1) return add_instance(node, path, out);
+    return fill_node(node, path, *out.Add());
+  }
+  if (is_light(node.type)) return add_light(node, out);
+  if (node.type == "Viewpoint" || node.type == "OrthoViewpoint") return add_camera(node, path);
+  // Of the nodes that can be bound, the first one of its kind is.
+  if (node.type == "Background" && !out_.scene.has_background()) set_background(node, path);
+  if (node.type == "Fog" && !out_.scene.has_fog()) set_fog(node);
+  if (node.type == "NavigationInfo" && !navigation_) navigation_ = &node;
+}
+
+void X3dTranslator::add_instance(const X3dNode& node, const v1::Transform& path, Nodes& out) {
+  auto known = objects_.find(&node);
+  if (known == objects_.end()) {
+    const std::string name = unique(object_names_, node.def.empty() ? node.type : node.def);
+    known = objects_.emplace(&node, name).first;
+    v1::Object object;
+    object.set_name(name);
+    fill_node(node, path, *object.add_nodes());
+    *out_.scene.add_objects() = std::move(object);
+  }
+  out.Add()->set_instance_of(known->second);
+}
+
+void X3dTranslator::fill_node(const X3dNode& node, const v1::Transform& path, v1::Node& out) {
+  out.set_name(node.def);
+  if (!values_.boolean(node, "visible", true)) out.set_hidden(true);
+  if (node.type == "Shape") return add_shape(node, out);
+  v1::Transform inner = path;
+  if (node.type == "Transform") {
+    *out.mutable_transform() = transform(node);
+    inner.MergeFrom(out.transform());
+  }
+  if (node.type == "Billboard")
+    put_vec3(values_.vec3(node, "axisOfRotation", {0, 1, 0}), out.mutable_billboard_axis());
+  add_children(node, inner, *out.mutable_children());
+}
+
+/// T C R SR S -SR -C, leaving out what does nothing.
+v1::Transform X3dTranslator::transform(const X3dNode& node) const {
+  const Vec3 center = values_.vec3(node, "center", {});
+  const Vec3 scale = values_.vec3(node, "scale", {1, 1, 1});
+  const X3dRotation turn = values_.rotation(node, "rotation");
+  const X3dRotation scale_turn = values_.rotation(node, "scaleOrientation");
+  const bool scales = !(scale == Vec3{1, 1, 1});
+  const bool moves_center = !(center == Vec3{}) && (turn.angle != 0 || scales);
+  v1::Transform out;
+  add_translation(values_.vec3(node, "translation", {}), out);
+  if (moves_center) add_translation(center, out);
+  add_rotation(turn, out);
+  if (scales) {
+    add_rotation(scale_turn, out);
+    put_vec3(scale, out.add_steps()->mutable_scale());
+    add_rotation({scale_turn.axis, -scale_turn.angle}, out);
+  }
+  if (moves_center) add_translation(-center, out);
+  return out;
+}
+
+}  // namespace tessera

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "proto/tessera/v1/scene.pb.h"
+#include "proto/wire/blob_store.h"
+
+namespace tessera {
+
+/// What an importer makes of a file. A value.
+struct LoadedScene {
+  v1::Scene scene;  ///< without blobs and includes in it
+  BlobStore blobs;
+  std::vector<std::string> warnings;  ///< what was read otherwise than a user might expect
+  bool depends_on_frame = false;      ///< a script: another ReadOptions::frame, another scene
+};
+
+/// A picture as textures hold it: rows from the top, tightly packed.
+struct DecodedTexture {
+  uint32_t width = 0, height = 0;
+  uint32_t channels = 3;  ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA
+  uint32_t bits = 8;      ///< 8, 16 (half float) or 32 (float)
+  std::vector<std::byte> texels;
+};
+/// Reads the picture in a file. Whoever reads scenes brings it: scenes decode no pictures.
+using TextureDecoder = std::function<DecodedTexture(const std::string& path)>;
+
+/// How a file is read. The defaults are what a user expects who gives no option.
+struct ReadOptions {
+  enum class Color { display, linear };
+  enum class Shadows { on, file, off };
+
+  std::string format{};  ///< obj, x3d, crt, tessera, tesserab, json; empty: by the ending
+  Color x3d_color = Color::display;   ///< how the numbers of X3D colours are meant
+  Shadows x3d_shadows = Shadows::on;  ///< `file`: as the lights' own fields say
+  TextureDecoder decode_texture{};    ///< none: textures keep the names of their files
+  int32_t frame = 0;                  ///< of an animation; what scripts call t
+};
+
+}  // namespace tessera

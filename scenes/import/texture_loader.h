@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "scenes/import/loaded_scene.h"
+
+namespace tessera {
+
+/// Decodes the files that the scene's image textures name, each once, into blobs. Files are
+/// relative to `folder` and inside it. Without a decoder the textures keep their names only. Throws
+/// scene_error for files that are missing, outside the folder or no pictures.
+void load_textures(LoadedScene& loaded, const std::filesystem::path& folder,
+                   const TextureDecoder& decoder);
+
+}  // namespace tessera

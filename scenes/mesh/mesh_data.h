@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "proto/tessera/v1/scene.pb.h"
+#include "proto/wire/blob_store.h"
+
+namespace tessera {
+
+/// The arrays of v1::TriangleMesh; those that are optional there may be empty here.
+struct MeshData {
+  std::vector<float> positions;          ///< x y z a vertex
+  std::vector<float> normals;            ///< x y z a vertex
+  std::vector<float> uvs;                ///< u v a vertex
+  std::vector<float> colors;             ///< r g b a a vertex
+  std::vector<uint32_t> triangles;       ///< three vertices a triangle
+  std::vector<uint32_t> face_materials;  ///< one a triangle
+
+  size_t vertex_count() const { return positions.size() / 3; }
+  size_t triangle_count() const { return triangles.size() / 3; }
+};
+
+/// Turns the arrays into blobs, freeing each as it goes so that at most one is held twice.
+v1::TriangleMesh store_mesh(MeshData mesh, BlobStore& blobs);
+
+}  // namespace tessera

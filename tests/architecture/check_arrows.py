@@ -1,0 +1,161 @@
+#!/usr/bin/env python3
+"""Holds every #include of the project against the arrows that its rooms declare.
+
+    check_arrows.py --root REPOSITORY --rooms BUILD/rooms.txt
+
+rooms.txt has one line a room, "path: used rooms", and is written when CMake configures. Prints one
+line a violation and exits with 1 if there is any.
+"""
+import argparse
+import pathlib
+import re
+import sys
+
+ENDINGS = {".h", ".cpp", ".cc", ".hpp", ".inl"}
+TOP_FOLDERS = ["base", "proto", "renderer", "scenes", "coordinator", "worker", "bench", "cli"]
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+
+# What a room may not reach, not even through others: (its prefix, the forbidden prefixes, why).
+WALLS = [
+    ("renderer", ["proto/transport", "coordinator", "worker", "cli"], "the renderer sees no farm"),
+    ("scenes", ["proto/transport", "coordinator", "worker", "cli"], "scene files see no farm"),
+    ("coordinator", ["worker", "cli", "renderer/accel", "renderer/integrator"],
+     "the coordinator neither traces nor knows the worker's code"),
+    ("worker", ["coordinator", "cli"], "the worker does not know the coordinator's code"),
+]
+
+# What only one room may touch: (what, pattern of a line, the rooms that may).
+MONOPOLIES = [
+    ("ZeroMQ", re.compile(r'#\s*include\s*[<"]zmq'), ["proto/transport"]),
+    ("protobuf's parsers",
+     re.compile(r"TextFormat|JsonStringToMessage|\bParse(Partial)?From|google/protobuf/(text_format|"
+                r"util/json_util)"), ["proto/wire"]),
+    ("OpenImageIO", re.compile(r'#\s*include\s*[<"]OpenImageIO'), ["renderer/image/oiio"]),
+    ("Embree", re.compile(r'#\s*include\s*[<"]embree'), ["renderer/accel/embree"]),
+    ("pugixml", re.compile(r'#\s*include\s*[<"]pugixml'), ["scenes/formats"]),
+]
+
+
+def below(room, prefix):
+    return room == prefix or room.startswith(prefix + "/")
+
+
+def read_rooms(path):
+    rooms = {}
+    for line in path.read_text().splitlines():
+        if line.strip():
+            room, _, uses = line.partition(":")
+            rooms[room.strip()] = uses.split()
+    return rooms
+
+
+def find_cycle(rooms):
+    """One cycle of the arrows as a list of rooms, or None."""
+    done, trail = set(), []
+
+    def visit(room):
+        if room in trail:
+            return trail[trail.index(room):] + [room]
+        if room in done:
+            return None
+        trail.append(room)
+        for used in rooms.get(room, []):
+            if cycle := visit(used):
+                return cycle
+        trail.pop()
+        done.add(room)
+        return None
+
+    for room in rooms:
+        if cycle := visit(room):
+            return cycle
+    return None
+
+
+def reachable(rooms, start):
+    seen, todo = set(), list(rooms.get(start, []))
+    while todo:
+        room = todo.pop()
+        if room not in seen:
+            seen.add(room)
+            todo += rooms.get(room, [])
+    return seen
+
+
+def check_declarations(rooms):
+    for room, uses in rooms.items():
+        for used in uses:
+            if used not in rooms:
+                yield f"{room}: USES {used}, which is no room"
+    if cycle := find_cycle(rooms):
+        yield "cycle: " + " -> ".join(cycle)
+    for room in rooms:
+        for prefix, forbidden, why in WALLS:
+            if below(room, prefix):
+                for used in sorted(reachable(rooms, room)):
+                    if any(below(used, f) for f in forbidden):
+                        yield f"{room}: reaches {used}; {why}"
+
+
+def source_lines(text):
+    """(number, line) of every line with comments blanked, so that prose is not taken for code."""
+    text = re.sub(r"/\*.*?\*/", lambda m: "\n" * m.group().count("\n"), text, flags=re.S)
+    for number, line in enumerate(text.splitlines(), 1):
+        yield number, line if INCLUDE.match(line) else line.split("//")[0]
+
+
+def check_include(rooms, root, room, style, target):
+    """What is wrong with one #include of a file in `room`, or None."""
+    used = str(pathlib.PurePosixPath(target).parent)
+    inside = used in rooms or target.split("/")[0] in TOP_FOLDERS
+    if style == "<":
+        return f'<{target}> is ours: include it with "..."' if inside else None
+    if not inside:
+        if (root / room / target).exists():
+            return f'"{target}" is not written from the repository\'s root'
+        return f'"{target}" is in no room'
+    if used not in rooms:
+        return f'"{target}" is in {used}, which is no room'
+    if used != room and used not in rooms[room]:
+        return f'"{target}": {room} does not declare USES {used}'
+    return None
+
+
+def check_file(rooms, root, room, path):
+    name = path.relative_to(root)
+    for number, line in source_lines(path.read_text(errors="replace")):
+        if include := INCLUDE.match(line):
+            if fault := check_include(rooms, root, room, *include.groups()):
+                yield f"{name}:{number}: {fault}"
+        for what, pattern, owners in MONOPOLIES:
+            if pattern.search(line) and not any(below(room, owner) for owner in owners):
+                yield f"{name}:{number}: {what} outside {', '.join(owners)}"
+
+
+def violations(root, rooms):
+    yield from check_declarations(rooms)
+    for top in TOP_FOLDERS:
+        for path in sorted((root / top).rglob("*")):
+            if path.suffix in ENDINGS and path.is_file():
+                room = path.parent.relative_to(root).as_posix()
+                if room not in rooms:
+                    yield f"{path.relative_to(root)}: its folder is no room"
+                else:
+                    yield from check_file(rooms, root, room, path)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--root", type=pathlib.Path, required=True)
+    parser.add_argument("--rooms", type=pathlib.Path, required=True)
+    arguments = parser.parse_args()
+    rooms = read_rooms(arguments.rooms)
+    found = list(violations(arguments.root.resolve(), rooms))
+    for line in found:
+        print(line)
+    print(f"{len(rooms)} rooms, {sum(map(len, rooms.values()))} arrows, {len(found)} violations")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""Plants each kind of violation in a small tree and looks whether check_arrows finds it."""
+import pathlib
+import tempfile
+import unittest
+
+import check_arrows
+
+ROOMS = {
+    "base": [],
+    "proto/wire": ["base"],
+    "proto/transport": ["base"],
+    "renderer/math": ["base"],
+    "renderer/accel": ["base", "renderer/math"],
+    "renderer/image": ["base"],
+    "scenes/formats": ["base", "proto/wire"],
+    "coordinator": ["base", "proto/wire", "proto/transport"],
+    "worker": ["base", "proto/transport", "renderer/accel"],
+    "cli": ["base", "coordinator", "worker"],
+}
+
+
+class Arrows(unittest.TestCase):
+    def found(self, files, extra_arrows=None):
+        """The violations in a tree of `files`, with `extra_arrows` added to ROOMS."""
+        rooms = {room: list(uses) for room, uses in ROOMS.items()}
+        for room, uses in (extra_arrows or {}).items():
+            rooms[room] = rooms.get(room, []) + uses
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for name, text in files.items():
+                (root / name).parent.mkdir(parents=True, exist_ok=True)
+                (root / name).write_text(text)
+            return list(check_arrows.violations(root, rooms))
+
+    def assert_one(self, expected, files, extra_arrows=None):
+        found = self.found(files, extra_arrows)
+        self.assertEqual(1, len(found), found)
+        self.assertIn(expected, found[0])
+
+    def test_a_clean_tree_has_none(self):
+        self.assertEqual([], self.found({
+            "base/error.h": "#pragma once\n#include <string>\n",
+            "renderer/accel/bvh.cpp": '#include "renderer/accel/bvh.h"\n'
+                                      '#include "renderer/math/vec.h"\n',
+            "proto/transport/socket.cpp": "#include <zmq.hpp>\n",
+            "proto/wire/decode.cpp": "message.ParseFromArray(data, size);\n",
+            "scenes/formats/x.cpp": "// TextFormat is proto/wire's\n#include <pugixml.hpp>\n",
+            "cli/render.cpp": '#include "coordinator/job.h"\n#include "worker/loop.h"\n',
+        }))
+
+    def test_an_include_without_an_arrow(self):
+        self.assert_one("renderer/math/vec.cpp:2: \"renderer/accel/bvh.h\"", {
+            "renderer/math/vec.cpp": '#include <cmath>\n#include "renderer/accel/bvh.h"\n'})
+
+    def test_an_arrow_does_not_reach_through_another_room(self):
+        self.assert_one("does not declare USES renderer/math",
+                        {"worker/loop.cpp": '#include "renderer/math/vec.h"\n'})
+
+    def test_a_cycle_of_arrows(self):
+        self.assert_one("cycle: renderer/math -> renderer/accel -> renderer/math", {},
+                        {"renderer/math": ["renderer/accel"]})
+
+    def test_the_renderer_sees_no_sockets(self):
+        self.assert_one("renderer/image: reaches proto/transport", {},
+                        {"renderer/image": ["proto/transport"]})
+
+    def test_walls_hold_through_other_rooms(self):
+        found = self.found({}, {"scenes/formats": ["proto/extra"],
+                                "proto/extra": ["proto/transport"]})
+        self.assertEqual(1, len(found), found)
+        self.assertIn("scenes/formats: reaches proto/transport", found[0])
+
+    def test_coordinator_and_worker_are_strangers(self):
+        self.assertTrue(any("worker: reaches coordinator" in line
+                            for line in self.found({}, {"worker": ["coordinator"]})))
+        self.assertTrue(any("coordinator: reaches worker" in line
+                            for line in self.found({}, {"coordinator": ["worker"]})))
+
+    def test_the_coordinator_does_not_trace(self):
+        self.assertTrue(any("coordinator: reaches renderer/accel" in line
+                            for line in self.found({}, {"coordinator": ["renderer/accel"]})))
+
+    def test_a_library_outside_its_room(self):
+        for what, room, line in [("ZeroMQ", "coordinator", "#include <zmq.h>"),
+                                 ("OpenImageIO", "renderer/image",
+                                  "#include <OpenImageIO/imageio.h>"),
+                                 ("pugixml", "renderer/math", '#include "pugixml.hpp"'),
+                                 ("protobuf's parsers", "scenes/formats",
+                                  "google::protobuf::TextFormat::Parser parser;"),
+                                 ("protobuf's parsers", "worker", "m.ParseFromString(bytes);"),
+                                 ("protobuf's parsers", "cli", "JsonStringToMessage(text, &m);")]:
+            with self.subTest(line=line):
+                found = self.found({f"{room}/x.cpp": f"int before;\n{line}\n"})
+                self.assertTrue(any(f"{room}/x.cpp:2: {what}" in v for v in found), found)
+
+    def test_a_file_outside_every_room(self):
+        self.assert_one("its folder is no room", {"renderer/lost/x.cpp": "int x;\n"})
+
+    def test_our_headers_in_angle_brackets_or_by_a_short_path(self):
+        self.assert_one("is ours", {"renderer/math/a.cpp": "#include <renderer/accel/bvh.h>\n"})
+        self.assert_one("not written from the repository's root", {
+            "renderer/math/a.cpp": '#include "vec.h"\n', "renderer/math/vec.h": "\n"})
+
+    def test_an_unknown_room_in_an_arrow(self):
+        self.assert_one("USES renderer/mth, which is no room", {},
+                        {"renderer/accel": ["renderer/mth"]})
+
+
+if __name__ == "__main__":
+    unittest.main()

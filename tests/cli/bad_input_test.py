@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""Wrong files, names, sizes and places: one clear line, the right exit code, nothing half-written."""
+import os
+import socket
+import unittest
+
+import scenes
+from tessera_process import TesseraTest
+
+
+class BadCommandLine(TesseraTest):
+    def setUp(self):
+        super().setUp()
+        self.scene = self.write("scene.tessera", scenes.ONE_SPHERE)
+
+    def refused(self, *arguments, says):
+        result = self.run_program(*arguments)
+        self.assert_error(result, 2, *says)
+        self.assertEqual("", result.out)
+        self.assertEqual(["scene.tessera", "tmp"], sorted(p.name for p in self.folder.iterdir()))
+
+    def test_no_command_and_unknown_ones(self):
+        self.refused(says=["no command"])
+        self.refused("rendr", self.scene, says=["'rendr'", "'render'"])
+        self.refused("render", self.scene, "--sise", "8x8", says=["'--sise'", "'--size'"])
+        self.refused("render", says=["SCENE"])
+        self.refused("render", self.scene, "more", says=["'more'"])
+        self.refused("worker", says=["--connect"])
+
+    def test_names(self):
+        self.refused("render", self.scene, "--accel", "bhv", says=["'bhv'", "'bvh'"])
+        self.refused("render", self.scene, "--integrator", "whited", says=["'whitted'"])
+        self.refused("render", self.scene, "--camera", "fornt", says=["'fornt'", "'front'"])
+        self.refused("render", self.scene, "-o", "x.pgn", says=["pgn", "png"])
+
+    def test_sizes(self):
+        for size in ["0x10", "10x0", "1000000000x1", "65537x1", "65536x65536", "-5x5", "8", "8x",
+                     "x8", "8x8x8", "8.5x8", "axb", "", "99999999999999999999x1", " 8x8", "8x8 "]:
+            with self.subTest(size=size):
+                self.refused("render", self.scene, "--size", size, says=["--size"])
+
+    def test_numbers(self):
+        for option, value in [("--spp", "0"), ("--spp", "1048577"), ("--spp", "many"),
+                              ("--workers", "-1"), ("--workers", "1000000000"), ("--threads", "0"),
+                              ("--tile", "0"), ("--tile", "1e3"), ("--seed", "-1"),
+                              ("--seed", "4294967296"), ("--time", "nan"), ("--time", "inf"),
+                              ("--time", "soon"), ("--crop", "0,0,0,10"), ("--crop", "5,5,1,9"),
+                              ("--crop", "1,2,3"), ("--crop", "-1,0,3,3"), ("--frames", "5-2"),
+                              ("--frames", "a-b"), ("--frames", "-3")]:
+            with self.subTest(option=option, value=value):
+                self.refused("render", self.scene, f"{option}={value}", says=[option, value])
+
+    def test_a_crop_beyond_the_frame(self):
+        self.refused("render", self.scene, "--size", "8x8", "--crop", "4,4,9,8", says=["--crop"])
+
+    def test_what_does_not_exist_yet(self):
+        self.refused("render", self.scene, "--resume", says=["--resume", "yet"])
+        self.refused("render", self.scene, "--accel", "octree", says=["'octree'", "yet"])
+        self.refused("serve", "--http", "127.0.0.1:8080", says=["--http", "yet"])
+        self.refused("serve", "--store", "jobs", says=["--store", "yet"])
+
+    def test_places_that_cannot_be_written(self):
+        for place in ["nowhere/picture.png", "tmp", "tmp/"]:
+            with self.subTest(place=place):
+                self.refused("render", self.scene, "-o", place, says=[place])
+        self.refused("render", self.scene, "--stats", "nowhere/s.json", says=["nowhere"])
+        self.refused("convert", self.scene, "nowhere/s.json", says=["nowhere"])
+        self.refused("convert", self.scene, "s.jsn", says=["s.jsn", ".json"])
+
+    def test_endpoints(self):
+        for endpoint in ["", "nonsense", "tcp://", "http://127.0.0.1:80", "tcp://127.0.0.1:99999"]:
+            with self.subTest(endpoint=endpoint):
+                self.refused("serve", f"--bind={endpoint}", says=[endpoint or "ENDPOINT"])
+                self.refused("worker", f"--connect={endpoint}", says=[endpoint or "ENDPOINT"])
+
+    def test_only_loopback_without_keys(self):
+        self.refused("serve", "--bind", "tcp://0.0.0.0:*", says=["0.0.0.0"])
+
+    def test_a_port_in_use(self):
+        with socket.socket() as taken:
+            taken.bind(("127.0.0.1", 0))
+            taken.listen()
+            port = taken.getsockname()[1]
+            self.refused("serve", "--bind", f"tcp://127.0.0.1:{port}", says=[str(port), "use"])
+
+
+class BadScenes(TesseraTest):
+    def refused(self, name, content, *parts):
+        """`render` and `info` refuse this file, and nothing else is made."""
+        path = self.write(name, content) if content is not None else self.folder / name
+        before = sorted(p.name for p in self.folder.iterdir())
+        for command in [("render", path, "--size", "16x16", "--workers", "2"), ("info", path)]:
+            with self.subTest(command=command[0]):
+                result = self.run_program(*command)
+                self.assert_error(result, 1, name, *parts)
+                self.assertEqual(before, sorted(p.name for p in self.folder.iterdir()))
+
+    def test_missing(self):
+        self.refused("nowhere.tessera", None)
+
+    def test_empty(self):
+        for name in ["a.tessera", "a.tesserab", "a.json", "a.obj", "a.x3d"]:
+            self.refused(name, "")
+
+    def test_a_folder(self):
+        (self.folder / "folder.obj").mkdir()
+        self.refused("folder.obj", None)
+
+    def test_an_unknown_ending(self):
+        self.refused("scene.tesera", "cameras {}\n", ".tessera")
+
+    def test_syntax_is_located(self):
+        self.refused("scene.tessera", 'cameras { name: "a" }\ncamras { name: "b" }\n',
+                     "scene.tessera:2", "camras", "cameras")
+
+    def test_truncated(self):
+        text = scenes.mesh_scene(4, 6)
+        self.refused("scene.tessera", text[:len(text) // 2], "scene.tessera:")
+        whole = self.write("whole.tessera", text)
+        for ending in ["tesserab", "json"]:
+            self.assertEqual(0, self.run_program("convert", whole, f"whole.{ending}").code)
+            data = (self.folder / f"whole.{ending}").read_bytes()
+            self.refused(f"cut.{ending}", data[:len(data) * 2 // 3])
+
+    def test_binary_rubbish(self):
+        rubbish = bytes((i * 197 + i // 7) % 256 for i in range(5000))
+        for ending in ["tessera", "tesserab", "json", "obj", "x3d"]:
+            self.refused(f"rubbish.{ending}", rubbish)
+
+    def test_not_finite(self):
+        self.refused("scene.tessera", "nodes { shape { sphere { radius: nan } } }\n")
+        self.refused("big.tessera", "nodes { shape { sphere { radius: 1e999 } } }\n")
+        self.refused("mesh.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n", "mesh.obj:2")
+
+    def test_indices_and_counts(self):
+        self.refused("scene.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4000000000\n", "scene.obj:4")
+        self.refused("mesh.tessera", "nodes { shape { mesh { inline_positions: [0,0,0, 1,0,0, 0,1,0]"
+                     " inline_triangles: [0,1,4000000000] } } }\n")
+        self.refused("digest.tessera", 'nodes { shape { mesh { positions { digest: "00" '
+                     "size: 18446744073709551615 } } } }\n")
+        self.refused("lost.tessera", 'nodes { shape { mesh { positions { digest: "' + "ab" * 32 +
+                     '" size: 1152921504606846976 } } } }\n')
+
+    def test_settings_out_of_range(self):
+        for settings in ["width: 0", "height: 1000000000", "width: 65536 height: 65536",
+                         "sampling { samples_per_pixel: 0 }", "sampling { samples_per_pixel: 4294967295 }"]:
+            with self.subTest(settings=settings):
+                path = self.write("scene.tessera", f"settings {{ {settings} }}\n" + scenes.ONE_SPHERE)
+                self.assert_error(self.run_program("render", path), 1, "settings")
+
+    def test_cycles(self):
+        self.refused("scene.tessera",
+                     'objects { name: "a" nodes { instance_of: "b" } }\n'
+                     'objects { name: "b" nodes { instance_of: "a" } }\n'
+                     'nodes { instance_of: "a" }\n', "'a'")
+        self.refused("self.tessera", 'includes { file: "self.tessera" }\n')
+
+    def test_undefined_names(self):
+        self.refused("scene.tessera", 'materials { name: "red" classic { } }\n'
+                     'nodes { shape { materials: "rde" sphere { } } }\n', "'rde'", "'red'")
+
+    def test_a_reference_out_of_the_folder(self):
+        self.refused("scene.tessera", 'includes { file: "/etc/passwd" format: "obj" }\n')
+        self.refused("dots.tessera", 'includes { file: "../../etc/passwd" format: "obj" }\n')
+
+    @unittest.skipIf(os.geteuid() == 0, "root may read everything")
+    def test_unreadable(self):
+        path = self.write("secret.obj", "v 0 0 0\n")
+        path.chmod(0)
+        self.refused("secret.obj", None)
+
+
+class BadWorkers(TesseraTest):
+    def test_another_protocol_version_is_told_so(self):
+        serve = self.start("serve", "--bind", "tcp://127.0.0.1:*")
+        endpoint = serve.stdout.readline().split()[-1]
+        worker = self.run_program("worker", "--connect", endpoint, "--threads", 1,
+                                  "--protocol-major", 99)
+        self.assertEqual(2, worker.code)
+        self.assertIn("99", worker.err)
+        self.assertIsNone(serve.poll(), "the coordinator goes on")
+        serve.terminate()
+        self.assertEqual(0, serve.wait(10))
+
+
+if __name__ == "__main__":
+    unittest.main()

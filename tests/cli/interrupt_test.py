@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""Ctrl-C and SIGTERM: once stops cleanly, twice at once; nothing is left behind."""
+import os
+import signal
+import time
+import unittest
+
+import scenes
+from tessera_process import SLOWER, TesseraTest, marked_processes, wait_until
+
+LONG = ["--size", "1600x1200", "--spp", "4096"]
+
+
+class Interrupt(TesseraTest):
+    def setUp(self):
+        super().setUp()
+        self.scene = self.write("scene.tessera", scenes.glass_scene())
+
+    def start_long_render(self, workers):
+        process = self.start("render", self.scene, "-o", "picture.png", "--stats", "stats.json",
+                             "--workers", workers, *LONG)
+        wait_until(lambda: len(marked_processes(self.mark)) == workers + 1, 10, "all run")
+        time.sleep(0.4)
+        return process
+
+    def assert_interrupted(self, process, seconds):
+        began = time.monotonic()
+        out, err = process.communicate(timeout=60)
+        self.assertEqual(4, process.returncode, err)
+        self.assertLess(time.monotonic() - began, seconds * SLOWER)
+        wait_until(lambda: not marked_processes(self.mark), 5, "no process is left")
+        self.assertEqual(["scene.tessera", "tmp"], sorted(p.name for p in self.folder.iterdir()))
+        return err
+
+    def test_once(self):
+        for sent in [signal.SIGINT, signal.SIGTERM]:
+            for workers in [0, 3]:
+                with self.subTest(signal=sent.name, workers=workers):
+                    process = self.start_long_render(workers)
+                    process.send_signal(sent)
+                    self.assertIn("interrupted", self.assert_interrupted(process, 5))
+
+    def test_from_the_terminal_it_reaches_all(self):
+        """Ctrl-C goes to the whole process group, workers included."""
+        process = self.start("render", self.scene, "-o", "picture.png", "--workers", 3, *LONG,
+                             start_new_session=True)
+        workers = wait_until(lambda: len(p := marked_processes(self.mark)) == 4 and p, 10, "all run")
+        time.sleep(0.3)
+        for each in workers:
+            os.kill(each, signal.SIGINT)
+        self.assertIn("interrupted", self.assert_interrupted(process, 5))
+
+    def test_twice(self):
+        process = self.start_long_render(3)
+        process.send_signal(signal.SIGINT)
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=60)
+        self.assertEqual(4, process.returncode)
+        wait_until(lambda: not marked_processes(self.mark), 5, "no process is left")
+        self.assertFalse((self.folder / "picture.png").exists())
+
+    def test_while_it_waits_for_workers(self):
+        serve = self.start("serve", "--bind", "tcp://127.0.0.1:*")
+        endpoint = serve.stdout.readline().split()[-1]
+        process = self.start("render", self.scene, "-o", "picture.png", "--connect", endpoint, *LONG)
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=20)
+        self.assertEqual(4, process.returncode)
+        serve.send_signal(signal.SIGINT)
+        self.assertEqual(0, serve.wait(10))
+
+
+if __name__ == "__main__":
+    unittest.main()

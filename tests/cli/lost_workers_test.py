@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+"""Workers that are killed, stopped or late, in the midst of a loaded farm: same picture, exit 0."""
+import os
+import random
+import signal
+import time
+import unittest
+
+import scenes
+from tessera_process import SLOWER, TesseraTest, marked_processes, wait_until
+
+SEEDS = int(os.environ.get("TESSERA_TEST_SEEDS", "12"))
+# A second or so of work, so that there is a midst.
+LOAD = ["--size", "320x240", "--tile", "16", "--spp"]
+
+
+class LostWorkers(TesseraTest):
+    spp = 8
+
+    def setUp(self):
+        super().setUp()
+        self.scene = self.write("scene.tessera", scenes.glass_scene())
+        self.reference = self.render(self.scene, "--workers", "0", *LOAD, self.spp)["pixels_sha256"]
+
+    def start_render(self, workers, *options):
+        process = self.start("render", self.scene, "-o", "picture.png", "--stats", "stats.json",
+                             "--quiet", "--workers", workers, *LOAD, self.spp, *options)
+        return process
+
+    def workers_of(self, process):
+        return [p for p in marked_processes(self.mark) if p != process.pid]
+
+    def wait_for_workers(self, process, count):
+        return wait_until(lambda: len(w := self.workers_of(process)) >= count and w, 10,
+                          f"{count} workers run")
+
+    def assert_same_picture(self, process, seconds=90):
+        out, err = process.communicate(timeout=seconds)
+        self.assertEqual(0, process.returncode, err)
+        stats = self.stats()
+        self.assertEqual(self.reference, stats["pixels_sha256"])
+        self.assertEqual(stats["tiles"]["total"], stats["tiles"]["done"])
+        self.assertEqual(0, stats["tiles"]["mismatches"])
+        return stats
+
+    def kill(self, process, sent=signal.SIGKILL):
+        try:
+            os.kill(process, sent)
+        except ProcessLookupError:
+            pass  # it had just ended
+
+    def test_kill_one_at_any_moment(self):
+        for seed in range(SEEDS):
+            with self.subTest(seed=seed):
+                chance = random.Random(seed)
+                process = self.start_render(3)
+                workers = self.wait_for_workers(process, 3)
+                time.sleep(chance.uniform(0, 0.6))
+                self.kill(chance.choice(workers))
+                self.assert_same_picture(process)
+
+    def test_kill_all_but_one(self):
+        for seed in range(max(1, SEEDS // 3)):
+            with self.subTest(seed=seed):
+                chance = random.Random(1000 + seed)
+                process = self.start_render(4)
+                workers = self.wait_for_workers(process, 4)
+                time.sleep(chance.uniform(0.05, 0.5))
+                for worker in chance.sample(workers, 3):
+                    self.kill(worker)
+                self.assert_same_picture(process)
+
+    def test_kill_every_worker(self):
+        """They are replaced."""
+        process = self.start_render(3)
+        for worker in self.wait_for_workers(process, 3):
+            self.kill(worker)
+        stats = self.assert_same_picture(process)
+        self.assertGreater(stats["workers"]["seen"], 0)
+
+    def test_a_loss_under_load_is_counted(self):
+        """Killed while it surely has tiles: they are tried again, and that shows."""
+        self.spp = 64
+        self.reference = self.render(self.scene, "--workers", "0", *LOAD, self.spp)["pixels_sha256"]
+        process = self.start_render(3)
+        workers = self.wait_for_workers(process, 3)
+        time.sleep(0.5 * SLOWER)
+        self.kill(workers[0])
+        stats = self.assert_same_picture(process)
+        self.assertGreaterEqual(stats["workers"]["lost"], 1)
+        self.assertGreaterEqual(stats["tiles"]["retries"], 1)
+
+    def test_stop_one_for_good(self):
+        """A stopped process is silent, but its socket still stands."""
+        for seed in range(max(1, SEEDS // 6)):
+            with self.subTest(seed=seed):
+                chance = random.Random(2000 + seed)
+                process = self.start_render(3)
+                workers = self.wait_for_workers(process, 3)
+                time.sleep(chance.uniform(0.05, 0.4))
+                stopped = chance.choice(workers)
+                self.kill(stopped, signal.SIGSTOP)
+                self.assert_same_picture(process)
+                self.assertNotIn(stopped, marked_processes(self.mark))
+
+    def test_a_late_worker_joins(self):
+        """A coordinator without workers waits for one; a second one comes while it works."""
+        serve = self.start("serve", "--bind", "tcp://127.0.0.1:*")
+        endpoint = serve.stdout.readline().split()[-1]
+        process = self.start("render", self.scene, "-o", "picture.png", "--stats", "stats.json",
+                             "--quiet", "--connect", endpoint, *LOAD, self.spp)
+        time.sleep(0.3)
+        self.assertIsNone(process.poll(), "it should wait for a worker")
+        workers = [self.start("worker", "--connect", endpoint, "--threads", 1)]
+        time.sleep(0.3)
+        workers.append(self.start("worker", "--connect", endpoint, "--threads", 2))
+        self.assert_same_picture(process)
+        serve.send_signal(signal.SIGTERM)
+        self.assertEqual(0, serve.wait(10))
+        for worker in workers:
+            self.assertEqual(0, worker.wait(10))
+
+    def test_the_workers_die_with_the_program(self):
+        process = self.start_render(4)
+        self.wait_for_workers(process, 4)
+        process.kill()
+        process.wait()
+        wait_until(lambda: not marked_processes(self.mark), 5, "all workers are gone")
+        for folder in self.temporary.iterdir():  # nobody was left to tidy up
+            for file in folder.iterdir():
+                file.unlink()
+            folder.rmdir()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,167 @@
+#!/usr/bin/env python3
+"""What the commands write and print when all is well."""
+import json
+import os
+import pty
+import re
+import time
+import unittest
+
+import scenes
+from tessera_process import PROGRAM, TesseraTest
+
+SMALL = ["--size", "48x32", "--workers", "2"]
+
+
+class Render(TesseraTest):
+    def setUp(self):
+        super().setUp()
+        self.scene = self.write("scene.tessera", scenes.glass_scene())
+
+    def test_the_default_output(self):
+        (self.folder / "sub").mkdir()
+        self.scene.rename(self.folder / "sub/view.one.tessera")
+        result = self.run_program("render", "sub/view.one.tessera", *SMALL)
+        self.assertEqual((0, ""), (result.code, "".join(re.findall("error.*", result.err))))
+        self.assertTrue((self.folder / "view.one.png").read_bytes().startswith(b"\x89PNG"))
+        self.assertIn("view.one.png", result.out)
+
+    def test_several_outputs(self):
+        result = self.run_program("render", self.scene, *SMALL, "-o", "a.png", "-o", "b.exr", "-o",
+                                  "c.bmp")
+        self.assertEqual(0, result.code, result.err)
+        for name, magic in [("a.png", b"\x89PNG"), ("b.exr", b"\x76\x2f\x31\x01"), ("c.bmp", b"BM")]:
+            self.assertTrue((self.folder / name).read_bytes().startswith(magic), name)
+
+    def test_quiet_is_silent(self):
+        result = self.run_program("render", self.scene, *SMALL, "--quiet")
+        self.assertEqual((0, "", ""), (result.code, result.out, result.err))
+
+    def test_piped_progress_is_plain_lines(self):
+        began = time.monotonic()
+        result = self.run_program("render", self.scene, "--size", "640x480", "--spp", "64",
+                                  "--tile", "16", "--workers", "2", seconds=120)
+        seconds = time.monotonic() - began
+        self.assertEqual(0, result.code)
+        self.assertNotIn("\r", result.err + result.out)
+        self.assertNotIn("\x1b", result.err + result.out)
+        lines = result.err.splitlines()
+        self.assertLessEqual(len(lines), 12 + seconds / 2)
+        for line in lines:
+            self.assertRegex(line, r"^ *\d+ %  \d+/\d+ tiles")
+
+    def test_a_terminal_gets_a_bar_that_goes_away(self):
+        child, terminal = pty.fork()
+        if child == 0:
+            os.chdir(self.folder)
+            os.execve(PROGRAM, ["tessera", "render", str(self.scene), "--size", "640x480", "--spp",
+                                "64", "--workers", "2"], self.environment())
+        shown = b""
+        try:
+            while part := os.read(terminal, 4096):
+                shown += part
+        except OSError:
+            pass  # how a pseudo-terminal says that its other end is closed
+        os.close(terminal)
+        self.assertEqual(0, os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), shown)
+        self.assertRegex(shown.decode(), r"\r\x1b\[K\[=*>? *\] +\d+ %  \d+/\d+ tiles  2 workers")
+        self.assertIn("\r\x1b[Kscene.png", shown.decode(), "the bar is wiped for the last line")
+
+    def test_statistics(self):
+        stats = self.render(self.scene, *SMALL, "--spp", "4", "--seed", "7", "--tile", "16")
+        self.assertEqual((48, 32, 4, 7), tuple(
+            stats[k] for k in ("width", "height", "samples_per_pixel", "seed")))
+        self.assertRegex(stats["version"], r"^\d+\.\d+\.\d+")
+        self.assertRegex(stats["scene"], "^[0-9a-f]{64}$")
+        self.assertRegex(stats["pixels_sha256"], "^[0-9a-f]{64}$")
+        self.assertEqual({"parse", "build", "trace", "assemble", "write", "total"},
+                         set(stats["seconds"]))
+        self.assertGreater(stats["seconds"]["total"], stats["seconds"]["trace"])
+        rays = stats["rays"]
+        self.assertEqual(48 * 32 * 4, stats["samples"])
+        self.assertEqual(stats["samples"],
+                         rays["primary"] + stats["skips"]["rays_background_skipped"])
+        for kind in ("shadow", "reflection", "refraction"):
+            self.assertGreater(rays[kind], 0, kind)
+        self.assertEqual(rays["total"], sum(rays[k] for k in rays if k != "total"))
+        for name in ("hits", "primitive_tests", "bytes_shipped", "peak_memory_bytes"):
+            self.assertGreater(stats[name], 0, name)
+        self.assertGreaterEqual(stats["node_visits"], 0)
+        self.assertEqual({"total": 6, "done": 6, "failed": 0, "retries": 0, "mismatches": 0},
+                         {k: v for k, v in stats["tiles"].items()
+                          if k not in ("speculative", "duplicates")})
+        self.assertEqual(stats["bytes_shipped"], sum(stats["bytes"].values()))
+        self.assertIsInstance(stats["skips"], dict)
+        self.assertEqual(0, stats["workers"]["lost"])
+
+    def test_frames(self):
+        result = self.run_program("render", self.scene, *SMALL, "--frames", "3-5", "-o", "anim.png")
+        self.assertEqual(0, result.code, result.err)
+        self.assertEqual([f"anim.000{i}.png" for i in (3, 4, 5)],
+                         sorted(p.name for p in self.folder.glob("*.png")))
+
+    def test_an_output_is_replaced(self):
+        self.write("old.png", "old")
+        self.assertEqual(0, self.run_program("render", self.scene, *SMALL, "-o", "old.png").code)
+        self.assertTrue((self.folder / "old.png").read_bytes().startswith(b"\x89PNG"))
+
+
+class OtherCommands(TesseraTest):
+    def setUp(self):
+        super().setUp()
+        self.scene = self.write("scene.tessera", scenes.mesh_scene(6, 8))
+
+    def test_help_teaches(self):
+        whole = self.run_program("--help")
+        self.assertEqual(0, whole.code)
+        for command in ("render", "serve", "worker", "convert", "info", "compare"):
+            self.assertIn(command, whole.out)
+            own = self.run_program(command, "--help")
+            self.assertEqual(0, own.code)
+            self.assertRegex(own.out, r"Examples?[:,]")
+        for option in ("-o", "--size", "--spp", "--workers", "--threads", "--tile", "--accel",
+                       "--integrator", "--seed", "--crop", "--frames", "--time", "--camera",
+                       "--resume", "--stats", "--quiet", "--connect"):
+            self.assertIn(option, self.run_program("render", "--help").out)
+
+    def test_version(self):
+        self.assertRegex(self.run_program("--version").out, r"^tessera \d+\.\d+\.\d+")
+
+    def test_conversion_loses_nothing(self):
+        before = json.loads(self.run_program("info", self.scene, "--json").out)
+        last = self.scene
+        for name in ("a.json", "b.tesserab", "c.tessera", "d.json"):
+            self.assertEqual(0, self.run_program("convert", last, name).code)
+            last = self.folder / name
+            self.assertEqual(before, json.loads(self.run_program("info", last, "--json").out), name)
+        self.assertEqual((self.folder / "a.json").read_bytes(), (self.folder / "d.json").read_bytes())
+
+    def test_info_lists_what_is_unused(self):
+        scene = self.write("more.tessera", scenes.material("idle", "") + scenes.ONE_SPHERE)
+        found = json.loads(self.run_program("info", scene, "--json").out)
+        self.assertTrue(any("idle" in line for line in found["unused"]), found)
+        self.assertIn("idle", self.run_program("info", scene).out)
+
+    def test_compare(self):
+        for seed, name in [(0, "a.exr"), (0, "b.exr"), (1, "c.exr")]:
+            self.assertEqual(0, self.run_program("render", self.scene, *SMALL, "--spp", 2, "--seed",
+                                                 seed, "-o", name).code)
+        self.run_program("render", self.scene, "--size", "8x8", "-o", "small.exr")
+        same = self.run_program("compare", "a.exr", "b.exr")
+        self.assertEqual(0, same.code, same.out)
+        self.assertRegex(same.out, r"max difference +0\n")
+        other = self.run_program("compare", "a.exr", "c.exr")
+        self.assertEqual(1, other.code)
+        greatest = float(re.search(r"max difference +(\S+)", other.out)[1])
+        self.assertEqual(0, self.run_program("compare", "a.exr", "c.exr", "--max-diff",
+                                             greatest * 1.001).code)
+        self.assertEqual(1, self.run_program("compare", "a.exr", "c.exr", "--max-diff",
+                                             greatest * 0.999).code)
+        self.assert_error(self.run_program("compare", "a.exr", "small.exr"), 1, "48x32", "8x8")
+        self.assert_error(self.run_program("compare", "a.exr", "none.exr"), 1, "none.exr")
+        self.write("text.png", "no picture")
+        self.assert_error(self.run_program("compare", "a.exr", "text.png"), 1, "text.png")
+
+
+if __name__ == "__main__":
+    unittest.main()

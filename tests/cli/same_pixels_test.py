@@ -1,0 +1,82 @@
+#!/usr/bin/env python3
+"""The picture is the same to the last bit however the work is cut and whoever does it."""
+import concurrent.futures
+import json
+import os
+import subprocess
+import unittest
+
+import scenes
+from tessera_process import PROGRAM, SLOWER, TesseraTest
+
+WIDTH, HEIGHT = 72, 50  # no multiple of any tile
+WORKERS = [0, 1, 2, 3, 4, 8]
+THREADS = [1, 2, 4]
+TILES = [8, 16, 48, 64, max(WIDTH, HEIGHT)]
+if SLOWER > 1:  # sanitizers look at the code, not at the combinations
+    WORKERS, THREADS, TILES = [0, 1, 4], [1, 4], [8, 48]
+
+
+class SamePixels(TesseraTest):
+    def digest(self, scene, options):
+        """The (pixels_sha256, counts that may not depend on the cut) of one render."""
+        name = "-".join(map(str, options)).replace("--", "")
+        result = subprocess.run(
+            [PROGRAM, "render", scene, "-o", f"{name}.png", "--stats", f"{name}.json", "--quiet",
+             "--size", f"{WIDTH}x{HEIGHT}", *map(str, options)],
+            cwd=self.folder, env=self.environment(), capture_output=True, text=True,
+            timeout=120 * SLOWER)
+        self.assertEqual((0, ""), (result.returncode, result.stderr), name)
+        stats = json.loads((self.folder / f"{name}.json").read_text())
+        self.assertEqual(stats["tiles"]["total"], stats["tiles"]["done"], name)
+        self.assertEqual(0, stats["tiles"]["mismatches"], name)
+        return stats["pixels_sha256"], stats["rays"], stats["hits"]
+
+    def assert_all_equal(self, text):
+        scene = self.write("scene.tessera", text)
+        ways = [("--workers", w, "--threads", t, "--tile", tile)
+                for w in WORKERS for t in THREADS for tile in TILES]
+        reference = self.digest(scene, ("--workers", 0, "--threads", 1, "--accel", "linear"))
+        self.assertGreater(reference[2], WIDTH * HEIGHT / 2, "the picture shows next to nothing")
+        with concurrent.futures.ThreadPoolExecutor(max(2, os.cpu_count() // 2)) as pool:
+            for way, found in zip(ways, pool.map(lambda way: self.digest(scene, way), ways)):
+                self.assertEqual(reference, found, way)
+
+    def test_a_mesh(self):
+        self.assert_all_equal(scenes.mesh_scene(rings=12, segments=24))
+
+    def test_mirror_and_glass(self):
+        self.assert_all_equal(scenes.glass_scene())
+
+    def test_many_lights(self):
+        self.assert_all_equal(scenes.lights_scene())
+
+    def test_other_settings_give_other_pixels(self):
+        """That the digests could differ at all."""
+        scene = self.write("scene.tessera", scenes.lights_scene())
+        digests = {self.digest(scene, options)[0]
+                   for options in [("--spp", 1), ("--spp", 4), ("--spp", 4, "--seed", 1),
+                                   ("--camera", "side")]}
+        self.assertEqual(4, len(digests))
+
+
+class Crop(TesseraTest):
+    def test_a_crop_has_the_pixels_of_the_whole(self):
+        scene = self.write("scene.tessera", scenes.glass_scene())
+        self.render(scene, "-o", "whole.pfm", "--size", "60x40", "--spp", "4")
+        self.render(scene, "-o", "crop.pfm", "--size", "60x40", "--spp", "4", "--crop", "13,7,41,30")
+        whole, crop = self.pixels("whole.pfm"), self.pixels("crop.pfm")
+        self.assertEqual((28, 23), (len(crop[0]), len(crop)))
+        self.assertEqual([row[13:41] for row in whole[7:30]], crop)
+
+    def pixels(self, name):
+        """Rows from the top, each a list of 12-byte pixels."""
+        header, size, _, data = (self.folder / name).read_bytes().split(b"\n", 3)
+        self.assertEqual(b"PF", header)
+        width, height = map(int, size.split())
+        rows = [[data[12 * (y * width + x):][:12] for x in range(width)] for y in range(height)]
+        return rows[::-1]  # the file has the bottom row first
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,115 @@
+"""Runs the real program for the end-to-end tests of this folder."""
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+import uuid
+
+PROGRAM = os.environ.get("TESSERA_PROGRAM") or str(
+    pathlib.Path(__file__).parents[2] / "build/dev/bin/tessera")
+SLOWER = float(os.environ.get("TESSERA_TEST_SLOWDOWN", "1"))  # sanitizers
+MARK = "TESSERA_TEST_MARK"
+
+
+def marked_processes(mark):
+    """The ids of the living processes whose environment carries `mark`, zombies left out."""
+    found = []
+    for entry in pathlib.Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            if f"{MARK}={mark}".encode() in (entry / "environ").read_bytes().split(b"\0"):
+                state = (entry / "stat").read_text().rpartition(")")[2].split()[0]
+                if state not in "ZX":
+                    found.append(int(entry.name))
+        except OSError:
+            pass  # it ended while we looked
+    return found
+
+
+def wait_until(condition, seconds, what):
+    """Polls until `condition()` is true; its value. Fails loudly after some seconds."""
+    deadline = time.monotonic() + seconds * SLOWER
+    while True:
+        if value := condition():
+            return value
+        if time.monotonic() > deadline:
+            raise AssertionError(f"after {seconds * SLOWER} s still not: {what}")
+        time.sleep(0.002)
+
+
+class TesseraTest(unittest.TestCase):
+    """Each test has a folder of its own and fails if it leaves a process or a temporary file."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="tessera-test-"))
+        self.temporary = self.folder / "tmp"
+        self.temporary.mkdir()
+        self.mark = uuid.uuid4().hex
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def tearDown(self):
+        left = marked_processes(self.mark)
+        for process in left:
+            os.kill(process, signal.SIGKILL)
+        self.assertEqual([], left, "processes left behind")
+        self.assertEqual([], list(self.temporary.iterdir()), "temporary files left behind")
+        half = [p.name for p in self.folder.rglob("*")
+                if p.suffix in (".part", ".tmp") and p != self.temporary]
+        self.assertEqual([], half, "half-written files left behind")
+
+    def environment(self):
+        return {**os.environ, MARK: self.mark, "TMPDIR": str(self.temporary)}
+
+    def write(self, name, content):
+        path = self.folder / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    def start(self, *arguments, **options):
+        """The program as a running process, in the test's folder."""
+        process = subprocess.Popen(
+            [PROGRAM, *map(str, arguments)], cwd=self.folder, env=self.environment(), text=True,
+            stdin=subprocess.DEVNULL, **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options})
+        self.addCleanup(self.end, process)
+        return process
+
+    @staticmethod
+    def end(process):
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+    def run_program(self, *arguments, seconds=60):
+        """The ended process with .code, .out and .err."""
+        process = self.start(*arguments)
+        out, err = process.communicate(timeout=seconds * SLOWER)
+        return Result(process.returncode, out, err)
+
+    def render(self, scene, *options, seconds=60):
+        """Renders and returns the --stats of a success."""
+        result = self.run_program("render", scene, "-o", "picture.png", "--stats", "stats.json",
+                                  *options, seconds=seconds)
+        self.assertEqual(0, result.code, result.err)
+        return self.stats()
+
+    def stats(self):
+        return json.loads((self.folder / "stats.json").read_text())
+
+    def assert_error(self, result, code, *parts):
+        """One line on standard error that has all `parts`, and that exit code."""
+        self.assertEqual(code, result.code, result.err)
+        lines = [line for line in result.err.splitlines() if not line.startswith("tessera: warning")]
+        self.assertEqual(1, len(lines), result.err)
+        for part in parts:
+            self.assertIn(part, lines[0])
+
+
+class Result:
+    def __init__(self, code, out, err):
+        self.code, self.out, self.err = code, out, err

@@ -1,0 +1,53 @@
+// A real worker process that traces the fake renderer: what LocalWorkers starts in tests.
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <string>
+#include <thread>
+
+#include "proto/transport/zmq_transport.h"
+#include "tests/farm/fake_renderer.h"
+#include "worker/run_worker.h"
+
+namespace {
+
+using namespace tessera;
+
+/// Takes its time, so that tests can do something to it meanwhile. Tile row 0 may be deadly.
+class SlowRenderer : public TileRenderer {
+ public:
+  SlowRenderer(uint32_t seed, int milliseconds, bool deadly)
+      : fake_(seed), milliseconds_(milliseconds), deadly_(deadly) {}
+  std::optional<TilePixels> render(const RenderTask& task, TileProgress& progress) const override {
+    if (deadly_ && task.rect.x0 == 0 && task.rect.y0 == 0) std::abort();
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds_));
+    return fake_.render(task, progress);
+  }
+  CounterMap build_counters() const override { return {}; }
+
+ private:
+  tessera::testing::FakeRenderer fake_;
+  int milliseconds_;
+  bool deadly_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::map<std::string, std::string> options;
+  for (int i = 2; i + 1 < argc; i += 2) options[argv[i]] = argv[i + 1];
+  if (options.contains("--fail")) return 9;
+  if (!die_with_parent(std::atoi(options["--parent"].c_str()))) return 8;
+  WorkerOptions worker;
+  worker.threads = std::atoi(options["--threads"].c_str());
+  const int pause = std::atoi(options["--pause"].c_str());
+  const bool deadly = options.contains("--deadly");
+  worker.make_renderer = [=](const v1::Scene&, const BlobStore&, const v1::FrameSettings& frame,
+                             int) {
+    return std::make_shared<SlowRenderer>(frame.seed(), pause, deadly);
+  };
+  const auto transport = connect_client(options["--connect"]);
+  const std::atomic<bool> never{false};
+  return static_cast<int>(run_worker(*transport, worker, never).exit_code);
+}

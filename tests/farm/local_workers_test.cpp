@@ -1,0 +1,172 @@
+// Real worker processes, and what can happen to them.
+#include "coordinator/local_workers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <filesystem>
+#include <random>
+#include <thread>
+
+#include "base/error.h"
+#include "coordinator/render_loop.h"
+#include "proto/transport/zmq_transport.h"
+#include "tests/farm/fake_renderer.h"
+
+namespace tessera::testing {
+namespace {
+
+using std::chrono::milliseconds;
+
+const std::atomic<bool> kNever{false};
+
+LocalWorkerOptions fake_workers(int count, int pause_ms) {
+  LocalWorkerOptions options;
+  options.count = count;
+  options.program = TESSERA_FAKE_WORKER;
+  options.extra_arguments = {"--pause", std::to_string(pause_ms)};
+  return options;
+}
+
+bool alive(pid_t process) { return kill(process, 0) == 0; }
+
+/// A coordinator with local workers, which rendering gives a `tick` every 100 ms.
+struct Farm {
+  LocalWorkers workers;
+  RenderLoop loop;
+  explicit Farm(const LocalWorkerOptions& options)
+      : workers(options), loop(bind_server(workers.endpoint()), {}) {
+    loop.watch(&workers);
+    workers.start();
+  }
+  JobResult render(const JobSpec& job, const ProgressCallback& tick) {
+    return loop.run(job, tick, kNever);
+  }
+};
+
+TEST(LocalWorkers, RenderAndLeaveNothingBehind) {
+  std::vector<pid_t> processes;
+  std::string folder;
+  {
+    Farm farm(fake_workers(4, 0));
+    processes = farm.workers.processes();
+    folder = std::filesystem::path(farm.workers.endpoint().substr(6)).parent_path();
+    EXPECT_EQ(std::filesystem::status(folder).permissions(), std::filesystem::perms::owner_all);
+    const JobSpec job = make_job(200, 100, 16);
+    const JobResult result = farm.render(job, nullptr);
+    EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+    EXPECT_EQ(result.report.workers_lost, 0u);
+    farm.loop.shut_down("done");
+    farm.workers.stop(std::chrono::seconds(2));
+    EXPECT_THAT(farm.workers.processes(), ::testing::IsEmpty());
+  }
+  for (const pid_t process : processes) EXPECT_FALSE(alive(process));
+  EXPECT_FALSE(std::filesystem::exists(folder));
+}
+
+TEST(LocalWorkers, KilledOnesAreReplacedAndThePictureIsTheSame) {
+  for (uint64_t seed = 1; seed <= 6; ++seed) {
+    std::mt19937_64 random(seed);
+    Farm farm(fake_workers(3, 20));
+    const JobSpec job = make_job(160, 160, 16);
+    int kills = 0;
+    const JobResult result = farm.render(job, [&](const JobProgress& progress) {
+      // A worker that has tiles: all are connected and the first results are in.
+      if (kills >= 4 || progress.workers < 3 || progress.tiles_done == 0) return;
+      if (progress.tiles_done == progress.tiles_total) return;
+      const auto& running = farm.workers.processes();
+      // The fourth time, all of them.
+      if (++kills == 4) {
+        for (const pid_t process : running) kill(process, SIGKILL);
+      } else {
+        kill(running[random() % running.size()], SIGKILL);
+      }
+    });
+    EXPECT_EQ(result.report.end, JobReport::End::done) << result.report.failure << " seed " << seed;
+    EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job)) << "seed " << seed;
+    EXPECT_GE(result.report.workers_lost, 1u) << "seed " << seed;
+    EXPECT_GE(result.report.retries, 1u) << "seed " << seed;
+    EXPECT_EQ(result.report.mismatches, 0u);
+  }
+}
+
+TEST(LocalWorkers, AStoppedOneHoldsNothingUpAndIsEnded) {
+  pid_t stopped = 0;
+  {
+    Farm farm(fake_workers(3, 10));
+    const JobSpec job = make_job(160, 160, 16);
+    const JobResult result = farm.render(job, [&](const JobProgress& progress) {
+      if (stopped != 0 || progress.tiles_done == 0) return;
+      stopped = farm.workers.processes()[1];
+      kill(stopped, SIGSTOP);
+    });
+    EXPECT_NE(stopped, 0);
+    EXPECT_EQ(result.report.end, JobReport::End::done);
+    EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+    farm.loop.shut_down("done");
+    farm.workers.stop(milliseconds(100));
+  }
+  EXPECT_FALSE(alive(stopped));
+}
+
+TEST(LocalWorkers, ATileThatCrashesThreeIsGivenUpAndTheRestIsRendered) {
+  LocalWorkerOptions options = fake_workers(2, 2);
+  options.extra_arguments.insert(options.extra_arguments.end(), {"--deadly", "yes"});
+  Farm farm(options);
+  const JobResult result = farm.render(make_job(96, 96, 16), nullptr);
+  EXPECT_EQ(result.report.exit_code, ExitCode::render_failed);
+  EXPECT_EQ(result.report.holes, std::vector<PixelRect>({{0, 0, 16, 16}}));
+  EXPECT_EQ(result.report.tiles_done, 35u);
+}
+
+TEST(LocalWorkers, ThoseThatEndAtOnceFailTheJobInTime) {
+  LocalWorkerOptions options = fake_workers(2, 0);
+  options.extra_arguments = {"--fail", "yes"};
+  Farm farm(options);
+  const JobResult result = farm.render(make_job(32, 32, 16), nullptr);
+  EXPECT_EQ(result.report.exit_code, ExitCode::render_failed);
+  EXPECT_THAT(result.report.failure, ::testing::HasSubstr("exit code 9"));
+  EXPECT_EQ(result.report.holes.size(), 4u);
+}
+
+TEST(LocalWorkers, AProgramThatIsNotThereIsAnError) {
+  LocalWorkerOptions options = fake_workers(1, 0);
+  options.program = "/nonexistent/worker";
+  LocalWorkers workers(options);
+  EXPECT_THROW(workers.start(), Error);
+}
+
+TEST(LocalWorkers, DieWithTheirParent) {
+  // Who is killed cannot tidy up: its private folder goes into one of ours.
+  std::string folder = (std::filesystem::temp_directory_path() / "tessera-test-XXXXXX").string();
+  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const pid_t parent = fork();
+  ASSERT_GE(parent, 0);
+  if (parent == 0) {
+    setenv("TMPDIR", folder.c_str(), 1);
+    auto* workers = new LocalWorkers(fake_workers(2, 0));
+    workers->start();
+    const auto running = workers->processes();
+    const auto size = static_cast<ssize_t>(running.size() * sizeof(pid_t));
+    if (write(ends[1], running.data(), running.size() * sizeof(pid_t)) != size) _exit(1);
+    pause();
+    _exit(0);
+  }
+  pid_t processes[2] = {};
+  const ssize_t got = read(ends[0], processes, sizeof processes);
+  kill(parent, SIGKILL);
+  EXPECT_EQ(got, static_cast<ssize_t>(sizeof processes));
+  ASSERT_EQ(waitpid(parent, nullptr, 0), parent);
+  for (const pid_t process : processes) {
+    for (int i = 0; i < 500 && alive(process); ++i) std::this_thread::sleep_for(milliseconds(10));
+    EXPECT_FALSE(alive(process));
+  }
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace tessera::testing

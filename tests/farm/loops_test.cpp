@@ -1,0 +1,212 @@
+// The real loops over real sockets, and in memory, with workers on threads of this process.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include "coordinator/job_client.h"
+#include "coordinator/render_loop.h"
+#include "proto/transport/memory_transport.h"
+#include "proto/transport/zmq_transport.h"
+#include "tests/farm/fake_renderer.h"
+#include "worker/run_worker.h"
+
+namespace tessera::testing {
+namespace {
+
+WorkerOptions worker_options(int threads) {
+  WorkerOptions options;
+  options.threads = threads;
+  options.make_renderer = make_fake_renderer;
+  return options;
+}
+
+/// Workers on threads, each with its own connection.
+class Threads {
+ public:
+  void add(std::unique_ptr<ClientTransport> transport, const WorkerOptions& options) {
+    transports_.push_back(std::move(transport));
+    ends_.push_back(std::make_unique<WorkerEnd>());
+    threads_.emplace_back([this, transport = transports_.back().get(), end = ends_.back().get(),
+                           options] { *end = run_worker(*transport, options, stop_); });
+  }
+  ~Threads() { join(); }
+  void join() {
+    for (std::thread& thread : threads_) thread.join();
+    threads_.clear();
+  }
+  void stop() { stop_ = true; }
+  const WorkerEnd& end(size_t i) const { return *ends_[i]; }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::vector<std::unique_ptr<ClientTransport>> transports_;
+  std::vector<std::unique_ptr<WorkerEnd>> ends_;
+  std::vector<std::thread> threads_;
+};
+
+/// A private folder for sockets.
+struct SocketFolder {
+  std::string path = (std::filesystem::temp_directory_path() / "tessera-test-XXXXXX").string();
+  SocketFolder() { EXPECT_NE(mkdtemp(path.data()), nullptr); }
+  ~SocketFolder() { std::filesystem::remove_all(path); }
+};
+
+const std::atomic<bool> kNever{false};
+
+TEST(RenderLoop, InMemoryWorkerTracesTheFrame) {
+  MemoryNetwork network;
+  RenderLoop loop(network.server(), {});
+  Threads workers;
+  workers.add(network.client(), worker_options(3));
+  const JobSpec job = make_job(100, 60, 16);
+  uint64_t told = 0;
+  const JobResult result = loop.run(
+      job, [&](const JobProgress& p) { told = p.tiles_total; }, kNever);
+  loop.shut_down("done");
+  EXPECT_EQ(result.report.end, JobReport::End::done);
+  EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+  EXPECT_EQ(result.report.tiles_total, 28u);
+  EXPECT_EQ(told, 28u);
+  EXPECT_EQ(result.report.counters.at("rays_primary"), 100u * 60 * 4);
+  workers.join();
+  EXPECT_EQ(workers.end(0).exit_code, ExitCode::done);
+}
+
+TEST(RenderLoop, SocketWorkersGiveTheSameBitsForAnyCut) {
+  for (const char* scheme : {"ipc", "tcp"}) {
+    const SocketFolder folder;
+    const std::string endpoint =
+        scheme == std::string("ipc") ? "ipc://" + folder.path + "/farm" : "tcp://127.0.0.1:*";
+    CoordinatorOptions options;
+    options.compress_pixels = scheme == std::string("tcp");
+    RenderLoop loop(bind_server(endpoint), options);
+    Threads workers;
+    for (int i = 0; i < 3; ++i) workers.add(connect_client(loop.endpoint()), worker_options(2));
+    for (const int tile : {0, 8, 33, 1000}) {
+      // Three chunks of one blob, the last of them short.
+      JobSpec job = make_job(200, 150, tile, 2'500'000);
+      job.crop = {13, 7, 181, 150};
+      const JobResult result = loop.run(job, nullptr, kNever);
+      EXPECT_EQ(result.report.end, JobReport::End::done);
+      EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job)) << scheme << " tile " << tile;
+      EXPECT_EQ(result.report.mismatches, 0u);
+      EXPECT_EQ(result.report.counters.at("rays_primary"), 168u * 143 * 4);
+    }
+    loop.shut_down("done");
+    workers.join();
+  }
+}
+
+TEST(RenderLoop, ServesAClientThatSubmitsAJob) {
+  RenderLoop loop(bind_server("tcp://127.0.0.1:*"), {});
+  std::atomic<bool> stop{false};
+  std::thread server([&] { loop.serve(stop); });
+  {
+    Threads workers;
+    workers.add(connect_client(loop.endpoint()), worker_options(2));
+    for (int round = 0; round < 2; ++round) {
+      const auto client = connect_client(loop.endpoint());
+      JobSpec job = make_job(700, 400, 32, 2'500'000);
+      job.frame.set_seed(static_cast<uint32_t>(round));
+      const JobResult result = run_remote_job(*client, job, nullptr, kNever);
+      EXPECT_EQ(result.report.end, JobReport::End::done);
+      EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+      EXPECT_EQ(result.report.tiles_done, 22u * 13);
+    }
+    workers.stop();
+  }
+  stop = true;
+  server.join();
+}
+
+TEST(RenderLoop, StopLeavesWhatThereIs) {
+  MemoryNetwork network;
+  RenderLoop loop(network.server(), {});
+  const std::atomic<bool> stop{true};
+  const JobResult result = loop.run(make_job(64, 64, 16), nullptr, stop);
+  EXPECT_EQ(result.report.end, JobReport::End::interrupted);
+  EXPECT_EQ(result.report.exit_code, ExitCode::interrupted);
+  EXPECT_EQ(result.report.holes.size(), 16u);
+}
+
+TEST(RenderLoop, RefusesAWorkerOfAnotherVersionAndNamesBoth) {
+  MemoryNetwork network;
+  RenderLoop loop(network.server(), {});
+  Threads strangers, workers;
+  WorkerOptions strange = worker_options(1);
+  strange.protocol_major = 77;
+  strangers.add(network.client(), strange);
+  strange = worker_options(1);
+  strange.numerics_id = "x87";
+  strangers.add(network.client(), strange);
+  workers.add(network.client(), worker_options(1));
+  const JobSpec job = make_job(64, 64, 16);
+  EXPECT_EQ(loop.run(job, nullptr, kNever).film.pixels_sha256(), expected_sha256(job));
+  std::atomic<bool> stop{false};
+  std::thread server([&] { loop.serve(stop); });
+  // They end by themselves, as soon as they are refused.
+  strangers.join();
+  workers.stop();
+  workers.join();
+  stop = true;
+  server.join();
+  EXPECT_EQ(strangers.end(0).exit_code, ExitCode::bad_usage);
+  EXPECT_THAT(strangers.end(0).reason, ::testing::HasSubstr("speaks protocol 77"));
+  EXPECT_THAT(strangers.end(0).reason, ::testing::HasSubstr("expected 1"));
+  EXPECT_EQ(strangers.end(1).exit_code, ExitCode::bad_usage);
+  EXPECT_THAT(strangers.end(1).reason, ::testing::HasSubstr("'x87'"));
+}
+
+TEST(RenderLoop, ASceneThatCannotBeBuiltFailsTheJob) {
+  MemoryNetwork network;
+  RenderLoop loop(network.server(), {});
+  Threads workers;
+  WorkerOptions options = worker_options(1);
+  options.make_renderer = [](auto&&...) -> std::shared_ptr<const TileRenderer> {
+    throw scene_error("no such material");
+  };
+  workers.add(network.client(), options);
+  const JobResult result = loop.run(make_job(64, 64, 16), nullptr, kNever);
+  loop.shut_down("done");
+  EXPECT_EQ(result.report.end, JobReport::End::failed);
+  EXPECT_EQ(result.report.exit_code, ExitCode::bad_scene);
+  EXPECT_EQ(result.report.failure, "no such material");
+}
+
+TEST(RenderLoop, ATileThatAlwaysFailsIsNamedAndTheRestIsRendered) {
+  class Poisoned : public FakeRenderer {
+   public:
+    using FakeRenderer::FakeRenderer;
+    std::optional<TilePixels> render(const RenderTask& task, TileProgress& p) const override {
+      if (task.rect.x0 == 16 && task.rect.y0 == 32) throw std::runtime_error("tile is cursed");
+      return FakeRenderer::render(task, p);
+    }
+  };
+  for (const int count : {1, 4}) {
+    MemoryNetwork network;
+    RenderLoop loop(network.server(), {});
+    Threads workers;
+    WorkerOptions options = worker_options(2);
+    options.make_renderer = [](auto&&...) { return std::make_shared<Poisoned>(5); };
+    for (int i = 0; i < count; ++i) workers.add(network.client(), options);
+    const JobResult result = loop.run(make_job(64, 64, 16), nullptr, kNever);
+    loop.shut_down("done");
+    EXPECT_EQ(result.report.exit_code, ExitCode::render_failed);
+    EXPECT_EQ(result.report.tiles_done, 15u);
+    ASSERT_EQ(result.report.holes.size(), 1u);
+    EXPECT_EQ(result.report.holes[0], (PixelRect{16, 32, 32, 48}));
+    EXPECT_THAT(result.report.failure, ::testing::HasSubstr("16,32"));
+    EXPECT_THAT(result.report.failure, ::testing::HasSubstr("tile is cursed"));
+  }
+}
+
+TEST(RenderLoop, NobodyAnswersAClient) {
+  const auto client = connect_client("tcp://127.0.0.1:1");
+  EXPECT_THROW(run_remote_job(*client, make_job(8, 8, 8), nullptr, kNever, 0.2), Error);
+}
+
+}  // namespace
+}  // namespace tessera::testing

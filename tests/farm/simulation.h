@@ -1,0 +1,117 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <queue>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "coordinator/coordinator.h"
+#include "coordinator/job_client.h"
+#include "tests/farm/fake_renderer.h"
+#include "worker/worker_session.h"
+
+namespace tessera::testing {
+
+/// What goes wrong, and how often. Drawn from the seed, so that each seed has another mix.
+struct Faults {
+  double loss = 0, duplication = 0, corruption = 0;
+  Time delay = std::chrono::milliseconds(1);  ///< the most, of each message
+  bool in_order = true;
+  int events = 0;            ///< crashes, freezes, partitions, joins ... in the first 20 s
+  bool split_bands = false;  ///< every row a message
+  bool as_frames = false;    ///< messages go through encode() and decode()
+  bool by_client = false;    ///< the job comes from a client
+  bool one_fails = false;    ///< the first worker fails its first two tiles
+  bool one_hangs = false;    ///< the second worker's first tile never ends
+  bool one_lies = false;     ///< the third worker's pixels are wrong
+};
+
+/// The whole farm in one thread under a simulated clock: the real Coordinator, WorkerSessions and
+/// JobClient; only sockets, threads and tracing are played. Everything follows from the seed.
+class Simulation {
+ public:
+  explicit Simulation(uint64_t seed,
+                      const std::function<void(Faults&, CoordinatorOptions&)>& adjust = {});
+
+  /// Runs to the end of the job; nothing if it does not end within ten minutes of simulated time.
+  std::optional<JobResult> run();
+
+  const JobSpec& job() const { return job_; }
+  const Faults& faults() const { return faults_; }
+  Time now() const { return now_; }
+  uint64_t messages() const { return messages_; }
+  bool trace = false;  ///< tell on standard error what happens
+
+ private:
+  struct Worker {
+    std::unique_ptr<WorkerSession> session;
+    PeerId peer;
+    uint32_t process = 0;
+    int failures_left = 0;  ///< two do not make a tile given up
+    bool lies = false;
+    bool hangs = false;  ///< from its next tile on
+    double slowness = 1;
+    Time frozen_until{}, cut_until{};  ///< stopped; separated from the coordinator
+    bool cut_to = false, cut_from = false;
+    size_t busy = 0;
+    std::deque<std::shared_ptr<TraceRun>> queue;
+    std::map<TraceRun*, std::pair<std::shared_ptr<TraceRun>, Time>> tracing;  ///< since when
+  };
+  struct Event {
+    Time time{};
+    uint64_t order = 0;
+    std::function<void()> act;
+    bool operator<(const Event& other) const {
+      return std::pair(time, order) > std::pair(other.time, other.order);
+    }
+  };
+
+  double draw() { return std::uniform_real_distribution<double>(0, 1)(random_); }
+  uint64_t draw(uint64_t below) { return random_() % below; }
+  Time draw_time(Time most) {
+    return Time(static_cast<int64_t>(draw() * static_cast<double>(most.count())));
+  }
+  void draw_faults();
+  void say(const std::string& text) const;
+
+  void at(Time time, std::function<void()> act);
+  /// Plays the network: `arrive` is called never, once or twice, now or later.
+  void carry(const v1::Envelope& message, const std::string& line,
+             const std::function<void(const v1::Envelope&)>& arrive);
+  Worker* find(const PeerId& peer);
+  Worker* find_process(uint32_t process);
+  void join();
+  void crash(uint32_t process, bool noticed, bool own_fault);
+  void something_happens();
+  void thaw_all();
+
+  void to_coordinator(Channel channel, const PeerId& peer, const v1::Envelope& message);
+  void deliver();
+  void perform(Worker& worker);
+  void start_tracing(Worker& worker);
+  void finish_tracing(uint32_t process, const std::shared_ptr<TraceRun>& run);
+  TraceOutcome outcome_of(Worker& worker, const std::shared_ptr<TraceRun>& run);
+  void deliver_client();
+  void tick();
+  Time next_time() const;
+
+  std::mt19937_64 random_;
+  Faults faults_;
+  double pace_ = 1;  ///< of tracing: larger is slower
+  JobSpec job_;
+  Time now_ = std::chrono::seconds(1000);
+  uint64_t order_ = 0, messages_ = 0;
+  std::priority_queue<Event> events_;
+  std::map<std::string, Time> last_arrival_;  ///< by line, where messages keep their order
+  std::unique_ptr<Coordinator> coordinator_;
+  std::map<uint32_t, Worker> workers_;
+  uint32_t processes_ = 0, peers_ = 0;
+  std::unique_ptr<JobClient> client_;
+  bool quiet_ = false;  ///< nothing goes wrong any more
+};
+
+}  // namespace tessera::testing

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <quadmath.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+
+#include "renderer/math/elementary.h"
+#include "renderer/math/transform.h"
+
+namespace tessera::stress {
+
+// What the numeric stress tests share. Counts are those of the full tests; without
+// TESSERA_NUMERICS_FULL=1 in the environment one hundredth of them is run.
+
+inline bool full() {
+  static const bool value = [] {
+    const char* text = std::getenv("TESSERA_NUMERICS_FULL");
+    return text && text[0] == '1';
+  }();
+  return value;
+}
+inline int64_t count(int64_t full_count) {
+  return full() ? full_count : (full_count + 99) / 100;
+}
+
+/// PCG32 (O'Neill 2014): stream = test id, seed 1 to 8.
+class Random {
+ public:
+  explicit Random(uint64_t stream, uint64_t seed = 1) : increment_(2 * stream + 1) {
+    next();
+    state_ += seed;
+    next();
+  }
+  uint32_t next() {
+    const uint64_t old = state_;
+    state_ = old * 6364136223846793005u + increment_;
+    const auto shifted = static_cast<uint32_t>(((old >> 18) ^ old) >> 27);
+    const auto turn = static_cast<uint32_t>(old >> 59);
+    return (shifted >> turn) | (shifted << ((32 - turn) & 31));
+  }
+  /// In [0, 1), 53 bits.
+  double uniform() {
+    const uint64_t high = next();
+    return static_cast<double>((high << 21) ^ (next() >> 11)) * 0x1p-53;
+  }
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  /// +-10^[low, high].
+  double power(double low, double high) {
+    const double size = std::pow(10.0, uniform(low, high));
+    return next() & 1 ? size : -size;
+  }
+  int below(int n) { return static_cast<int>(next() % static_cast<uint32_t>(n)); }
+  Vec3 direction() {
+    const double z = uniform(-1, 1), turn = uniform(0, 2 * portable::kPi);
+    const double r = std::sqrt(1 - z * z);
+    return normalize(Vec3{r * std::cos(turn), r * std::sin(turn), z});
+  }
+  Affine turn() { return rotation(direction(), uniform(0, 6.28)); }
+
+ private:
+  uint64_t state_ = 0;
+  uint64_t increment_;
+};
+
+using Quad = __float128;
+
+struct QuadVec {
+  Quad x = 0, y = 0, z = 0;
+  QuadVec() = default;
+  QuadVec(Quad x_, Quad y_, Quad z_) : x(x_), y(y_), z(z_) {}
+  QuadVec(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
+  QuadVec(const Point3& p) : x(p.x), y(p.y), z(p.z) {}
+};
+inline QuadVec operator+(const QuadVec& a, const QuadVec& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline QuadVec operator-(const QuadVec& a, const QuadVec& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline QuadVec operator*(const QuadVec& a, Quad s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+inline Quad dot(const QuadVec& a, const QuadVec& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline QuadVec cross(const QuadVec& a, const QuadVec& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Quad length(const QuadVec& v) {
+  return sqrtq(dot(v, v));
+}
+
+inline double size_of(const Point3& p) {
+  return tessera::length(p - Point3{});
+}
+/// Some vector across `v`.
+inline Vec3 across(const Vec3& v, Random& random) {
+  Vec3 a;
+  do a = tessera::cross(v, random.direction());
+  while (tessera::length(a) < 0.1 * tessera::length(v));
+  return normalize(a);
+}
+
+}  // namespace tessera::stress

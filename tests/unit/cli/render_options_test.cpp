@@ -1,0 +1,128 @@
+#include "cli/render_options.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "cli/output_settings.h"
+
+namespace tessera {
+namespace {
+
+template <typename Call>
+ExitCode code_of(Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.code();
+  }
+  return ExitCode::done;
+}
+
+TEST(RenderOptions, ThePictureIsNamedAfterTheScene) {
+  RenderOptions options;
+  options.scene = "some/where/view.one.obj";
+  ASSERT_EQ(picture_paths(options).size(), 1u);
+  EXPECT_EQ(picture_paths(options)[0], "view.one.png");
+}
+
+TEST(RenderOptions, FramesAreNumberedBeforeTheEnding) {
+  EXPECT_EQ(numbered_path("a/b.c.png", 7), "a/b.c.0007.png");
+  EXPECT_EQ(numbered_path("b.exr", 12345), "b.12345.exr");
+}
+
+TEST(RenderOptions, DefaultsThenSceneThenOptions) {
+  v1::Scene scene;
+  v1::FrameSettings frame = frame_settings({}, scene, std::nullopt);
+  EXPECT_EQ(frame.width(), 960u);
+  EXPECT_EQ(frame.height(), 540u);
+  EXPECT_EQ(frame.samples_per_pixel(), 1u);
+  EXPECT_EQ(frame.accelerator(), "bvh");
+  EXPECT_EQ(frame.integrator(), "auto");
+
+  scene.mutable_settings()->set_width(100);
+  scene.mutable_settings()->mutable_sampling()->set_samples_per_pixel(9);
+  scene.mutable_settings()->mutable_sampling()->set_seed(3);
+  scene.mutable_settings()->set_accelerator("linear");
+  scene.mutable_settings()->set_time(1.5);
+  frame = frame_settings({}, scene, std::nullopt);
+  EXPECT_EQ(frame.width(), 100u);
+  EXPECT_EQ(frame.samples_per_pixel(), 9u);
+  EXPECT_EQ(frame.seed(), 3u);
+  EXPECT_EQ(frame.accelerator(), "linear");
+  EXPECT_EQ(frame.time(), 1.5);
+
+  RenderOptions options;
+  options.size = FrameSize{8, 6};
+  options.samples_per_pixel = 2;
+  options.seed = 5;
+  options.accelerator = "bvh";
+  options.time = 2;
+  frame = frame_settings(options, scene, 7);
+  EXPECT_EQ(frame.width(), 8u);
+  EXPECT_EQ(frame.samples_per_pixel(), 2u);
+  EXPECT_EQ(frame.seed(), 5u);
+  EXPECT_EQ(frame.accelerator(), "bvh");
+  EXPECT_EQ(frame.time(), 2);
+}
+
+TEST(RenderOptions, AFrameHasItsTime) {
+  v1::Scene scene;
+  EXPECT_EQ(frame_settings({}, scene, 12).time(), 0.5);
+  scene.mutable_settings()->mutable_frames()->set_per_second(10);
+  EXPECT_EQ(frame_settings({}, scene, 12).time(), 1.2);
+}
+
+TEST(RenderOptions, SettingsOutOfRangeAreTheScenesFault) {
+  v1::Scene scene;
+  scene.mutable_settings()->set_width(0);
+  EXPECT_EQ(code_of([&] { frame_settings({}, scene, std::nullopt); }), ExitCode::bad_scene);
+  scene.mutable_settings()->set_width(65536);
+  scene.mutable_settings()->set_height(65536);
+  EXPECT_EQ(code_of([&] { frame_settings({}, scene, std::nullopt); }), ExitCode::bad_scene);
+}
+
+TEST(RenderOptions, ACameraIsInTheScene) {
+  v1::Scene scene;
+  scene.add_cameras()->set_name("front");
+  RenderOptions options;
+  options.camera = "front";
+  EXPECT_EQ(frame_settings(options, scene, std::nullopt).camera(), "front");
+  options.camera = "fornt";
+  EXPECT_EQ(code_of([&] { frame_settings(options, scene, std::nullopt); }), ExitCode::bad_usage);
+}
+
+TEST(RenderOptions, ACropLiesInTheFrame) {
+  v1::FrameSettings frame;
+  frame.set_width(20);
+  frame.set_height(10);
+  RenderOptions options;
+  EXPECT_EQ(crop_window(options, frame), (PixelRect{0, 0, 20, 10}));
+  options.crop = PixelRect{5, 5, 20, 10};
+  EXPECT_EQ(crop_window(options, frame), *options.crop);
+  options.crop = PixelRect{5, 5, 21, 10};
+  EXPECT_EQ(code_of([&] { crop_window(options, frame); }), ExitCode::bad_usage);
+}
+
+TEST(OutputSettings, AreTheScenes) {
+  v1::Output output;
+  EXPECT_EQ(output_settings(output), OutputSettings{});
+  output.set_tone_map(v1::Output::FILMIC);
+  output.set_transfer(v1::Output::GAMMA);
+  output.set_gamma(1.8);
+  output.set_exposure(-1);
+  output.set_quantization(v1::Output::TRUNCATE);
+  for (const double number : {1.0, 2.0, 3.0}) output.add_response(number);
+  const OutputSettings settings = output_settings(output);
+  EXPECT_EQ(settings.tone_curve, ToneCurve::filmic);
+  EXPECT_EQ(settings.transfer, TransferCurve::gamma);
+  EXPECT_EQ(settings.gamma, 1.8);
+  EXPECT_EQ(settings.exposure, -1);
+  EXPECT_EQ(settings.quantization, Quantization::truncate);
+  EXPECT_TRUE(settings.has_response);
+  EXPECT_EQ(settings.response[2], 3);
+  output.add_response(4);
+  EXPECT_EQ(code_of([&] { output_settings(output); }), ExitCode::bad_scene);
+}
+
+}  // namespace
+}  // namespace tessera

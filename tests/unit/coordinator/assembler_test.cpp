@@ -1,0 +1,131 @@
+#include "coordinator/assembler.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <numeric>
+
+#include "proto/wire/pixels.h"
+
+namespace tessera {
+namespace {
+
+const std::vector<PixelRect> kTiles = {{10, 20, 14, 23}, {14, 20, 17, 23}};
+const PixelRect kCrop{10, 20, 17, 23};
+
+/// The rows of tile 0 as messages of one row each.
+std::vector<v1::TileBand> rows_of_first_tile(float offset = 0) {
+  std::vector<float> values(4 * 3 * 3);
+  std::iota(values.begin(), values.end(), offset);
+  std::vector<v1::TileBand> bands;
+  for (int row = 0; row < 3; ++row) {
+    const auto part = std::span(values).subspan(static_cast<size_t>(row) * 12, 12);
+    v1::TileBand band = encode_bands(part, 4, 20 + row, false)[0];
+    band.set_lease(uint64_t{7} << 32);
+    band.set_last(row == 2);
+    if (row == 2) (*band.mutable_counters()->mutable_values())["rays_primary"] = 12;
+    bands.push_back(band);
+  }
+  return bands;
+}
+
+TEST(Assembler, CompletesATileWithItsLastMissingRow) {
+  for (const std::array<size_t, 3> order : {std::array<size_t, 3>{0, 1, 2}, {2, 1, 0}, {1, 2, 0}}) {
+    Assembler assembler(kCrop, kTiles);
+    const auto bands = rows_of_first_tile();
+    for (int i = 0; i < 3; ++i) {
+      const BandResult result = assembler.add(bands[order[static_cast<size_t>(i)]], 1);
+      EXPECT_TRUE(result.valid);
+      EXPECT_EQ(result.completed_tile, i == 2);
+    }
+    EXPECT_EQ(assembler.tiles_done(), 1u);
+    EXPECT_EQ(assembler.counters().at("rays_primary"), 12u);
+    const auto values = assembler.film().values();
+    EXPECT_EQ(values[0], 0);
+    EXPECT_EQ(values[11], 11);
+    EXPECT_EQ(values[12], 0);      // of the other tile
+    EXPECT_EQ(values[7 * 3], 12);  // the second row
+  }
+}
+
+TEST(Assembler, CountsACompleteTileOnce) {
+  Assembler assembler(kCrop, kTiles);
+  const auto bands = rows_of_first_tile();
+  for (int round = 0; round < 3; ++round) {
+    for (const auto& band : bands) {
+      const BandResult result = assembler.add(band, 1);
+      EXPECT_FALSE(result.mismatch);
+      EXPECT_EQ(result.duplicate_tile, round > 0 && band.last());
+    }
+  }
+  EXPECT_EQ(assembler.tiles_done(), 1u);
+  EXPECT_EQ(assembler.counters().at("rays_primary"), 12u);
+}
+
+TEST(Assembler, MendsOneWorkersRowsWithAnothers) {
+  Assembler assembler(kCrop, kTiles);
+  const auto bands = rows_of_first_tile();
+  assembler.add(bands[2], 1);
+  assembler.add(bands[0], 2);
+  EXPECT_TRUE(assembler.add(bands[1], 2).completed_tile);
+}
+
+TEST(Assembler, NamesBothWorkersWhosePixelsDiffer) {
+  for (const bool complete : {false, true}) {
+    Assembler assembler(kCrop, kTiles);
+    const auto sound = rows_of_first_tile(), wrong = rows_of_first_tile(0.5f);
+    for (size_t i = 0; i < (complete ? 3u : 2u); ++i) assembler.add(sound[i], 11);
+    const BandResult result = assembler.add(wrong[1], 22);
+    ASSERT_TRUE(result.mismatch);
+    EXPECT_EQ(result.mismatch->tile, 0u);
+    EXPECT_EQ(result.mismatch->row, 21);
+    EXPECT_EQ(result.mismatch->first, 11u);
+    EXPECT_EQ(result.mismatch->second, 22u);
+    EXPECT_EQ(assembler.film().values()[7 * 3], 12) << "the first stays";
+  }
+}
+
+TEST(Assembler, ComparesBitsAndNotNumbers) {
+  Assembler assembler(kCrop, kTiles);
+  std::vector<float> values(12, 0.0f);
+  v1::TileBand band = encode_bands(values, 4, 20, false)[0];
+  band.set_lease(uint64_t{1} << 32);
+  assembler.add(band, 1);
+  values[3] = -0.0f;
+  v1::TileBand other = encode_bands(values, 4, 20, false)[0];
+  other.set_lease(band.lease());
+  EXPECT_TRUE(assembler.add(other, 2).mismatch);
+}
+
+TEST(Assembler, RefusesWhatDoesNotFit) {
+  Assembler assembler(kCrop, kTiles);
+  const v1::TileBand sound = rows_of_first_tile()[1];
+  const auto refused = [&](auto change) {
+    v1::TileBand band = sound;
+    change(band);
+    return !assembler.add(band, 1).valid;
+  };
+  EXPECT_TRUE(refused([](auto& band) { band.set_tile(1); }));
+  EXPECT_TRUE(refused([](auto& band) { band.set_tile(2), band.set_lease(2); }));
+  EXPECT_TRUE(refused([](auto& band) { band.set_tile(0xffffffff), band.set_lease(~uint64_t{0}); }));
+  EXPECT_TRUE(refused([](auto& band) { band.set_first_row(19); }));
+  EXPECT_TRUE(refused([](auto& band) { band.set_first_row(23); }));
+  EXPECT_TRUE(refused([](auto& band) { band.set_first_row(-2147483648); }));
+  EXPECT_TRUE(refused([](auto& band) { band.set_rows(3); }));
+  EXPECT_TRUE(refused([](auto& band) { band.set_rows(0); }));
+  EXPECT_TRUE(refused([](auto& band) { band.set_rows(-1); }));
+  EXPECT_TRUE(refused([](auto& band) { band.set_rows(2147483647); }));
+  EXPECT_TRUE(refused([](auto& band) { band.set_rows(2); }));
+  EXPECT_TRUE(refused([](auto& band) { band.set_pixel_crc(band.pixel_crc() ^ 1); }));
+  EXPECT_TRUE(refused([](auto& band) { band.mutable_pixels()->push_back('x'); }));
+  EXPECT_TRUE(refused([](auto& band) {
+    for (int i = 0; i < 300; ++i) {
+      (*band.mutable_counters()->mutable_values())[std::to_string(i)] = 1;
+    }
+  }));
+  EXPECT_EQ(assembler.film().values()[7 * 3], 0) << "nothing was written";
+  EXPECT_FALSE(refused([](auto&) {}));
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,245 @@
+#include "coordinator/tile_scheduler.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace tessera {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr WorkerId kA = 1, kB = 2, kC = 3, kD = 4;
+
+class TileSchedulerTest : public ::testing::Test {
+ protected:
+  TileScheduler make(size_t tiles, std::initializer_list<WorkerId> workers = {kA, kB, kC}) const {
+    TileScheduler scheduler(tiles, CoordinatorOptions{});
+    for (const WorkerId worker : workers) scheduler.join(worker);
+    return scheduler;
+  }
+};
+
+TEST_F(TileSchedulerTest, GivesEachTileOnceAndEnds) {
+  TileScheduler scheduler = make(3);
+  std::vector<Lease> leases;
+  for (const WorkerId worker : {kA, kB, kA}) leases.push_back(*scheduler.assign(worker, {}));
+  EXPECT_EQ(leases[0].tile, 0u);
+  EXPECT_EQ(leases[1].tile, 1u);
+  EXPECT_EQ(leases[2].tile, 2u);
+  EXPECT_FALSE(scheduler.assign(kC, {}));
+  EXPECT_EQ(scheduler.held_by(kA), 2u);
+  for (const Lease& lease : leases) {
+    EXPECT_FALSE(scheduler.finished());
+    EXPECT_EQ(TileScheduler::tile_of(lease.id), lease.tile);
+    EXPECT_THAT(scheduler.complete(lease.tile, lease.id, {}).cancelled, IsEmpty());
+  }
+  EXPECT_TRUE(scheduler.finished());
+  EXPECT_EQ(scheduler.retries(), 0u);
+}
+
+TEST_F(TileSchedulerTest, KnowsNobodyWhoDidNotJoin) {
+  TileScheduler scheduler = make(1, {});
+  EXPECT_FALSE(scheduler.assign(kA, {}));
+}
+
+TEST_F(TileSchedulerTest, GivesTheTilesOfALostWorkerToOthersFirst) {
+  TileScheduler scheduler = make(4);
+  scheduler.assign(kA, {});
+  EXPECT_THAT(scheduler.leave(kA, LossCause::vanished, {}).blamed, IsEmpty());
+  const auto lease = scheduler.assign(kB, {});
+  EXPECT_EQ(lease->tile, 0u);
+  EXPECT_EQ(lease->attempt, 1u);
+  EXPECT_EQ(scheduler.retries(), 1u);
+  EXPECT_FALSE(scheduler.assign(kA, {}));
+}
+
+TEST_F(TileSchedulerTest, RenewsALeaseForProgressOnly) {
+  TileScheduler scheduler = make(1, {kA});
+  const Lease lease = *scheduler.assign(kA, {});
+  SchedulerEvents events;
+  for (int second = 1; second <= 30; ++second) {
+    scheduler.report(kA, {{lease.id, static_cast<uint64_t>(second), true}}, seconds(second),
+                     events);
+    EXPECT_THAT(scheduler.expire(seconds(second)).blamed, IsEmpty());
+  }
+  // The heart beats on, the tile does not.
+  for (int second = 31; second < 40; ++second) {
+    scheduler.report(kA, {{lease.id, 30, true}}, seconds(second), events);
+    EXPECT_THAT(scheduler.expire(seconds(second)).blamed, IsEmpty()) << second;
+  }
+  EXPECT_THAT(scheduler.expire(seconds(40)).blamed, ElementsAre(kA));
+  EXPECT_EQ(scheduler.held_by(kA), 0u);
+}
+
+TEST_F(TileSchedulerTest, ATileThatWaitsItsTurnIsNotBlamed) {
+  TileScheduler scheduler = make(2, {kA});
+  const Lease first = *scheduler.assign(kA, {}), second = *scheduler.assign(kA, {});
+  SchedulerEvents events;
+  for (int i = 1; i <= 30; ++i) {
+    scheduler.report(kA, {{first.id, static_cast<uint64_t>(i), true}, {second.id, 0, false}},
+                     seconds(i), events);
+    EXPECT_THAT(scheduler.expire(seconds(i)).blamed, IsEmpty());
+  }
+  EXPECT_EQ(scheduler.held_by(kA), 2u);
+  // Both stop: only the one that runs is to blame.
+  EXPECT_THAT(scheduler.expire(seconds(41)).blamed, ElementsAre(kA));
+  EXPECT_EQ(scheduler.held_by(kA), 0u);
+}
+
+TEST_F(TileSchedulerTest, WhatAHeartbeatDoesNotListWasLostOnTheWay) {
+  TileScheduler scheduler = make(1, {kA, kB});
+  scheduler.assign(kA, {});
+  SchedulerEvents events;
+  scheduler.report(kA, {}, seconds(1), events);
+  EXPECT_EQ(scheduler.held_by(kA), 1u);
+  scheduler.report(kA, {}, seconds(3), events);
+  EXPECT_EQ(scheduler.held_by(kA), 0u);
+  EXPECT_THAT(events.blamed, IsEmpty());
+  EXPECT_TRUE(scheduler.assign(kB, seconds(3)));
+}
+
+TEST_F(TileSchedulerTest, CountsForeignTilesAndCancelsTheFinishedOnes) {
+  TileScheduler scheduler = make(2, {kA, kB});
+  const Lease old = *scheduler.assign(kA, {});
+  scheduler.assign(kA, {});
+  scheduler.leave(kA, LossCause::vanished, {});
+  scheduler.join(kA);
+  const Lease fresh = *scheduler.assign(kB, {});
+  ASSERT_EQ(fresh.tile, 1u);
+  SchedulerEvents events;
+  EXPECT_EQ(scheduler.report(kA, {{old.id, 5, true}}, {}, events), 1u);
+  EXPECT_THAT(events.cancelled, IsEmpty());
+  scheduler.complete(0, 999, {});
+  EXPECT_EQ(scheduler.report(kA, {{old.id, 5, true}}, {}, events), 1u);
+  ASSERT_EQ(events.cancelled.size(), 1u);
+  EXPECT_EQ(events.cancelled[0].id, old.id);
+  EXPECT_EQ(events.cancelled[0].worker, kA);
+}
+
+TEST_F(TileSchedulerTest, CopiesAStragglerOnceWhenTheQueueIsEmpty) {
+  TileScheduler scheduler = make(3);
+  const Lease slow = *scheduler.assign(kA, {});
+  const Lease quick = *scheduler.assign(kB, {});
+  const Lease other = *scheduler.assign(kC, {});
+  scheduler.complete(quick.tile, quick.id, seconds(1));
+  EXPECT_FALSE(scheduler.assign(kB, milliseconds(1400)));
+  const auto copy = scheduler.assign(kB, milliseconds(1600));
+  ASSERT_TRUE(copy);
+  EXPECT_TRUE(copy->speculative);
+  EXPECT_EQ(copy->tile, slow.tile);
+  EXPECT_EQ(scheduler.speculative(), 1u);
+  EXPECT_EQ(scheduler.retries(), 0u);
+  // Not a third time, and nobody gets a copy of their own.
+  EXPECT_EQ(scheduler.assign(kB, milliseconds(1600))->tile, other.tile);
+  EXPECT_FALSE(scheduler.assign(kC, seconds(100)));
+  const auto events = scheduler.complete(slow.tile, copy->id, seconds(2));
+  ASSERT_EQ(events.cancelled.size(), 1u);
+  EXPECT_EQ(events.cancelled[0].id, slow.id);
+  EXPECT_EQ(scheduler.held_by(kA), 0u);
+}
+
+TEST_F(TileSchedulerTest, ASuspectGetsNothingAndOthersGetCopiesOfItsTiles) {
+  TileScheduler scheduler = make(2);
+  scheduler.assign(kA, {});
+  scheduler.set_suspect(kA, true);
+  EXPECT_FALSE(scheduler.assign(kA, {}));
+  EXPECT_EQ(scheduler.assign(kB, {})->tile, 1u);
+  EXPECT_EQ(scheduler.assign(kB, {})->tile, 0u);
+  EXPECT_EQ(scheduler.speculative(), 1u);
+  scheduler.set_suspect(kA, false);
+}
+
+TEST_F(TileSchedulerTest, GivesATileUpAfterThreeWorkersFailedIt) {
+  TileScheduler scheduler = make(1, {kA, kB, kC, kD});
+  for (const WorkerId worker : {kA, kB}) {
+    const Lease lease = *scheduler.assign(worker, {});
+    const auto events = scheduler.fail(lease.id, worker, {});
+    EXPECT_THAT(events.blamed, ElementsAre(worker));
+    EXPECT_THAT(events.given_up, IsEmpty());
+    EXPECT_FALSE(scheduler.assign(worker, {})) << "others have not tried it";
+  }
+  const Lease lease = *scheduler.assign(kC, {});
+  EXPECT_THAT(scheduler.fail(lease.id, kC, {}).given_up, ElementsAre(0u));
+  EXPECT_TRUE(scheduler.finished());
+  EXPECT_FALSE(scheduler.assign(kD, {}));
+}
+
+TEST_F(TileSchedulerTest, TheOnlyWorkerTriesThreeTimes) {
+  TileScheduler scheduler = make(1, {kA});
+  for (int i = 0; i < 3; ++i) {
+    const auto lease = scheduler.assign(kA, {});
+    ASSERT_TRUE(lease);
+    scheduler.fail(lease->id, kA, {});
+  }
+  EXPECT_TRUE(scheduler.finished());
+}
+
+TEST_F(TileSchedulerTest, AFailureIsRetriedByTheSameOneIfTheOthersAreStuck) {
+  TileScheduler scheduler = make(1, {kA, kB});
+  scheduler.fail(scheduler.assign(kA, {})->id, kA, {});
+  EXPECT_FALSE(scheduler.assign(kA, seconds(9)));
+  EXPECT_TRUE(scheduler.assign(kA, seconds(10)));
+}
+
+TEST_F(TileSchedulerTest, ACrashBlamesAllThatItHeldAndTheyRunAloneThen) {
+  TileScheduler scheduler = make(4, {kA, kB});
+  scheduler.assign(kA, {});
+  scheduler.assign(kA, {});
+  EXPECT_THAT(scheduler.leave(kA, LossCause::crashed, {}).blamed, ElementsAre(kA, kA));
+  const Lease alone = *scheduler.assign(kB, {});
+  EXPECT_LT(alone.tile, 2u);
+  EXPECT_FALSE(scheduler.assign(kB, {}));
+  scheduler.complete(alone.tile, alone.id, {});
+  // With a sound one in hand, the other suspect has to wait.
+  const Lease second = *scheduler.assign(kB, {});
+  EXPECT_LT(second.tile, 2u);
+  scheduler.complete(second.tile, second.id, {});
+  EXPECT_GE(scheduler.assign(kB, {})->tile, 2u);
+  EXPECT_GE(scheduler.assign(kB, {})->tile, 2u);
+}
+
+TEST_F(TileSchedulerTest, WorkersThatVanishCountOnlyInTheLongRunAndIfTheyStayAway) {
+  TileScheduler scheduler = make(1, {});
+  for (int round = 0; round < 100; ++round) {
+    scheduler.join(kA);
+    ASSERT_TRUE(scheduler.assign(kA, {})) << round;
+    EXPECT_THAT(scheduler.leave(kA, LossCause::vanished, {}).given_up, IsEmpty());
+  }
+  SchedulerEvents events;
+  for (WorkerId worker = 100; !scheduler.finished(); ++worker) {
+    ASSERT_LT(worker, 120u);
+    scheduler.join(worker);
+    ASSERT_TRUE(scheduler.assign(worker, {}));
+    events = scheduler.leave(worker, LossCause::vanished, {});
+  }
+  EXPECT_THAT(events.given_up, ElementsAre(0u));
+}
+
+TEST_F(TileSchedulerTest, AResultForATileGivenUpIsStillWelcome) {
+  TileScheduler scheduler = make(2, {kA});
+  LeaseId last = 0;
+  for (int i = 0; i < 3; ++i) {
+    last = scheduler.assign(kA, {})->id;
+    ASSERT_EQ(TileScheduler::tile_of(last), 0u);
+    scheduler.fail(last, kA, {});
+  }
+  scheduler.complete(0, last, {});
+  EXPECT_FALSE(scheduler.finished());
+  const Lease lease = *scheduler.assign(kA, {});
+  scheduler.complete(1, lease.id, {});
+  EXPECT_TRUE(scheduler.finished());
+}
+
+TEST_F(TileSchedulerTest, IgnoresFailuresOfLeasesOfOthers) {
+  TileScheduler scheduler = make(1, {kA, kB});
+  const Lease lease = *scheduler.assign(kA, {});
+  EXPECT_THAT(scheduler.fail(lease.id, kB, {}).blamed, IsEmpty());
+  EXPECT_THAT(scheduler.fail(12345, kA, {}).blamed, IsEmpty());
+  EXPECT_EQ(scheduler.held_by(kA), 1u);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,177 @@
+// What both transports promise.
+#include "proto/transport/transport.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <span>
+#include <thread>
+
+#include "base/error.h"
+#include "proto/transport/memory_transport.h"
+#include "proto/transport/zmq_transport.h"
+
+namespace tessera {
+namespace {
+
+using std::chrono::milliseconds;
+
+MessageBytes bytes_of(std::string_view text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+/// The next message at the server, while the client does its part.
+std::optional<ReceivedMessage> next(ServerTransport& server, ClientTransport& client) {
+  for (int i = 0; i < 1000; ++i) {
+    if (auto message = server.receive()) return message;
+    client.wait(milliseconds(2));
+    server.wait(milliseconds(2));
+  }
+  return std::nullopt;
+}
+
+std::optional<ReceivedMessage> next(ClientTransport& client) {
+  for (int i = 0; i < 100; ++i) {
+    if (auto message = client.receive()) return message;
+    client.wait(milliseconds(50));
+  }
+  return std::nullopt;
+}
+
+void converse(ServerTransport& server, ClientTransport& one, ClientTransport& two) {
+  for (const Channel channel : {Channel::control, Channel::bulk}) {
+    PeerId peers[2];
+    ClientTransport* clients[2] = {&one, &two};
+    for (int i = 0; i < 2; ++i) {
+      clients[i]->connect_bulk(server.bulk_endpoint());
+      clients[i]->send(channel, bytes_of("question"));
+      const auto asked = next(server, *clients[i]);
+      ASSERT_TRUE(asked);
+      EXPECT_EQ(asked->channel, channel);
+      EXPECT_EQ(asked->bytes, bytes_of("question"));
+      peers[i] = asked->peer;
+    }
+    EXPECT_NE(peers[0], peers[1]);
+    EXPECT_EQ(server.send(channel, peers[1], bytes_of("answer")), SendResult::sent);
+    const auto answer = next(two);
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(answer->channel, channel);
+    EXPECT_EQ(answer->bytes, bytes_of("answer"));
+    EXPECT_FALSE(one.receive());
+  }
+  EXPECT_EQ(server.send(Channel::control, "nobody", bytes_of("x")), SendResult::gone);
+}
+
+TEST(MemoryTransport, CarriesBothChannelsBothWays) {
+  MemoryNetwork network;
+  const auto server = network.server();
+  const auto one = network.client(), two = network.client();
+  converse(*server, *one, *two);
+}
+
+TEST(ZmqTransport, CarriesBothChannelsBothWays) {
+  const auto server = bind_server("tcp://127.0.0.1:*");
+  const auto one = connect_client(server->endpoint()), two = connect_client(server->endpoint());
+  converse(*server, *one, *two);
+}
+
+TEST(ZmqTransport, KeepsWhatIsSentBeforeTheServerIsThere) {
+  std::string endpoint;
+  { endpoint = bind_server("tcp://127.0.0.1:*")->endpoint(); }
+  const auto client = connect_client(endpoint);
+  client->send(Channel::control, bytes_of("early"));
+  EXPECT_EQ(client->backlog(), 1u);
+  const auto server = bind_server(endpoint);
+  std::optional<ReceivedMessage> message;
+  for (int i = 0; i < 500 && !message; ++i) {
+    client->wait(milliseconds(5));
+    server->wait(milliseconds(5));
+    message = server->receive();
+  }
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->bytes, bytes_of("early"));
+  EXPECT_EQ(client->backlog(), 0u);
+}
+
+TEST(ZmqTransport, ADestroyedClientIsGone) {
+  const auto server = bind_server("tcp://127.0.0.1:*");
+  PeerId peer;
+  {
+    const auto client = connect_client(server->endpoint());
+    client->send(Channel::control, bytes_of("hello"));
+    const auto message = next(*server, *client);
+    ASSERT_TRUE(message);
+    peer = message->peer;
+  }
+  SendResult result = SendResult::sent;
+  for (int i = 0; i < 200 && result != SendResult::gone; ++i) {
+    server->wait(milliseconds(5));
+    result = server->send(Channel::control, peer, bytes_of("x"));
+  }
+  EXPECT_EQ(result, SendResult::gone);
+}
+
+TEST(ZmqTransport, ReconnectingMakesANewPeer) {
+  const auto server = bind_server("tcp://127.0.0.1:*");
+  const auto client = connect_client(server->endpoint());
+  client->send(Channel::control, bytes_of("one"));
+  const auto first = next(*server, *client);
+  client->reconnect();
+  client->send(Channel::control, bytes_of("two"));
+  const auto second = next(*server, *client);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(second->bytes, bytes_of("two"));
+  EXPECT_NE(first->peer, second->peer);
+}
+
+TEST(ZmqTransport, AMessageThatIsTooLongIsNotTaken) {
+  const auto server = bind_server("tcp://127.0.0.1:*");
+  const auto client = connect_client(server->endpoint());
+  client->send(Channel::control, MessageBytes(max_message_bytes(Channel::control)));
+  ASSERT_TRUE(next(*server, *client));
+  client->send(Channel::control, MessageBytes(max_message_bytes(Channel::control) + 1));
+  for (int i = 0; i < 50; ++i) {
+    client->wait(milliseconds(1));
+    server->wait(milliseconds(1));
+    EXPECT_FALSE(server->receive());
+  }
+}
+
+TEST(ZmqTransport, AnEndpointInUseIsNamed) {
+  const auto server = bind_server("tcp://127.0.0.1:*");
+  try {
+    bind_server(server->endpoint());
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::bad_usage);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr(server->endpoint()));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("in use"));
+  }
+}
+
+TEST(ZmqTransport, OnlyLoopbackIsBoundUnlessAllowed) {
+  EXPECT_THROW(bind_server("tcp://0.0.0.0:*"), Error);
+  EXPECT_THROW(bind_server("tcp://*:*"), Error);
+  EXPECT_THROW(bind_server("ipc:///nonexistent/folder/socket"), Error);
+}
+
+template <typename Transport>
+void wakes(Transport& transport) {
+  std::thread other([&] { transport.wake(); });
+  // Without the wake-up this would outlast the test's limit.
+  transport.wait(std::chrono::hours(1));
+  other.join();
+}
+
+TEST(Transports, AreWokenByOtherThreads) {
+  MemoryNetwork network;
+  wakes(*network.server());
+  wakes(*network.client());
+  const auto server = bind_server("tcp://127.0.0.1:*");
+  wakes(*server);
+  wakes(*connect_client(server->endpoint()));
+}
+
+}  // namespace
+}  // namespace tessera

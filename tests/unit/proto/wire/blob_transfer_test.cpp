@@ -1,0 +1,145 @@
+#include "proto/wire/blob_transfer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace tessera {
+namespace {
+
+using std::chrono::seconds;
+
+std::vector<std::byte> random_bytes(size_t size) {
+  std::mt19937 random(static_cast<uint32_t>(size));
+  std::vector<std::byte> bytes(size);
+  for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
+  return bytes;
+}
+
+/// Serves every request until none is made.
+void serve(BlobFetch& fetch, const BlobStore& from, BlobStore& to) {
+  for (auto requests = fetch.requests({}); !requests.empty(); requests = fetch.requests({})) {
+    for (const v1::BlobRequest& request : requests) {
+      const auto answer = answer_blob_request(request, from.find(*Digest::parse(request.digest())));
+      if (answer.has_blob_chunk()) fetch.on_chunk(answer.blob_chunk(), to);
+      if (answer.has_blob_missing()) fetch.on_missing(answer.blob_missing());
+    }
+  }
+}
+
+TEST(BlobFetch, BringsBlobsOfEverySize) {
+  BlobStore from, to;
+  BlobFetch fetch;
+  for (const size_t size : {size_t{0}, size_t{1}, size_t{kBlobChunkBytes},
+                            size_t{kBlobChunkBytes} + 1, size_t{20} * kBlobChunkBytes + 5}) {
+    fetch.want(from.put(random_bytes(size)), size);
+  }
+  serve(fetch, from, to);
+  EXPECT_TRUE(fetch.finished());
+  EXPECT_EQ(fetch.failure(), "");
+  EXPECT_EQ(to.size(), from.size());
+  for (const auto& [digest, data] : from.all()) EXPECT_EQ(*to.find(digest), *data);
+}
+
+TEST(BlobFetch, AsksForFewAtATimeAndAgainForWhatDoesNotCome) {
+  BlobStore from, to;
+  const auto digest = from.put(random_bytes(20 * kBlobChunkBytes));
+  BlobFetch fetch;
+  fetch.want(digest, 20 * kBlobChunkBytes);
+  const auto first = fetch.requests({});
+  EXPECT_EQ(first.size(), 8u);
+  EXPECT_TRUE(fetch.requests(seconds(1)).empty());
+  EXPECT_EQ(fetch.next_deadline(), Time(seconds(2)));
+  EXPECT_EQ(fetch.requests(seconds(2)).size(), 8u);
+  const auto chunk = answer_blob_request(first[3], from.find(digest)).blob_chunk();
+  fetch.on_chunk(chunk, to);
+  EXPECT_EQ(fetch.requests(seconds(2)).size(), 1u);
+  // The same again is not counted twice.
+  fetch.on_chunk(chunk, to);
+  EXPECT_TRUE(fetch.requests(seconds(2)).empty());
+}
+
+TEST(BlobFetch, TakesChunksInAnyOrder) {
+  BlobStore from, to;
+  const auto digest = from.put(random_bytes(7 * kBlobChunkBytes + 9));
+  BlobFetch fetch;
+  fetch.want(digest, 7 * kBlobChunkBytes + 9);
+  auto requests = fetch.requests({});
+  std::reverse(requests.begin(), requests.end());
+  for (const auto& request : requests) {
+    fetch.on_chunk(answer_blob_request(request, from.find(digest)).blob_chunk(), to);
+  }
+  EXPECT_TRUE(to.find(digest));
+}
+
+TEST(BlobFetch, NeverKeepsWhatIsNotWhatItsNameSays) {
+  BlobStore from, to;
+  const auto digest = from.put(random_bytes(1000));
+  BlobFetch fetch;
+  fetch.want(digest, 1000);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(fetch.failure(), "");
+    for (const auto& request : fetch.requests({})) {
+      auto chunk = answer_blob_request(request, from.find(digest)).blob_chunk();
+      (*chunk.mutable_data())[500] ^= 1;
+      fetch.on_chunk(chunk, to);
+    }
+  }
+  EXPECT_FALSE(to.find(digest));
+  EXPECT_NE(fetch.failure().find("damaged"), std::string::npos);
+}
+
+TEST(BlobFetch, IgnoresChunksThatFitNothing) {
+  BlobStore from, to;
+  const auto digest = from.put(random_bytes(3 * kBlobChunkBytes));
+  BlobFetch fetch;
+  fetch.want(digest, 3 * kBlobChunkBytes);
+  const auto requests = fetch.requests({});
+  const auto sound = answer_blob_request(requests[1], from.find(digest)).blob_chunk();
+  for (const uint64_t offset : {uint64_t{1}, ~uint64_t{0}, uint64_t{3} * kBlobChunkBytes}) {
+    auto chunk = sound;
+    chunk.set_offset(offset);
+    fetch.on_chunk(chunk, to);
+  }
+  auto chunk = sound;
+  chunk.mutable_data()->pop_back();
+  fetch.on_chunk(chunk, to);
+  chunk = sound;
+  chunk.set_digest("nonsense");
+  fetch.on_chunk(chunk, to);
+  chunk.set_digest(Digest::of("another").hex());
+  fetch.on_chunk(chunk, to);
+  EXPECT_EQ(fetch.bytes_received(), 0u);
+}
+
+TEST(BlobFetch, ASizeAloneCostsNothing) {
+  BlobFetch fetch;
+  fetch.want(Digest::of("x"), kMaxBlobBytes);
+  EXPECT_EQ(fetch.requests({}).size(), 8u);
+  fetch.want(Digest::of("y"), kMaxBlobBytes + 1);
+  EXPECT_NE(fetch.failure(), "");
+}
+
+TEST(BlobFetch, AMissingBlobIsAFailureThatNamesIt) {
+  BlobStore from, to;
+  BlobFetch fetch;
+  fetch.want(Digest::of("x"), 10);
+  serve(fetch, from, to);
+  EXPECT_NE(fetch.failure().find(Digest::of("x").hex()), std::string::npos);
+}
+
+TEST(BlobServer, NeverReadsPastTheEnd) {
+  const auto blob = std::make_shared<const std::vector<std::byte>>(random_bytes(100));
+  v1::BlobRequest request;
+  request.set_offset(90);
+  request.set_length(0xffffffff);
+  EXPECT_EQ(answer_blob_request(request, blob).blob_chunk().data().size(), 10u);
+  request.set_offset(101);
+  EXPECT_TRUE(answer_blob_request(request, blob).has_blob_missing());
+  request.set_offset(~uint64_t{0});
+  EXPECT_TRUE(answer_blob_request(request, blob).has_blob_missing());
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,173 @@
+#include "proto/wire/scene_codec.h"
+
+#include <google/protobuf/util/message_differencer.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/unit/scenes/scene_testing.h"
+
+namespace tessera {
+namespace {
+
+using google::protobuf::util::MessageDifferencer;
+
+constexpr SceneEncoding kEncodings[] = {SceneEncoding::text, SceneEncoding::binary,
+                                        SceneEncoding::json};
+
+std::string error(const std::string& text, SceneEncoding encoding) {
+  return error_of([&] { decode_scene(text, encoding, "s"); });
+}
+std::string text_error(const std::string& text) { return error(text, SceneEncoding::text); }
+std::string json_error(const std::string& text) { return error(text, SceneEncoding::json); }
+
+/// A scene with a mesh whose blob holds `bytes`.
+SceneWithBlobs with_blob(const std::string& bytes) {
+  SceneWithBlobs made;
+  const auto view = std::as_bytes(std::span(bytes));
+  const Digest digest = made.blobs.put({view.begin(), view.end()});
+  v1::BlobRef& ref = *made.scene.add_nodes()->mutable_shape()->mutable_mesh()->mutable_positions();
+  ref.set_digest(digest.hex());
+  ref.set_size(bytes.size());
+  return made;
+}
+
+RC_GTEST_PROP(SceneCodec, GivesBackEveryBitInEveryEncoding, ()) {
+  v1::Scene scene;
+  const auto finite =
+      rc::gen::suchThat(rc::gen::map(rc::gen::arbitrary<uint64_t>(),
+                                     [](uint64_t b) { return std::bit_cast<double>(b); }),
+                        [](double d) { return std::isfinite(d); });
+  v1::Vec3& eye =
+      *scene.add_cameras()->mutable_world_from_camera()->add_steps()->mutable_translate();
+  eye.set_x(*finite);
+  eye.set_y(*finite);
+  eye.set_z(*finite);
+  scene.mutable_settings()->set_time(*finite);
+  scene.mutable_settings()->set_width(*rc::gen::arbitrary<uint32_t>());
+  const auto single =
+      *rc::gen::suchThat(rc::gen::arbitrary<float>(), [](float f) { return std::isfinite(f); });
+  scene.add_nodes()->mutable_shape()->mutable_mesh()->add_inline_positions(single);
+  scene.mutable_metadata()->set_title(
+      *rc::gen::container<std::string>(rc::gen::inRange<char>(1, 127)));
+  const SceneWithBlobs blob = with_blob(*rc::gen::arbitrary<std::string>());
+  scene.MergeFrom(blob.scene);
+  for (const SceneEncoding encoding : kEncodings) {
+    const std::string bytes = encode_scene(scene, blob.blobs, encoding);
+    const SceneWithBlobs back = decode_scene(bytes, encoding, "s");
+    RC_ASSERT(serialize_scene(back.scene) == serialize_scene(scene));
+    RC_ASSERT(back.blobs.size() == 1u);
+    RC_ASSERT(*back.blobs.all().begin()->second == *blob.blobs.all().begin()->second);
+  }
+}
+
+TEST(SceneCodec, KnowsItsEndings) {
+  EXPECT_EQ(scene_encoding_of("a/b.tessera"), SceneEncoding::text);
+  EXPECT_EQ(scene_encoding_of("b.TesseraB"), SceneEncoding::binary);
+  EXPECT_EQ(scene_encoding_of("b.json"), SceneEncoding::json);
+  EXPECT_EQ(scene_encoding_of("b.obj"), std::nullopt);
+}
+
+TEST(SceneCodec, SaysWhereTextIsWrong) {
+  EXPECT_EQ(text_error("cameras {\n  lens { radius: 1 } }\n"),
+            "s:2:10: 'radius' is no field of Lens; expected one of radius_x, radius_y, "
+            "focal_distance, shape, blades, focal_surface, samples, radius_unit; did you mean 'radius_x'?");
+  EXPECT_EQ(text_error("cameras { lens { shape: CIRCEL } }"),
+            "s:1:25: 'CIRCEL' is no value of shape; expected one of CIRCLE, POLYGON, "
+            "SQUARE_UNIFORM, GAUSSIAN, LINE; did you mean 'CIRCLE'?");
+  EXPECT_EQ(text_error("nodes: 3"), "s:1:8: '3'; expected '{'");
+  EXPECT_EQ(text_error("settings {\n\ttime: abc }"), "s:2:8: 'abc'; expected a number");
+  EXPECT_EQ(text_error("settings { width: -1 }"),
+            "s:1:19: '-'; expected an integer in the field's range");
+  EXPECT_EQ(text_error("nodes { hidden: maybe }"), "s:1:17: 'maybe'; expected true or false");
+  EXPECT_EQ(text_error("nodes {"), "s:1:8: the text ends here; expected a field's name");
+  EXPECT_EQ(text_error("nodes { shape { sphere {} box{} } }"),
+            "s:1:27: 'box' beside 'sphere'; expected only one kind");
+  EXPECT_EQ(text_error("settings { time:1 time: 2 }"),
+            "s:1:19: 'time' a second time; expected it once");
+  EXPECT_EQ(text_error("settings {\n time: nan }"),
+            "s:2:2: settings.time is not finite; expected a finite number");
+  EXPECT_EQ(text_error("# x\n\xff"), "s:2:1: a byte that is not UTF-8; expected text");
+}
+
+TEST(SceneCodec, SaysWhereJsonIsWrong) {
+  EXPECT_EQ(json_error("{\n \"cameras\":[{\"lens\":{\"radius\":1}}]}").substr(0, 66),
+            "s:2:22: 'radius' is no field of Lens; expected one of radius_x, ra");
+  EXPECT_EQ(json_error("{"), "s:1:2: the text ends here; expected a text in double quotes");
+  EXPECT_EQ(json_error("{\"nodes\":[{\"name\":\"a\" 1}]}"), "s:1:23: '1'; expected ',' or '}'");
+  EXPECT_EQ(json_error("{\"settings\":\n{\"width\":-1}}"),
+            "s:2:10: settings.width: invalid value -1; expected a value of the field's type");
+  EXPECT_EQ(json_error("{\"nodes\":[{\"hidden\":\"yes\"}]}"),
+            "s:1:21: \"yes\"; expected true or false");
+  EXPECT_EQ(json_error("{\"settings\":{\"time\":1e999}}"),
+            "s:1:21: 1e999; expected a number that double precision can hold");
+  EXPECT_EQ(json_error("{\"settings\":{\"time\":\"NaN\"}}").substr(0, 35),
+            "s:1:21: settings.time: not finite; ");
+  EXPECT_EQ(json_error("{} {}"), "s:1:4: text after the scene's end; expected nothing more");
+}
+
+TEST(SceneCodec, BoundsNesting) {
+  std::string text, json;
+  for (int i = 0; i < 200; ++i) text += "nodes { children {", json += "{\"children\":[";
+  EXPECT_NE(text_error("nodes {" + text), "no error");
+  const std::string found = json_error("{\"nodes\":[" + json);
+  EXPECT_NE(found.find("nested too deep"), std::string::npos) << found;
+  v1::Scene deep;
+  v1::Node* node = deep.add_nodes();
+  for (int i = 0; i < 200; ++i) node = node->add_children();
+  EXPECT_EQ(parse_scene(serialize_scene(deep)), std::nullopt);
+}
+
+TEST(SceneCodec, RefusesHostileBytesWithoutThrowing) {
+  EXPECT_EQ(parse_scene("\x0a\xff\xff\xff\xff\x0f"), std::nullopt);
+  v1::Scene scene;
+  scene.mutable_settings()->set_time(std::nan(""));
+  EXPECT_EQ(parse_scene(serialize_scene(scene)), std::nullopt);
+  EXPECT_TRUE(parse_scene("").has_value());
+}
+
+TEST(SceneCodec, ChecksTheDigestOfABlob) {
+  const SceneWithBlobs made = with_blob("abc");
+  std::string text = encode_scene(made.scene, made.blobs, SceneEncoding::text);
+  const size_t at = text.find("\"abc\"");
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, 5, "\"abd\"");
+  EXPECT_NE(text_error(text).find("does not have that digest"), std::string::npos);
+}
+
+TEST(SceneCodec, KeepsLargeBlobsBesideTheFile) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(testing::TempDir()) / "tessera_scene_codec_test";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  const std::string path = (folder / "s.tessera").string();
+  const SceneWithBlobs made = with_blob(std::string(kMaxEmbeddedBlobBytes + 1, 'x'));
+  write_scene_file(path, made.scene, made.blobs);
+  EXPECT_LT(fs::file_size(path), 1000u);
+  const SceneWithBlobs back = read_scene_file(path, SceneEncoding::text);
+  EXPECT_TRUE(MessageDifferencer::Equals(back.scene, made.scene));
+  EXPECT_EQ(back.blobs.size(), 1u);
+  const fs::path blob = folder / "s.tessera.blobs" / made.blobs.all().begin()->first.hex();
+  std::ofstream(blob, std::ios::app) << 'y';
+  EXPECT_NE(error_of([&] { read_scene_file(path, SceneEncoding::text); }).find("do not have"),
+            std::string::npos);
+  fs::remove(blob);
+  EXPECT_NE(error_of([&] { read_scene_file(path, SceneEncoding::text); }).find("no such file"),
+            std::string::npos);
+  fs::remove_all(folder);
+}
+
+TEST(SceneCodec, ListsEachReferencedBlobOnce) {
+  v1::Scene scene = with_blob("abc").scene;
+  *scene.add_nodes() = scene.nodes(0);
+  ASSERT_TRUE(referenced_blobs(scene).has_value());
+  EXPECT_EQ(referenced_blobs(scene)->size(), 1u);
+  scene.mutable_nodes(0)->mutable_shape()->mutable_mesh()->mutable_positions()->set_digest("x/..");
+  EXPECT_EQ(referenced_blobs(scene), std::nullopt);
+}
+
+}  // namespace
+}  // namespace tessera

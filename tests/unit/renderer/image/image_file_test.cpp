@@ -1,0 +1,169 @@
+#include "renderer/image/image_file.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "base/error.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ImageFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "tessera-image-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  size_t files() const {
+    return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), {}));
+  }
+
+  static Film ramp() {
+    Film film({0, 0, 16, 4});
+    for (size_t i = 0; i < film.values().size(); ++i) {
+      film.values()[i] = static_cast<float>(i) / static_cast<float>(film.values().size());
+    }
+    return film;
+  }
+
+  fs::path folder_;
+  const OutputSettings display_{.transfer = TransferCurve::display};
+};
+
+ExitCode code_of(const std::function<void()>& call, std::string* message = nullptr) {
+  try {
+    call();
+  } catch (const Error& error) {
+    if (message) *message = error.what();
+    return error.code();
+  }
+  return ExitCode::done;
+}
+
+TEST_F(ImageFile, float_formats_keep_linear_values) {
+  Film film = ramp();
+  film.values()[5] = 1000;
+  for (const char* name : {"a.exr", "a.pfm"}) {
+    write_image(folder_ / name, film, {.tone_curve = ToneCurve::reinhard}, {});
+    const RgbImage image = read_image(folder_ / name);
+    ASSERT_EQ(image.width, 16) << name;
+    ASSERT_EQ(image.height, 4);
+    EXPECT_TRUE(std::equal(image.values.begin(), image.values.end(), film.values().begin()))
+        << name;
+  }
+  write_image(folder_ / "a.hdr", film, {}, {});
+  EXPECT_NEAR(read_image(folder_ / "a.hdr").values[5], 1000, 8);
+}
+
+TEST_F(ImageFile, byte_formats_hold_the_tone_mapped_bytes) {
+  const Film film = ramp();
+  const std::vector<uint8_t> bytes = to_8_bit(film, display_);
+  for (const char* name : {"a.png", "a.BMP", "a.tif", "a.tga", "a.ppm"}) {
+    write_image(folder_ / name, film, display_, {});
+    const RgbImage image = read_image(folder_ / name);
+    ASSERT_EQ(image.values.size(), bytes.size()) << name;
+    for (size_t i = 0; i < bytes.size(); ++i) {
+      ASSERT_EQ(std::lround(image.values[i] * 255), bytes[i]) << name << " " << i;
+    }
+  }
+  write_image(folder_ / "a.jpg", film, display_, {});
+  EXPECT_EQ(read_image(folder_ / "a.jpg").width, 16);
+  EXPECT_EQ(files(), 6u);  // and no temporary
+}
+
+TEST_F(ImageFile, png_carries_its_making) {
+  write_image(folder_ / "a.png", ramp(), display_, {.scene_digest = "0123abcd", .seed = 7});
+  std::ifstream file(folder_ / "a.png", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(bytes.find("tessera "), std::string::npos);
+  EXPECT_NE(bytes.find("0123abcd"), std::string::npos);
+}
+
+TEST_F(ImageFile, unknown_endings_name_the_nearest) {
+  std::string message;
+  EXPECT_EQ(code_of([&] { check_writable(folder_ / "a.pnng"); }, &message), ExitCode::bad_usage);
+  EXPECT_NE(message.find("did you mean 'png'"), std::string::npos) << message;
+  EXPECT_EQ(code_of([&] { check_writable(folder_ / "noending"); }), ExitCode::bad_usage);
+}
+
+TEST_F(ImageFile, what_can_not_be_written_is_found_early) {
+  EXPECT_EQ(code_of([&] { check_writable(folder_ / "a.png"); }), ExitCode::done);
+  EXPECT_EQ(files(), 0u);
+  EXPECT_EQ(code_of([&] { check_writable(folder_ / "missing" / "a.png"); }), ExitCode::bad_usage);
+  fs::create_directory(folder_ / "folder.png");
+  EXPECT_EQ(code_of([&] { check_writable(folder_ / "folder.png"); }), ExitCode::bad_usage);
+  EXPECT_EQ(code_of([&] { write_image(folder_ / "missing" / "a.png", ramp(), {}, {}); }),
+            ExitCode::render_failed);
+}
+
+TEST_F(ImageFile, a_failed_write_leaves_the_old_file) {
+  write_image(folder_ / "a.png", ramp(), display_, {});
+  const auto size = fs::file_size(folder_ / "a.png");
+  fs::create_directory(folder_ / "b.png");
+  fs::create_directory(folder_ / "b.png" / "full");
+  EXPECT_EQ(code_of([&] { write_image(folder_ / "b.png", ramp(), {}, {}); }),
+            ExitCode::render_failed);
+  EXPECT_EQ(files(), 2u);
+  EXPECT_EQ(fs::file_size(folder_ / "a.png"), size);
+}
+
+TEST_F(ImageFile, a_link_is_written_through) {
+  write_image(folder_ / "real.png", ramp(), display_, {});
+  fs::create_symlink(folder_ / "real.png", folder_ / "link.png");
+  fs::resize_file(folder_ / "real.png", 0);
+  write_image(folder_ / "link.png", ramp(), display_, {});
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.png"));
+  EXPECT_GT(fs::file_size(folder_ / "real.png"), 0u);
+}
+
+TEST_F(ImageFile, files_that_are_no_pictures_are_refused) {
+  EXPECT_EQ(code_of([&] { read_image(folder_ / "missing.png"); }), ExitCode::bad_scene);
+  std::ofstream(folder_ / "text.png") << "not a picture";
+  EXPECT_EQ(code_of([&] { read_image(folder_ / "text.png"); }), ExitCode::bad_scene);
+}
+
+TEST_F(ImageFile, textures_keep_their_own_numbers) {
+  // Red, green, blue and a half clear white, which nothing multiplies.
+  const unsigned char png[] = {0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00,
+                               0x0d, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00,
+                               0x00, 0x02, 0x08, 0x06, 0x00, 0x00, 0x00, 0x72, 0xb6, 0x0d, 0x24,
+                               0x00, 0x00, 0x00, 0x13, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63,
+                               0xf8, 0xcf, 0xc0, 0xf0, 0x1f, 0x0c, 0x81, 0x34, 0x08, 0x34, 0x00,
+                               0x00, 0x49, 0x49, 0x09, 0x78, 0x28, 0xa0, 0xdb, 0x77, 0x00, 0x00,
+                               0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  std::ofstream(folder_ / "a.png", std::ios::binary)
+      .write(reinterpret_cast<const char*>(png), sizeof png);
+  const TextureImage image = read_texture_image(folder_ / "a.png");
+  EXPECT_EQ(image.width, 2u);
+  EXPECT_EQ(image.height, 2u);
+  EXPECT_EQ(image.channels, 4u);
+  EXPECT_EQ(image.bits, 8u);
+  const int expected[] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 128};
+  ASSERT_EQ(image.texels.size(), 16u);
+  for (size_t i = 0; i < 16; ++i) EXPECT_EQ(static_cast<int>(image.texels[i]), expected[i]) << i;
+
+  write_image(folder_ / "b.exr", ramp(), {}, {});
+  const TextureImage floats = read_texture_image(folder_ / "b.exr");
+  EXPECT_EQ(floats.channels, 3u);
+  EXPECT_EQ(floats.bits, 32u);
+  EXPECT_EQ(code_of([&] { read_texture_image(folder_ / "missing.png"); }), ExitCode::bad_scene);
+}
+
+TEST_F(ImageFile, loading_may_be_asked_for_often) {
+  preload_image_module();
+  preload_image_module();
+}
+
+}  // namespace
+}  // namespace tessera

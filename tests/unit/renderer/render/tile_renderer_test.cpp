@@ -1,0 +1,241 @@
+#include "renderer/render/tile_renderer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <vector>
+
+#include "base/error.h"
+#include "tests/unit/renderer/scene_text.h"
+
+namespace tessera {
+namespace {
+
+// X3D's default camera looks at a sphere of its default material, with a headlight.
+constexpr char kSphere[] = R"(
+  cameras { world_from_camera { steps { translate { z: 10 } } }
+            headlight { directional { direction { z: -1 } } } }
+  background { solid { r: .25 g: .5 b: 1 } }
+  nodes { shape { sphere {} } })";
+
+// Glass, a mirror, transparent and flat things, three lights and a ground that never ends.
+constexpr char kMixed[] = R"(
+  settings { sampling { pattern: OWEN_SOBOL } integrator { ambient { r: .1 g: .1 b: .1 } } }
+  cameras { world_from_camera { steps { look_at { eye { x: 1 y: 2 z: 6 } target { y: .5 } } } } }
+  background { gradient { sky { r: .2 g: .4 b: 1 } ground { r: .5 g: .5 b: .4 } } glow: .25 }
+  materials { name: 'glass' classic { transparency { value: .9 } refractive_index: 1.5
+              reflectivity { value { r: .1 g: .1 b: .1 } } absorption { r: 1 g: .2 b: .1 } } }
+  materials { name: 'mirror' classic { reflectivity { value { r: .8 g: .7 b: .6 } }
+              specular { value { r: 1 g: 1 b: 1 } } grain: .2 } }
+  materials { name: 'veil' classic { transparency { value: .5 } transmission: STRAIGHT } }
+  nodes { light { directional { direction { x: -1 y: -2 z: -1 } } } }
+  nodes { light { point { position { x: 2 y: 3 } } intensity: 8 attenuation { quadratic: 1 } } }
+  nodes { light { spot { position { y: 4 } direction { y: -1 } beam_width: 10 cut_off: 40 } } }
+  nodes { transform { steps { translate { y: 1 } } } shape { materials: 'glass' sphere {} } }
+  nodes { shape { materials: 'mirror' box { min { x: -3 z: -2 } max { x: -1.5 y: 2 z: -1 } } } }
+  nodes { shape { materials: 'veil' box { min { x: 1.2 z: -1 } max { x: 1.8 y: 1.5 z: 1 } } } }
+  nodes { shape { plane {} } })";
+
+TEST(TileRenderer, shows_a_lit_sphere_before_its_background) {
+  const TilePixels tile = render_text(kSphere, 33, 33);
+  const size_t middle = 3 * (16 * 33 + 16);
+  EXPECT_FLOAT_EQ(tile.values[middle], 0.8f);
+  EXPECT_FLOAT_EQ(tile.values[middle + 2], 0.8f);
+  EXPECT_EQ(tile.values[0], 0.25f);
+  EXPECT_EQ(tile.values[1], 0.5f);
+  EXPECT_EQ(tile.values[2], 1.0f);
+  EXPECT_EQ(tile.counters.at("samples"), 33u * 33u);
+  EXPECT_EQ(tile.counters.at("nan_samples"), 0u);
+}
+
+TEST(TileRenderer, pixels_do_not_depend_on_how_the_frame_is_cut) {
+  constexpr int kWidth = 23, kHeight = 17;
+  constexpr uint32_t kSamples = 3;
+  v1::FrameSettings frame = frame_of(kWidth, kHeight);
+  frame.set_samples_per_pixel(kSamples);
+  const auto renderer = make_tile_renderer(parse_scene(kMixed), {}, frame, 1);
+  const PixelRect whole{0, 0, kWidth, kHeight};
+  const TilePixels expected = render_rect(*renderer, whole, kSamples);
+  EXPECT_GT(expected.counters.at("rays_refraction"), 0u);
+  EXPECT_GT(expected.counters.at("rays_reflection"), 0u);
+  EXPECT_GT(expected.counters.at("rays_shadow"), 0u);
+
+  for (const int side : {1, 5, 16}) {
+    CounterMap sums;
+    for (int y = 0; y < kHeight; y += side) {
+      for (int x = 0; x < kWidth; x += side) {
+        const PixelRect rect{x, y, std::min(x + side, kWidth), std::min(y + side, kHeight)};
+        const TilePixels tile = render_rect(*renderer, rect, kSamples);
+        for (const auto& [name, value] : tile.counters) sums[name] += value;
+        for (int row = 0; row < rect.height(); ++row) {
+          for (int i = 0; i < 3 * rect.width(); ++i) {
+            const auto from = static_cast<size_t>(3 * rect.width() * row + i);
+            const auto to = static_cast<size_t>(3 * (kWidth * (y + row) + x) + i);
+            ASSERT_EQ(tile.values[from], expected.values[to]) << side << " " << x << " " << y;
+          }
+        }
+      }
+    }
+    for (const auto& [name, value] : expected.counters) {
+      if (name != "tiles_background") {
+        EXPECT_EQ(sums[name], value) << name;
+      }
+    }
+  }
+}
+
+TEST(TileRenderer, a_sample_alone_is_the_sample_among_others) {
+  v1::FrameSettings frame = frame_of(4, 4);
+  frame.set_samples_per_pixel(2);
+  const auto renderer = make_tile_renderer(parse_scene(kMixed), {}, frame, 1);
+  const PixelRect rect{0, 0, 4, 4};
+  const TilePixels both = render_rect(*renderer, rect, 2);
+  const TilePixels first = render_rect(*renderer, rect, 1, 0);
+  const TilePixels second = render_rect(*renderer, rect, 1, 1);
+  for (size_t i = 0; i < both.values.size(); ++i) {
+    EXPECT_NEAR(both.values[i], (first.values[i] + second.values[i]) / 2, 1e-6f);
+  }
+  EXPECT_NE(first.values, second.values);
+}
+
+TEST(TileRenderer, the_seed_moves_samples) {
+  v1::FrameSettings frame = frame_of(4, 4);
+  frame.set_samples_per_pixel(2);
+  const v1::Scene scene = parse_scene(kMixed);
+  const auto render = [&] {
+    return render_rect(*make_tile_renderer(scene, {}, frame, 1), {0, 0, 4, 4}, 2).values;
+  };
+  const auto zero = render();
+  EXPECT_EQ(render(), zero);
+  frame.set_seed(1);
+  EXPECT_NE(render(), zero);
+}
+
+TEST(TileRenderer, threads_of_the_build_change_nothing) {
+  const v1::Scene scene = parse_scene(kMixed);
+  const auto frame = frame_of(16, 16);
+  const PixelRect rect{0, 0, 16, 16};
+  EXPECT_EQ(render_rect(*make_tile_renderer(scene, {}, frame, 1), rect).values,
+            render_rect(*make_tile_renderer(scene, {}, frame, 4), rect).values);
+}
+
+TEST(TileRenderer, may_be_called_from_many_threads) {
+  const auto renderer = make_tile_renderer(parse_scene(kMixed), {}, frame_of(16, 16), 2);
+  const PixelRect rect{0, 0, 16, 16};
+  const auto expected = render_rect(*renderer, rect).values;
+  std::vector<std::future<std::vector<float>>> others;
+  for (int i = 0; i < 4; ++i) {
+    others.push_back(
+        std::async(std::launch::async, [&] { return render_rect(*renderer, rect).values; }));
+  }
+  for (auto& other : others) EXPECT_EQ(other.get(), expected);
+}
+
+TEST(TileRenderer, grain_darkens_by_up_to_its_size) {
+  const std::string rough =
+      "materials { name: 'm' classic { emission { value { r: 1 g: 1 b: 1 } } diffuse { value {} } "
+      "grain: .5 } } nodes { shape { materials: 'm' plane { normal { z: 1 } } } }";
+  const auto values = render_text(rough, 16, 16).values;
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  EXPECT_GT(*low, .85f - 1e-6f);
+  EXPECT_LT(*low, .86f);
+  EXPECT_GT(*high, .99f);
+  EXPECT_LE(*high, 1.0f);
+  EXPECT_EQ(render_text(rough, 16, 16).values, values);
+}
+
+TEST(TileRenderer, stops_when_cancelled_and_tells_its_pixels) {
+  const auto renderer = make_tile_renderer(parse_scene(kSphere), {}, frame_of(8, 8), 1);
+  TileProgress progress;
+  EXPECT_TRUE(renderer->render({{0, 0, 8, 8}, 0, 1}, progress));
+  EXPECT_EQ(progress.work_done, 64u);
+  progress.cancelled = true;
+  EXPECT_FALSE(renderer->render({{0, 0, 8, 8}, 0, 1}, progress));
+}
+
+// Looking past everything must give what tracing gives: an endless plane far behind the camera
+// makes every pixel traced without being seen.
+TEST(TileRenderer, pixels_past_everything_keep_their_bits) {
+  constexpr char kCamera[] = "cameras { world_from_camera { steps { translate { z: 10 } } } }";
+  constexpr char kBehind[] = "nodes { shape { plane { normal { z: 1 } offset: 1000 } } }";
+  for (const char* background :
+       {"background { solid { r: .1 g: .7 b: .3 } }",
+        "background { gradient { sky { r: 1 } ground { b: 1 } } }",
+        "background { gradient { sky { r: 1 } ground { b: 1 } model: ABSOLUTE_Y } glow: .5 }"}) {
+    const std::string lights = "nodes { light { directional { direction { x: 1 y: 1 } } } }";
+    const std::string text = "settings { sampling { samples_per_pixel: 3 filter: TENT } }" +
+                             std::string(kCamera) + background + lights +
+                             "nodes { shape { sphere {} } }";
+    const TilePixels skipped = render_text(text, 40, 30);
+    const TilePixels traced = render_text(text + kBehind, 40, 30);
+    EXPECT_EQ(skipped.values, traced.values) << background;
+    EXPECT_GT(skipped.counters.at("rays_background_skipped"), 3u * 600u);
+    EXPECT_EQ(traced.counters.at("rays_background_skipped"), 0u);
+    EXPECT_EQ(skipped.counters.at("rays_background_skipped") + skipped.counters.at("rays_primary"),
+              3u * 40u * 30u);
+  }
+}
+
+TEST(TileRenderer, answers_tiles_of_background_without_tracing) {
+  const auto renderer = make_tile_renderer(parse_scene(kSphere), {}, frame_of(64, 64), 1);
+  const TilePixels corner = render_rect(*renderer, {0, 0, 8, 8});
+  EXPECT_EQ(corner.counters.at("tiles_background"), 1u);
+  EXPECT_EQ(corner.counters.at("primitive_tests"), 0u);
+  EXPECT_EQ(render_rect(*renderer, {28, 28, 36, 36}).counters.at("tiles_background"), 0u);
+}
+
+TEST(TileRenderer, an_empty_scene_is_black) {
+  EXPECT_EQ(render_text("", 2, 1).values, std::vector<float>(6, 0.0f));
+}
+
+TEST(TileRenderer, numbers_that_overflow_are_counted_and_black) {
+  const TilePixels tile = render_text(R"(
+    materials { name: 'm' classic { emission { value { r: 1e308 } } diffuse { value { } } } }
+    nodes { light { ambient_intensity: 1e308 color { r: 1e308 } directional { direction { z: -1 } } } }
+    nodes { shape { materials: 'm' box { min { x: -9 y: -9 z: 0 } max { x: 9 y: 9 z: 1 } } } })",
+                                      1, 1);
+  EXPECT_EQ(tile.counters.at("nan_samples"), 1u);
+  EXPECT_EQ(tile.values, std::vector<float>(3, 0.0f));
+}
+
+TEST(TileRenderer, facing_mirrors_end) {
+  const std::string room = R"(
+    materials { name: 'm' classic { reflectivity { value { r: 1 g: 1 b: 1 } }
+                diffuse { value {} } emission { value { r: 1 } } } }
+    cameras { world_from_camera {} }
+    background { solid { g: 1 } }
+    nodes { shape { materials: 'm' plane { normal { z: 1 } offset: -1 } } }
+    nodes { shape { materials: 'm' plane { normal { z: 1 } offset: 1 } } } )";
+  const auto depth = [&](int max_depth, const char* more = "") {
+    return render_pixel(room + "settings { integrator { max_depth: " + std::to_string(max_depth) +
+                        more + " } }");
+  };
+  EXPECT_EQ(depth(0), (std::vector<float>{1, 0, 0}));
+  EXPECT_EQ(depth(100), (std::vector<float>{101, 0, 0}));
+  EXPECT_EQ(depth(3, " background_at_max_depth: true"), (std::vector<float>{4, 1, 0}));
+}
+
+TEST(TileRenderer, refuses_an_unknown_integrator_with_the_nearest_name) {
+  v1::FrameSettings frame = frame_of(1, 1);
+  frame.set_integrator("whited");
+  try {
+    make_tile_renderer({}, {}, frame, 1);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::bad_usage);
+    EXPECT_NE(std::string(error.what()).find("did you mean 'whitted'"), std::string::npos);
+  }
+}
+
+TEST(TileRenderer, views_show_normals_and_depth) {
+  const auto view = [&](const char* kind) {
+    return render_pixel(std::string(kSphere) + "settings { integrator { kind: '" + kind + "' } }");
+  };
+  EXPECT_EQ(view("normals"), (std::vector<float>{0.5f, 0.5f, 1.0f}));
+  EXPECT_EQ(view("depth"), (std::vector<float>{9, 9, 9}));
+}
+
+}  // namespace
+}  // namespace tessera

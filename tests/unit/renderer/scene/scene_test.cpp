@@ -1,0 +1,157 @@
+#include "renderer/scene/scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "renderer/scene/read_transform.h"
+#include "tests/unit/renderer/scene_text.h"
+
+namespace tessera {
+namespace {
+
+std::shared_ptr<const Scene> build(const std::string& text, const BlobStore& blobs = {}) {
+  return build_scene(parse_scene(text), blobs, frame_of(8, 8), 2);
+}
+
+TEST(Scene, keeps_only_what_the_picture_needs) {
+  const auto scene = build(R"(
+    materials { name: 'used' } materials { name: 'unused' classic { shininess { value: nan } } }
+    materials { name: 'back' } materials { name: 'sided' sides: BACK_MATERIAL back: 'back' }
+    objects { name: 'o' nodes { shape { materials: 'used' sphere {} } } } objects { name: 'p' }
+    nodes { instance_of: 'o' } nodes { instance_of: 'o' transform { steps { translate { x: 3 } } } }
+    nodes { shape { materials: 'sided' box {} } }
+    nodes { hidden: true shape { sphere {} } light { point {} } }
+    nodes { transform { steps { scale { x: 1 y: 0 z: 1 } } } shape { sphere {} } }
+    nodes { light { off: true point {} } } nodes { light { point {} } })");
+  EXPECT_EQ(scene->counters.at("materials_total"), 4u);
+  EXPECT_EQ(scene->counters.at("materials_used"), 3u);
+  EXPECT_EQ(scene->counters.at("objects_total"), 2u);
+  EXPECT_EQ(scene->counters.at("objects_used"), 1u);
+  EXPECT_EQ(scene->counters.at("shapes"), 2u);
+  EXPECT_EQ(scene->counters.at("instances"), 3u);
+  EXPECT_EQ(scene->counters.at("nodes_hidden"), 1u);
+  EXPECT_EQ(scene->counters.at("nodes_flat"), 1u);
+  EXPECT_EQ(scene->counters.at("lights_used"), 1u);
+  EXPECT_EQ(scene->counters.at("lights_off"), 1u);
+  EXPECT_EQ(scene->instances[0].shape, scene->instances[1].shape);
+}
+
+TEST(Scene, knows_what_tracing_may_leave_out) {
+  const std::string lamp = "nodes { light { point { position { y: 9 } } } } ";
+  const std::string ball = "nodes { shape { materials: 'm' sphere {} } } ";
+  const auto features = [&](const std::string& text) { return build(text)->features; };
+  EXPECT_FALSE(features("materials { name: 'm' } " + ball).shadows);
+  EXPECT_FALSE(features(lamp).shadows);
+  EXPECT_TRUE(features(lamp + "materials { name: 'm' } " + ball).shadows);
+  EXPECT_FALSE(features(lamp + "materials { name: 'm' } " + ball).secondary);
+  EXPECT_TRUE(
+      features("materials { name: 'm' classic { reflectivity { value { b: 1 } } } } " + ball)
+          .secondary);
+  EXPECT_TRUE(
+      features("materials { name: 'm' classic { transparency { value: .1 } } } " + ball).secondary);
+  EXPECT_FALSE(features("materials { name: 'm' sides: FRONT_ONLY } " + ball).secondary);
+  const auto scene =
+      build(lamp + "materials { name: 'm' classic { transparency { value: .1 } } } " + ball +
+            "nodes { shape { sphere {} } }");
+  EXPECT_EQ(scene->clear_instances, (std::vector<uint32_t>{0}));
+  EXPECT_NE(scene->opaque_occluders, scene->surfaces);
+  const auto opaque = build(lamp + "nodes { shape { sphere {} } }");
+  EXPECT_EQ(opaque->opaque_occluders, opaque->surfaces);
+  EXPECT_EQ(opaque->clear_occluders, nullptr);
+}
+
+TEST(Scene, degenerate_triangles_are_dropped_and_counted) {
+  const auto scene = build(
+      "nodes { shape { mesh { inline_positions: [0,0,0, 1,0,0, 0,1,0] "
+      "inline_triangles: [0,1,2, 0,0,1] } } } "
+      "nodes { shape { mesh { inline_positions: [0,0,0] "
+      "inline_triangles: [0,0,0] } } }");
+  EXPECT_EQ(scene->counters.at("triangles"), 1u);
+  EXPECT_EQ(scene->counters.at("triangles_dropped"), 2u);
+  EXPECT_EQ(scene->instances.size(), 1u);
+}
+
+TEST(Scene, meshes_of_blobs_and_of_numbers_are_one) {
+  const float positions[] = {-9, -9, 0, 9, -9, 0, 0, 9, 0};
+  const float colors[] = {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1};
+  const uint32_t triangles[] = {0, 1, 2}, faces[] = {1};
+  BlobStore blobs;
+  const auto put = [&](v1::BlobRef& ref, const void* data, size_t size) {
+    std::vector<std::byte> bytes(size);
+    std::memcpy(bytes.data(), data, size);
+    ref.set_digest(blobs.put(std::move(bytes)).hex());
+    ref.set_size(size);
+  };
+  v1::Scene scene = parse_scene(
+      "materials { name: 'a' } materials { name: 'b' unlit { color { value "
+      "{ r: .5 g: .5 b: .5 } } } } nodes { shape { materials: ['a', 'b'] mesh {} } }");
+  v1::TriangleMesh& mesh = *scene.mutable_nodes(0)->mutable_shape()->mutable_mesh();
+  put(*mesh.mutable_positions(), positions, sizeof positions);
+  put(*mesh.mutable_triangles(), triangles, sizeof triangles);
+  put(*mesh.mutable_colors(), colors, sizeof colors);
+  put(*mesh.mutable_face_materials(), faces, sizeof faces);
+  const auto renderer = make_tile_renderer(scene, blobs, frame_of(1, 1), 1);
+  EXPECT_EQ(render_rect(*renderer, {0, 0, 1, 1}).values, (std::vector<float>{.5f, 0, 0}));
+}
+
+TEST(Scene, vertex_alpha_lets_what_is_behind_show) {
+  const float positions[] = {-9, -9, 0, 9, -9, 0, 0, 9, 0};
+  const float colors[] = {1, 0, 0, .25f, 1, 0, 0, .25f, 1, 0, 0, .25f};
+  BlobStore blobs;
+  std::vector<std::byte> bytes(sizeof colors);
+  std::memcpy(bytes.data(), colors, sizeof colors);
+  v1::Scene scene = parse_scene(
+      "background { solid { b: 1 } } materials { name: 'a' unlit {} } nodes { "
+      "shape { materials: 'a' mesh { inline_triangles: [0,1,2] } } }");
+  v1::TriangleMesh& mesh = *scene.mutable_nodes(0)->mutable_shape()->mutable_mesh();
+  for (const float p : positions) mesh.add_inline_positions(p);
+  mesh.mutable_colors()->set_digest(blobs.put(std::move(bytes)).hex());
+  mesh.mutable_colors()->set_size(sizeof colors);
+  const auto renderer = make_tile_renderer(scene, blobs, frame_of(1, 1), 1);
+  EXPECT_EQ(render_rect(*renderer, {0, 0, 1, 1}).values, (std::vector<float>{.25f, 0, .75f}));
+}
+
+TEST(ReadTransform, steps_compose_as_written) {
+  v1::Transform transform;
+  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(
+      "steps { translate { x: 5 } } steps { rotate { axis { z: 2 } angle: 90 } } "
+      "steps { scale { x: 2 y: 1 z: 1 } } ",
+      &transform));
+  const Point3 p = read_transform({.kind = "t"}, transform)(Point3{1, 1, 0});
+  EXPECT_NEAR(p.x, 4, 1e-15);
+  EXPECT_NEAR(p.y, 2, 1e-15);
+}
+
+Affine at(const std::string& keys, double time) {
+  v1::Node node;
+  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(keys, &node));
+  return read_transform({.kind = "node"}, node.transform(), node.keys(), time);
+}
+
+TEST(ReadTransform, rotations_turn_at_constant_speed) {
+  const std::string about_one_axis =
+      "keys { transform { steps { rotate { axis { y: 1 } angle: 0 } } } } "
+      "keys { time: 4 transform { steps { rotate { axis { y: 1 } angle: 720 } } } }";
+  const Vec3 quarter = at(about_one_axis, 0.5)(Vec3{1, 0, 0});
+  EXPECT_NEAR(quarter.x, 0, 1e-15);
+  EXPECT_NEAR(quarter.z, -1, 1e-15);
+  // From a quarter about x to a quarter about y: halfway, the turn from either is the same.
+  const std::string between =
+      "keys { transform { steps { rotate { axis { x: 1 } angle: 90 } } } } "
+      "keys { time: 1 transform { steps { rotate { axis { y: 1 } angle: 90 } } } }";
+  const auto angle_between = [](const Affine& a, const Affine& b) {
+    double trace = 0;
+    for (size_t i = 0; i < 3; ++i) {
+      for (size_t j = 0; j < 3; ++j) trace += a.m[i][j] * b.m[i][j];
+    }
+    return std::acos(std::min(1.0, (trace - 1) / 2));
+  };
+  const double whole = angle_between(at(between, 0), at(between, 1));
+  EXPECT_NEAR(angle_between(at(between, 0), at(between, .25)), whole / 4, 1e-12);
+  EXPECT_NEAR(angle_between(at(between, .25), at(between, 1)), whole * 3 / 4, 1e-12);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,215 @@
+#include "scenes/formats/obj/obj_reader.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/scenes/scene_testing.h"
+
+namespace tessera {
+namespace {
+
+constexpr const char* kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+constexpr const char* kSquareUvNormal =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 2\n";
+
+struct Mesh {
+  std::vector<float> positions, normals, uvs, colors;
+  std::vector<uint32_t> triangles, face_materials;
+  std::vector<std::string> materials, warnings;
+};
+
+Mesh read(const std::string& text) {
+  const LoadedScene loaded = parse_obj(text, "t.obj");
+  Mesh mesh;
+  mesh.warnings = loaded.warnings;
+  if (loaded.scene.nodes_size() == 0) return mesh;
+  const v1::Shape& shape = loaded.scene.nodes(0).shape();
+  const v1::TriangleMesh& in = shape.mesh();
+  mesh.positions = blob_values<float>(in.positions(), loaded.blobs);
+  mesh.normals = blob_values<float>(in.normals(), loaded.blobs);
+  mesh.uvs = blob_values<float>(in.uvs(), loaded.blobs);
+  mesh.colors = blob_values<float>(in.colors(), loaded.blobs);
+  mesh.triangles = blob_values<uint32_t>(in.triangles(), loaded.blobs);
+  mesh.face_materials = blob_values<uint32_t>(in.face_materials(), loaded.blobs);
+  mesh.materials.assign(shape.materials().begin(), shape.materials().end());
+  return mesh;
+}
+
+std::string error(const std::string& text) {
+  return error_of([&] { parse_obj(text, "t.obj"); });
+}
+
+using Floats = std::vector<float>;
+using Indices = std::vector<uint32_t>;
+
+TEST(Obj, ReadsEveryFormOfAFaceCorner) {
+  const std::string v = kSquareUvNormal;
+  EXPECT_EQ(read(v + "f 1 2 3").normals, Floats{});
+  EXPECT_EQ(read(v + "f 1/1 2/2 3/3").uvs, (Floats{0, 0, 1, 0, 1, 1}));
+  EXPECT_EQ(read(v + "f 1/1 2/2 3/3").normals, Floats{});
+  EXPECT_EQ(read(v + "f 1//1 2//1 3//1").normals, (Floats{0, 0, 1, 0, 0, 1, 0, 0, 1}));
+  EXPECT_EQ(read(v + "f 1//1 2//1 3//1").uvs, Floats{});
+  const Mesh full = read(v + "f 1/3/1 2/2/1 3/1/1");
+  EXPECT_EQ(full.uvs, (Floats{1, 1, 1, 0, 0, 0}));
+  EXPECT_EQ(full.positions, (Floats{0, 0, 0, 1, 0, 0, 1, 1, 0}));
+  EXPECT_EQ(full.triangles, (Indices{0, 1, 2}));
+}
+
+TEST(Obj, CountsNegativeIndicesFromTheEnd) {
+  const Mesh mesh = read(std::string(kSquareUvNormal) + "f -3/-1/-1 -2/-2/-1 -1/-3/-1\nv 9 9 9\n");
+  EXPECT_EQ(mesh.positions, (Floats{0, 0, 0, 1, 0, 0, 1, 1, 0}));
+  EXPECT_EQ(mesh.uvs, (Floats{1, 1, 1, 0, 0, 0}));
+}
+
+TEST(Obj, SharesVerticesWhoseIndicesAreEqual) {
+  EXPECT_EQ(read(std::string(kSquare) + "f 1 2 3\nf 1 3 4\n").positions.size(), 12u);
+  const Mesh seam = read(std::string(kSquare) + "vt 0 0\nvt 1 1\nf 1/1 2/1 3/1\nf 1/2 3/1 4/1\n");
+  EXPECT_EQ(seam.positions.size(), 15u);
+  EXPECT_EQ(seam.triangles, (Indices{0, 1, 2, 3, 2, 4}));
+}
+
+TEST(Obj, CutsPolygons) {
+  EXPECT_EQ(read(std::string(kSquare) + "f 1 2 3 4").triangles, (Indices{0, 1, 2, 0, 2, 3}));
+  const Mesh notch = read("v 0 0 0\nv 2 -1 0\nv .5 0 0\nv 2 1 0\nf 2 3 4 1\n");
+  ASSERT_EQ(notch.triangles.size(), 6u);
+  // Both triangles hold the notch and the tip opposite to it.
+  for (const uint32_t corner : {1u, 3u}) {
+    const auto position = [&](uint32_t i) { return notch.positions[3 * notch.triangles[i]]; };
+    int found = 0;
+    for (uint32_t i = 0; i < 6; ++i) found += position(i) == (corner == 1 ? .5f : 0.f);
+    EXPECT_EQ(found, 2);
+  }
+}
+
+TEST(Obj, IsFlatUnlessTheFileSaysOtherwise) {
+  const std::string roof = "v 0 0 0\nv 2 0 0\nv 0 0 -2\nv 0 -2 0\n";
+  EXPECT_EQ(read(roof + "f 1 2 3\nf 1 4 2\n").normals, Floats{});
+  EXPECT_EQ(read(roof + "s off\nf 1 2 3\nf 1 4 2\n").normals, Floats{});
+}
+
+TEST(Obj, SmoothsInsideAGroupAndNotAcrossGroups) {
+  // Two squares of equal area at a right angle, along the x axis.
+  const std::string roof = "v 0 0 0\nv 1 0 0\nv 1 0 -1\nv 0 0 -1\nv 0 -1 0\nv 1 -1 0\n";
+  const float half = std::sqrt(.5f);
+  const Mesh smooth = read(roof + "s 1\nf 1 2 3 4\nf 1 5 6 2\n");
+  ASSERT_EQ(smooth.positions.size(), 18u);
+  EXPECT_NEAR(smooth.normals[1], half, 1e-6);
+  EXPECT_NEAR(smooth.normals[2], half, 1e-6);
+  EXPECT_EQ(Floats(smooth.normals.begin() + 6, smooth.normals.begin() + 9), (Floats{0, 1, 0}));
+  const Mesh apart = read(roof + "s 1\nf 1 2 3 4\ns 2\nf 1 5 6 2\n");
+  ASSERT_EQ(apart.positions.size(), 24u);
+  EXPECT_EQ(Floats(apart.normals.begin(), apart.normals.begin() + 3), (Floats{0, 1, 0}));
+  const Mesh half_flat = read(roof + "s 1\nf 1 2 3 4\ns off\nf 1 5 6 2\n");
+  EXPECT_EQ(half_flat.normals.size(), half_flat.positions.size());
+  EXPECT_EQ(Floats(half_flat.normals.end() - 3, half_flat.normals.end()), (Floats{0, 0, 1}));
+}
+
+TEST(Obj, SmoothNormalsDoNotSplitAtTextureSeams) {
+  const std::string roof =
+      "v 0 0 0\nv 1 0 0\nv 1 0 -1\nv 0 0 -1\nv 0 -1 0\nv 1 -1 0\nvt 0 0\nvt 1 1\ns 1\n";
+  const Mesh mesh = read(roof + "f 1/1 2/1 3/1 4/1\nf 1/2 5/2 6/2 2/2\n");
+  ASSERT_EQ(mesh.positions.size(), 24u);
+  EXPECT_EQ(Floats(mesh.normals.begin(), mesh.normals.begin() + 3),
+            Floats(mesh.normals.begin() + 12, mesh.normals.begin() + 15));
+}
+
+TEST(Obj, KeepsOneMeshForSeveralMaterials) {
+  const Mesh mesh = read(std::string(kSquare) + "f 1 2 3\nusemtl a b\nf 1 3 4\nusemtl c\n" +
+                         "usemtl a b\nf 1 2 4\n");
+  EXPECT_EQ(mesh.materials, (std::vector<std::string>{"default", "a b", "c"}));
+  EXPECT_EQ(mesh.face_materials, (Indices{0, 1, 1}));
+  EXPECT_EQ(mesh.positions.size(), 12u);
+  EXPECT_EQ(read(std::string(kSquare) + "usemtl a\nf 1 2 3\n").face_materials, Indices{});
+}
+
+TEST(Obj, ReadsColoursAndWeightsOfVertices) {
+  const Mesh mesh = read("v 0 0 0 1\nv 1 0 0 .5 .25 0\nv 1 1 0 1 1 0 1\nf 1 2 3\n");
+  EXPECT_EQ(mesh.colors, (Floats{1, 1, 1, 1, .5, .25, 0, 1, 1, 0, 1, 1}));
+}
+
+TEST(Obj, TakesAnyLineEndJointTabAndComment) {
+  for (const char* text :
+       {"v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nf 1 2 3\r\n", "v 0 0 0\rv 1 0 0\rv 1 1 0\rf 1 2 3",
+        "v\t0\t0 0 \nv 1 0 0 # x\nv 1 1 0\n  f 1 2 3 # f 1 2 9",
+        "v 0 \\\n 0 0\nv 1 0 0\n"
+        "v 1 1 0\nf 1 \\\r\n 2 3\\\n",
+        "v 0 0 0\nv +1 .0 -0e5\nv 1. 1e0 0\nf 1 2 3\n\\"}) {
+    const Mesh mesh = read(text);
+    EXPECT_EQ(mesh.positions, (Floats{0, 0, 0, 1, 0, 0, 1, 1, 0})) << text;
+  }
+}
+
+TEST(Obj, CountsWhatItLeavesOut) {
+  const Mesh mesh =
+      read(std::string(kSquare) + "l 1 2\nl 2 3\np 1\nf 1 2 3\nf 1 1 2\nfrob 1\nvp 1 2\n");
+  EXPECT_EQ(mesh.warnings, (std::vector<std::string>{
+                               "t.obj: lines (l) have no surface and are left out (2 times)",
+                               "t.obj: points (p) have no surface and are left out",
+                               "t.obj: triangles that name a vertex twice are left out",
+                               "t.obj: unknown statement 'frob' is left out",
+                               "t.obj: statement 'vp' describes no polygon and is left out"}));
+}
+
+TEST(Obj, SaysWhereAndWhatIsWrong) {
+  const std::string v = kSquare;
+  EXPECT_EQ(error(v + "f 1 2 5\n"),
+            "t.obj:5:7: vertex 5 in '5'; expected at most 4, the number so far");
+  EXPECT_EQ(error(v + "f 1 2 0\n"),
+            "t.obj:5:7: vertex 0 in '0'; expected a count from 1, or a negative one from the end");
+  EXPECT_EQ(error(v + "f 1 2 -5\n"),
+            "t.obj:5:7: vertex -5 in '-5'; expected at most 4, the number so far");
+  EXPECT_EQ(error(v + "f 1/1 2 3\n"),
+            "t.obj:5:3: texture coordinate 1 in '1/1'; expected a texture coordinate before it");
+  EXPECT_EQ(error(v + "f 1 2\n"), "t.obj:5:6: a face with 2 corners; expected at least 3");
+  EXPECT_EQ(error(v + "f 1 2 x\n"), "t.obj:5:7: 'x'; expected a vertex index");
+  EXPECT_EQ(error(v + "f 1 2 3/4/5/6\n").substr(0, 10), "t.obj:5:7:");
+  EXPECT_EQ(error(v + "f 1 2 99999999999999999999\n").substr(0, 16), "t.obj:5:7: verte");
+  EXPECT_EQ(error("v 0 0 0\r\nv 1 0\r\n"), "t.obj:2:6: the line ends here; expected a coordinate");
+  EXPECT_EQ(error("v 0 \\\n 0 zero\n"), "t.obj:2:4: 'zero'; expected a coordinate");
+  EXPECT_EQ(error("v 0 0 nan\n"), "t.obj:1:7: 'nan'; expected a coordinate that is finite");
+  EXPECT_EQ(error("v 0 -inf 0\n"), "t.obj:1:5: '-inf'; expected a coordinate that is finite");
+  EXPECT_EQ(error("v 0 0 1e39\n"),
+            "t.obj:1:7: '1e39'; expected a coordinate that single precision can hold");
+  EXPECT_EQ(error("v 1.0f 0 0\n"), "t.obj:1:3: '1.0f'; expected a coordinate");
+  EXPECT_EQ(error("v 0 0 0\ns x\n"),
+            "t.obj:2:3: 'x'; expected a smoothing group's number, 'on' or 'off'");
+  EXPECT_EQ(error("hello\n"), "t.obj: no vertex and no face; expected the text of an OBJ file");
+  EXPECT_EQ(error(std::string("\x7f\0ELF\1", 6)).substr(0, 22), "t.obj:1:1: binary data");
+}
+
+TEST(Obj, TakesNumbersTooSmallForSinglePrecisionAsZero) {
+  EXPECT_EQ(read("v 1e-60 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n").positions[0], 0.f);
+}
+
+RC_GTEST_PROP(Obj, GivesBackTheMeshThatWasWritten, ()) {
+  const auto points = *rc::gen::container<std::vector<std::array<int16_t, 3>>>(
+      rc::gen::container<std::array<int16_t, 3>>(rc::gen::arbitrary<int16_t>()));
+  RC_PRE(points.size() >= 3);
+  const auto n = static_cast<int>(points.size());
+  const auto faces = *rc::gen::nonEmpty(rc::gen::container<std::vector<std::array<int, 3>>>(
+      rc::gen::container<std::array<int, 3>>(rc::gen::inRange(0, n))));
+  const bool relative = *rc::gen::arbitrary<bool>();
+  std::string text;
+  for (const auto& p : points)
+    text += "v " + std::to_string(p[0] / 8.0) + " " + std::to_string(p[1] / 8.0) + " " +
+            std::to_string(p[2] / 8.0) + "\n";
+  std::vector<std::array<int, 3>> kept;
+  for (const auto& f : faces) {
+    text += "f";
+    for (const int i : f) text += " " + std::to_string(relative ? i - n : i + 1);
+    text += "\n";
+    if (f[0] != f[1] && f[1] != f[2] && f[2] != f[0]) kept.push_back(f);
+  }
+  const Mesh mesh = read(text);
+  RC_ASSERT(mesh.triangles.size() == 3 * kept.size());
+  for (size_t t = 0; t < kept.size(); ++t)
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t a = 0; a < 3; ++a)
+        RC_ASSERT(mesh.positions[3 * mesh.triangles[3 * t + i] + a] ==
+                  static_cast<float>(points[kept[t][i]][a]) / 8);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,194 @@
+#include "scenes/formats/read_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "renderer/math/vec.h"
+#include "scenes/formats/scene_summary.h"
+#include "scenes/generate/generate_scene.h"
+#include "tests/unit/scenes/scene_testing.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ReadScene : public testing::Test {
+ protected:
+  ReadScene() {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    outside_ = fs::path(testing::TempDir()) / (std::string("tessera_read_scene_") + test->name());
+    fs::remove_all(outside_);
+    folder_ = outside_ / "scene";
+    fs::create_directories(folder_);
+  }
+  ~ReadScene() override { fs::remove_all(outside_); }
+
+  std::string write(const std::string& name, const std::string& text) {
+    fs::create_directories((folder_ / name).parent_path());
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return (folder_ / name).string();
+  }
+  std::string error(const std::string& path) {
+    std::string message = error_of([&] { read_scene(path); });
+    for (size_t at; (at = message.find(folder_.string() + "/")) != std::string::npos;)
+      message.erase(at, folder_.string().size() + 1);
+    return message;
+  }
+
+  static constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  fs::path outside_, folder_;
+};
+
+TEST_F(ReadScene, RefusesWhatIsNoSceneFile) {
+  EXPECT_EQ(error((folder_ / "none.obj").string()), "none.obj: no such file");
+  EXPECT_EQ(error((folder_ / "none").string()), "none: no such file");
+  EXPECT_EQ(error(write("empty.x3d", "")), "empty.x3d: the file is empty");
+  fs::create_directories(folder_ / "folder.obj");
+  EXPECT_EQ(error((folder_ / "folder.obj").string()), "folder.obj: is a folder; expected a file");
+  EXPECT_EQ(error(write("a.gltf", "{}")),
+            "a.gltf: files of type .gltf are not read; expected one of .tessera, .tesserab, .json, "
+            ".obj, .x3d, .crt");
+  EXPECT_EQ(error(write("a.xyz", "0 0 0")),
+            "a.xyz: unknown ending '.xyz'; expected one of .tessera, .tesserab, .json, .obj, .x3d, .crt");
+  EXPECT_EQ(error(write("b.tesserab", "\x01\x02")).substr(0, 24), "b.tesserab: the bytes ar");
+  EXPECT_EQ(read_scene(write("by_content", "<X3D><Scene/></X3D>")).scene.cameras_size(), 1);
+}
+
+TEST_F(ReadScene, ReadsAnEndingInAnyCase) {
+  EXPECT_EQ(read_scene(write("T.OBJ", kTriangle)).scene.metadata().source_file(), "T.OBJ");
+}
+
+TEST_F(ReadScene, FindsMaterialsBesideAnObj) {
+  write("my colours.mtl", "newmtl red\nKd 1 0 0\n");
+  write("sub/b.mtl", "newmtl blue\nKd 0 0 1\n");
+  std::ofstream(outside_ / "secret.mtl") << "newmtl green\nKd 0 1 0\n";
+  const LoadedScene loaded = read_scene(
+      write("t.obj", std::string("mtllib my colours.mtl\nmtllib sub\\b.mtl\nmtllib ../secret.mtl\n"
+                                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl blue\n"
+                                 "f 1 2 3\nusemtl green\nf 1 2 3\n")));
+  ASSERT_EQ(loaded.scene.materials_size(), 3);
+  EXPECT_EQ(loaded.scene.materials(0).classic().diffuse().value().r(), 1);
+  EXPECT_EQ(loaded.scene.materials(1).classic().diffuse().value().b(), 1);
+  EXPECT_NEAR(loaded.scene.materials(2).classic().diffuse().value().g(), .8, 1e-9);
+  EXPECT_EQ(loaded.warnings.size(), 2u) << testing::PrintToString(loaded.warnings);
+}
+
+TEST_F(ReadScene, GivesABareModelAView) {
+  const LoadedScene loaded =
+      read_scene(write("t.obj", "v 99 0 0\nv 101 0 0\nv 100 3 0\nf 1 2 3\n"));
+  ASSERT_EQ(loaded.scene.cameras_size(), 1);
+  const v1::LookAt& look = loaded.scene.cameras(0).world_from_camera().steps(0).look_at();
+  EXPECT_NEAR(look.target().x(), 100, 1);
+  EXPECT_GT(look.eye().z(), 2);
+  EXPECT_EQ(summarize(loaded.scene, loaded.blobs).undefined.size(), 0u);
+}
+
+TEST_F(ReadScene, PlacesIncludedFilesOfAnyFormatOnce) {
+  write("models/t.obj", kTriangle);
+  write("models/s.x3d",
+        "<X3D><Scene><Shape><Appearance><Material DEF='M'/></Appearance><Sphere/>"
+        "</Shape><PointLight/></Scene></X3D>");
+  const LoadedScene loaded = read_scene(
+      write("main.tessera",
+            "materials { name: 'M' }\n"
+            "includes { file: 'models/t.obj' transform { steps { translate { x: 1 } } } }\n"
+            "includes { file: 'models/t.obj' }\n"
+            "includes { file: 'models/t.obj' material: 'M' }\n"
+            "includes { file: 'models/s.x3d' geometry_only: true }\n"));
+  const v1::Scene& scene = loaded.scene;
+  EXPECT_EQ(scene.includes_size(), 0);
+  ASSERT_EQ(scene.nodes_size(), 4);
+  EXPECT_EQ(scene.nodes(0).transform().steps(0).translate().x(), 1);
+  EXPECT_EQ(scene.nodes(0).instance_of(), scene.nodes(1).instance_of());
+  EXPECT_NE(scene.nodes(0).instance_of(), scene.nodes(2).instance_of());
+  ASSERT_EQ(scene.objects_size(), 3);
+  EXPECT_EQ(scene.objects(1).nodes(0).shape().materials(0), "M");
+  EXPECT_EQ(scene.cameras_size(), 0);
+  EXPECT_EQ(summarize(scene, loaded.blobs).undefined, std::vector<std::string>{});
+  EXPECT_EQ(loaded.blobs.size(), 2u);
+}
+
+TEST_F(ReadScene, CopiesLightsAndCamerasOfIncludedFilesIntoPlace) {
+  write("s.x3d", "<X3D><Scene><Viewpoint DEF='V'/><PointLight/></Scene></X3D>");
+  const LoadedScene loaded = read_scene(write(
+      "main.tessera", "includes { file: 's.x3d' transform { steps { translate { y: 2 } } } }"));
+  ASSERT_EQ(loaded.scene.nodes_size(), 1);
+  EXPECT_TRUE(loaded.scene.nodes(0).children(0).light().has_point());
+  ASSERT_EQ(loaded.scene.cameras_size(), 1);
+  EXPECT_EQ(loaded.scene.cameras(0).name(), "s/V");
+  EXPECT_EQ(loaded.scene.cameras(0).world_from_camera().steps(0).translate().y(), 2);
+}
+
+TEST_F(ReadScene, KeepsIncludesInsideTheFolderAndFreeOfCycles) {
+  std::ofstream(outside_ / "t.obj") << kTriangle;
+  EXPECT_NE(error(write("a.tessera", "includes { file: '../t.obj' }")).find("not inside"),
+            std::string::npos);
+  EXPECT_NE(error(write("b.tessera", "includes { file: '/etc/hostname' }")).find("not inside"),
+            std::string::npos);
+  fs::create_symlink(outside_ / "t.obj", folder_ / "link.obj");
+  EXPECT_NE(error(write("c.tessera", "includes { file: 'link.obj' }")).find("not inside"),
+            std::string::npos);
+  write("d.tessera", "includes { file: 'e.tessera' }");
+  EXPECT_NE(error(write("e.tessera", "includes { file: 'd.tessera' }")).find("in turn"),
+            std::string::npos);
+  EXPECT_EQ(error(write("f.tessera", "includes { file: 'g.obj' }")), "g.obj: no such file");
+}
+
+TEST(SceneSummary, TellsUsedUnusedAndUndefinedNamesApart) {
+  v1::Scene scene;
+  scene.add_materials()->set_name("red");
+  scene.add_materials()->set_name("blue");
+  scene.add_objects()->set_name("thing");
+  v1::Node& node = *scene.add_nodes();
+  node.mutable_shape()->mutable_sphere();
+  node.mutable_shape()->add_materials("blu");
+  scene.add_nodes()->set_instance_of("thing");
+  scene.add_nodes()->mutable_light()->mutable_point();
+  const SceneSummary summary = summarize(scene, {});
+  EXPECT_EQ(summary.unused, (std::vector<std::string>{"material 'red'", "material 'blue'"}));
+  EXPECT_EQ(summary.undefined, (std::vector<std::string>{"material 'blu'; did you mean 'blue'?"}));
+  std::map<std::string, uint64_t> counts;
+  for (const auto& [what, count] : summary.counts) counts[what] = count;
+  EXPECT_EQ(counts["shapes, sphere"], 1u);
+  EXPECT_EQ(counts["lights, point"], 1u);
+  EXPECT_EQ(counts["instances"], 1u);
+  EXPECT_EQ(counts["nodes"], 3u);
+}
+
+TEST(GenerateScene, MakesClosedUnitSpheres) {
+  EXPECT_EQ(icosphere(3, true).triangle_count(), 20u * 64);
+  EXPECT_EQ(icosphere(3, true).vertex_count(), 642u);
+  for (const MeshData& mesh : {icosphere(2, true), uv_sphere(5, 7), diamond()}) {
+    // Six times the volume under outward-wound triangles: positive and near that of the sphere.
+    double volume = 0;
+    for (size_t t = 0; t < mesh.triangles.size(); t += 3) {
+      const auto at = [&](size_t i) {
+        const size_t v = 3 * size_t{mesh.triangles[t + i]};
+        return Vec3{mesh.positions[v], mesh.positions[v + 1], mesh.positions[v + 2]};
+      };
+      volume += dot(at(0), cross(at(1), at(2)));
+    }
+    EXPECT_GT(volume, 7.9);
+    EXPECT_LT(volume, 8 * 3.14159265);
+  }
+}
+
+TEST(GenerateScene, IsTheSameEveryTimeAndNamesWhatItCannotMake) {
+  for (const std::string& name : generated_scene_names()) {
+    const std::string what = name + (name == "icosphere" ? ":2" : ":7");
+    const LoadedScene a = generate_scene(what), b = generate_scene(what);
+    EXPECT_EQ(a.scene.SerializeAsString(), b.scene.SerializeAsString());
+    EXPECT_TRUE(summarize(a.scene, a.blobs).undefined.empty());
+  }
+  EXPECT_EQ(error_of([] { generate_scene("soop"); }),
+            "unknown scene 'soop'; expected one of icosphere, soup, spheres, uvsphere; did you "
+            "mean 'soup'?");
+  EXPECT_EQ(error_of([] { generate_scene("icosphere:11"); }),
+            "'11' in 'icosphere:11'; expected a number from 0 to 10");
+}
+
+}  // namespace
+}  // namespace tessera

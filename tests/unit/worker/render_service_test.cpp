@@ -1,0 +1,126 @@
+#include "worker/render_service.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <set>
+#include <stdexcept>
+
+#include "base/error.h"
+#include "base/monotonic.h"
+#include "tests/farm/fake_renderer.h"
+
+namespace tessera {
+namespace {
+
+using testing::FakeRenderer;
+
+class Waiter {
+ public:
+  void wake() {
+    ++count_;
+    count_.notify_one();
+  }
+  /// Blocks until woken more often than it was asked.
+  void wait() {
+    count_.wait(asked_);
+    ++asked_;
+  }
+
+ private:
+  std::atomic<int> count_{0};
+  int asked_ = 0;
+};
+
+std::shared_ptr<TraceRun> run_of(std::shared_ptr<const TileRenderer> renderer, int side = 8) {
+  auto run = std::make_shared<TraceRun>();
+  run->task.rect = {0, 0, side, side};
+  run->renderer = std::move(renderer);
+  return run;
+}
+
+TEST(RenderService, TracesEachRunOnce) {
+  Waiter waiter;
+  RenderService service(testing::make_fake_renderer, 3, [&] { waiter.wake(); });
+  std::set<TraceRun*> runs;
+  for (int i = 0; i < 50; ++i) {
+    const auto run = run_of(std::make_shared<FakeRenderer>(1));
+    runs.insert(run.get());
+    service.trace(run);
+  }
+  while (!runs.empty()) {
+    auto outcome = service.take_traced();
+    if (!outcome) continue;
+    EXPECT_EQ(runs.erase(outcome->run.get()), 1u);
+    EXPECT_TRUE(outcome->run->started);
+    EXPECT_EQ(outcome->bands.size(), 1u);
+  }
+  EXPECT_FALSE(service.take_traced());
+}
+
+TEST(RenderService, BuildsAndSaysWhyItCouldNot) {
+  Waiter waiter;
+  int calls = 0;
+  const auto factory = [&](const v1::Scene&, const BlobStore&, const v1::FrameSettings&,
+                           int threads) -> std::shared_ptr<const TileRenderer> {
+    EXPECT_EQ(threads, 2);
+    switch (++calls) {
+      case 1:
+        return std::make_shared<FakeRenderer>(1);
+      case 2:
+        throw scene_error("bad scene");
+      case 3:
+        throw std::bad_alloc();
+      default:
+        return nullptr;
+    }
+  };
+  RenderService service(factory, 2, [&] { waiter.wake(); });
+  std::vector<BuildOutcome> outcomes;
+  for (uint64_t job = 1; job <= 4; ++job) {
+    auto run = std::make_shared<BuildRun>();
+    run->job = job;
+    service.build(run);
+    waiter.wait();
+    outcomes.push_back(*service.take_built());
+    EXPECT_EQ(outcomes.back().job, job);
+  }
+  EXPECT_TRUE(outcomes[0].renderer);
+  EXPECT_EQ(outcomes[1].failure, "bad scene");
+  EXPECT_EQ(outcomes[1].exit_code, 1);
+  EXPECT_EQ(outcomes[2].exit_code, 3);
+  EXPECT_FALSE(outcomes[3].renderer);
+  EXPECT_NE(outcomes[3].failure, "");
+}
+
+TEST(Trace, PassesOnWhatATracerThrows) {
+  class Throwing : public TileRenderer {
+    std::optional<TilePixels> render(const RenderTask&, TileProgress&) const override {
+      throw std::runtime_error("broken");
+    }
+    CounterMap build_counters() const override { return {}; }
+  };
+  EXPECT_EQ(trace(run_of(std::make_shared<Throwing>())).failure, "broken");
+}
+
+TEST(Trace, DoesNotStartWhatIsCancelled) {
+  const auto run = run_of(std::make_shared<FakeRenderer>(1));
+  run->progress.cancelled = true;
+  EXPECT_TRUE(trace(run).cancelled);
+  EXPECT_FALSE(run->started);
+}
+
+TEST(Trace, RefusesPixelsOfAnotherSize) {
+  class Short : public TileRenderer {
+    std::optional<TilePixels> render(const RenderTask&, TileProgress&) const override {
+      return TilePixels{};
+    }
+    CounterMap build_counters() const override { return {}; }
+  };
+  const auto outcome = trace(run_of(std::make_shared<Short>()));
+  EXPECT_NE(outcome.failure, "");
+  EXPECT_TRUE(outcome.bands.empty());
+}
+
+}  // namespace
+}  // namespace tessera

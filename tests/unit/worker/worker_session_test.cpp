@@ -1,0 +1,294 @@
+#include "worker/worker_session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "proto/wire/scene_codec.h"
+#include "tests/farm/fake_renderer.h"
+
+namespace tessera {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class WorkerSessionTest : public ::testing::Test {
+ protected:
+  WorkerSessionTest() : session(options(), Time{0}) {
+    scene.mutable_metadata()->set_title("x");
+    const std::string bytes = serialize_scene(scene);
+    const auto span = std::as_bytes(std::span(bytes));
+    scene_digest = store.put({span.begin(), span.end()});
+    scene_size = span.size();
+  }
+
+  static SessionOptions options() {
+    SessionOptions options;
+    options.hello.set_worker_id(5);
+    options.hello.set_credit(2);
+    options.orphan_timeout = seconds(30);
+    return options;
+  }
+
+  /// What the session wants done since last asked, of one kind.
+  template <typename Action>
+  std::vector<Action> wants() {
+    for (auto& action : session.take_actions()) actions.push_back(std::move(action));
+    std::vector<Action> result;
+    std::erase_if(actions, [&](SessionAction& action) {
+      if (!std::holds_alternative<Action>(action)) return false;
+      result.push_back(std::move(std::get<Action>(action)));
+      return true;
+    });
+    return result;
+  }
+
+  /// Messages of one kind that it sent since last asked; others of that time are forgotten.
+  std::vector<v1::Envelope> sent(v1::Envelope::MessageCase kind) {
+    std::vector<v1::Envelope> result;
+    for (auto& send : wants<SendMessage>()) {
+      if (send.message.message_case() == kind) result.push_back(std::move(send.message));
+    }
+    return result;
+  }
+
+  void welcome(uint64_t number, Time now = {}, uint64_t epoch = 1) {
+    v1::Envelope message;
+    v1::Welcome& welcome = *message.mutable_welcome();
+    welcome.set_session(number);
+    welcome.set_epoch(epoch);
+    welcome.set_heartbeat_ms(1000);
+    welcome.set_lost_after_ms(5000);
+    welcome.set_bulk_endpoint("tcp://:9");
+    session.on_message(Channel::control, message, now);
+  }
+
+  void start(uint64_t job, Time now = {}) {
+    v1::Envelope message;
+    v1::JobStart& start = *message.mutable_job_start();
+    start.set_job(job);
+    start.set_scene_digest(scene_digest.hex());
+    start.set_scene_size(scene_size);
+    start.mutable_frame()->set_width(64);
+    start.mutable_frame()->set_height(64);
+    session.on_message(Channel::control, message, now);
+  }
+
+  void serve_blobs() {
+    for (const auto& request : sent(v1::Envelope::kBlobRequest)) {
+      const auto digest = Digest::parse(request.blob_request().digest());
+      session.on_message(Channel::bulk,
+                         answer_blob_request(request.blob_request(), store.find(*digest)), {});
+    }
+  }
+
+  void built(uint64_t job) {
+    session.on_built({.job = job,
+                      .renderer = std::make_shared<testing::FakeRenderer>(5),
+                      .seconds = 1,
+                      .failure = {},
+                      .exit_code = 0},
+                     {});
+  }
+
+  void make_ready(uint64_t job) {
+    welcome(1);
+    start(job);
+    serve_blobs();
+    built(job);
+    wants<SendMessage>();
+    wants<StartBuild>();
+  }
+
+  void assign(uint64_t job, uint64_t lease, int x1 = 16) {
+    v1::Envelope message;
+    v1::Assign& assign = *message.mutable_assign();
+    assign.set_job(job);
+    assign.set_lease(lease);
+    assign.mutable_rect()->set_x1(x1);
+    assign.mutable_rect()->set_y1(16);
+    assign.set_sample_count(1);
+    session.on_message(Channel::control, message, {});
+  }
+
+  v1::Scene scene;
+  BlobStore store;
+  Digest scene_digest;
+  uint64_t scene_size = 0;
+  WorkerSession session;
+  std::vector<SessionAction> actions;
+};
+
+TEST_F(WorkerSessionTest, GoesFromHelloToBands) {
+  EXPECT_THAT(sent(v1::Envelope::kHello), SizeIs(1));
+  welcome(1);
+  EXPECT_EQ(wants<ConnectBulk>().at(0).endpoint, "tcp://:9");
+  start(7);
+  serve_blobs();
+  const auto builds = wants<StartBuild>();
+  ASSERT_THAT(builds, SizeIs(1));
+  EXPECT_EQ(builds[0].run->scene.metadata().title(), "x");
+  built(7);
+  EXPECT_EQ(sent(v1::Envelope::kSceneReady).at(0).scene_ready().job(), 7u);
+  assign(7, 11);
+  const auto runs = wants<StartTrace>();
+  ASSERT_THAT(runs, SizeIs(1));
+  session.on_traced(trace(runs[0].run), {});
+  const auto bands = sent(v1::Envelope::kTileBand);
+  ASSERT_THAT(bands, SizeIs(1));
+  EXPECT_EQ(bands[0].tile_band().lease(), 11u);
+  EXPECT_TRUE(bands[0].tile_band().last());
+}
+
+TEST_F(WorkerSessionTest, SaysHelloAgainUntilItIsWelcome) {
+  sent(v1::Envelope::kHello);
+  session.on_tick(milliseconds(500));
+  EXPECT_THAT(sent(v1::Envelope::kHello), IsEmpty());
+  session.on_tick(seconds(1));
+  EXPECT_EQ(sent(v1::Envelope::kHello).at(0).hello().session(), 2u);
+  // The welcome of the first hello came too late.
+  welcome(1);
+  session.on_tick(seconds(2));
+  EXPECT_THAT(sent(v1::Envelope::kHeartbeat), IsEmpty());
+  EXPECT_EQ(session.next_deadline(), Time(seconds(3)));
+}
+
+TEST_F(WorkerSessionTest, TellsEachSecondWhatItHolds) {
+  make_ready(7);
+  assign(7, 11);
+  assign(7, 12);
+  const auto runs = wants<StartTrace>();
+  runs[0].run->started = true;
+  runs[0].run->progress.work_done = 99;
+  session.on_tick(seconds(1));
+  const auto heartbeat = sent(v1::Envelope::kHeartbeat).at(0).heartbeat();
+  EXPECT_EQ(heartbeat.job(), 7u);
+  EXPECT_TRUE(heartbeat.ready());
+  ASSERT_EQ(heartbeat.progress_size(), 2);
+  EXPECT_EQ(heartbeat.progress(0).work_done(), 99u);
+  EXPECT_TRUE(heartbeat.progress(0).started());
+  EXPECT_FALSE(heartbeat.progress(1).started());
+}
+
+TEST_F(WorkerSessionTest, ComesAnewWhenTheCoordinatorIsSilent) {
+  make_ready(7);
+  assign(7, 11);
+  const auto run = wants<StartTrace>().at(0).run;
+  session.on_tick(seconds(5));
+  EXPECT_THAT(wants<Reconnect>(), SizeIs(1));
+  EXPECT_EQ(sent(v1::Envelope::kHello).at(0).hello().session(), 2u);
+  // What it traces meanwhile is kept until somebody wants it.
+  session.on_traced(trace(run), seconds(6));
+  EXPECT_THAT(sent(v1::Envelope::kTileBand), IsEmpty());
+  welcome(2, seconds(7));
+  EXPECT_EQ(sent(v1::Envelope::kTileBand).at(0).tile_band().lease(), 11u);
+}
+
+TEST_F(WorkerSessionTest, ForgetsAllWhenTheCoordinatorWasStartedAnew) {
+  make_ready(7);
+  assign(7, 11);
+  const auto run = wants<StartTrace>().at(0).run;
+  v1::Envelope request;
+  request.mutable_hello_request();
+  session.on_message(Channel::control, request, {});
+  session.on_message(Channel::control, request, {});
+  EXPECT_THAT(sent(v1::Envelope::kHello), SizeIs(1)) << "one answers both";
+  welcome(2, {}, 2);
+  EXPECT_TRUE(run->progress.cancelled);
+}
+
+TEST_F(WorkerSessionTest, GivesUpAsAnOrphan) {
+  session.on_tick(seconds(29));
+  EXPECT_THAT(wants<Quit>(), IsEmpty());
+  session.on_tick(seconds(30));
+  EXPECT_EQ(wants<Quit>().at(0).exit_code, ExitCode::render_failed);
+}
+
+TEST_F(WorkerSessionTest, QuitsWhenRefusedOrSentAway) {
+  v1::Envelope message;
+  message.mutable_reject()->set_text("you: 1; we: 2");
+  session.on_message(Channel::control, message, {});
+  const Quit quit = wants<Quit>().at(0);
+  EXPECT_EQ(quit.exit_code, ExitCode::bad_usage);
+  EXPECT_THAT(quit.reason, ::testing::HasSubstr("you: 1; we: 2"));
+  message.mutable_shutdown();
+  session.on_message(Channel::control, message, {});
+  EXPECT_EQ(wants<Quit>().at(0).exit_code, ExitCode::done);
+}
+
+TEST_F(WorkerSessionTest, CancelsATileAndAJob) {
+  make_ready(7);
+  for (uint64_t lease = 1; lease <= 3; ++lease) assign(7, lease);
+  const auto runs = wants<StartTrace>();
+  runs[0].run->started = true;
+  v1::Envelope message;
+  message.mutable_cancel_tile()->set_lease(2);
+  session.on_message(Channel::control, message, {});
+  EXPECT_TRUE(runs[1].run->progress.cancelled);
+  EXPECT_FALSE(runs[0].run->progress.cancelled);
+  session.on_traced(trace(runs[1].run), {});
+  EXPECT_THAT(sent(v1::Envelope::kTileBand), IsEmpty());
+  message.mutable_cancel_job()->set_job(6);
+  session.on_message(Channel::control, message, {});
+  EXPECT_FALSE(runs[0].run->progress.cancelled) << "another job";
+  message.mutable_cancel_job()->set_job(7);
+  session.on_message(Channel::control, message, {});
+  EXPECT_TRUE(runs[0].run->progress.cancelled);
+  EXPECT_TRUE(runs[2].run->progress.cancelled);
+}
+
+TEST_F(WorkerSessionTest, KeepsScenesThatItHas) {
+  make_ready(7);
+  start(8);
+  EXPECT_THAT(wants<StartBuild>(), IsEmpty());
+  EXPECT_THAT(sent(v1::Envelope::kSceneReady), SizeIs(1)) << "the same frame needs nothing";
+}
+
+TEST_F(WorkerSessionTest, ReportsATileThatCannotBeTraced) {
+  make_ready(7);
+  assign(7, 11);
+  TraceOutcome outcome;
+  outcome.run = wants<StartTrace>().at(0).run;
+  outcome.failure = "no";
+  session.on_traced(std::move(outcome), {});
+  EXPECT_EQ(sent(v1::Envelope::kTileFailed).at(0).tile_failed().text(), "no");
+}
+
+TEST_F(WorkerSessionTest, ReportsASceneThatCannotBeBuilt) {
+  welcome(1);
+  start(7);
+  serve_blobs();
+  session.on_built({.job = 7, .renderer = nullptr, .seconds = 0, .failure = "bad", .exit_code = 1},
+                   {});
+  const auto failed = sent(v1::Envelope::kSceneFailed).at(0).scene_failed();
+  EXPECT_EQ(failed.text(), "bad");
+  EXPECT_EQ(failed.exit_code(), 1u);
+}
+
+TEST_F(WorkerSessionTest, TakesNoAssignmentThatCannotBe) {
+  make_ready(7);
+  assign(6, 1);      // another job
+  assign(7, 2, 65);  // beyond the frame
+  assign(7, 3, 0);   // empty
+  assign(7, 4, -5);
+  EXPECT_THAT(wants<StartTrace>(), IsEmpty());
+  assign(7, 5);
+  assign(7, 5);
+  EXPECT_THAT(wants<StartTrace>(), SizeIs(1)) << "a doubled message is one";
+  for (uint64_t lease = 10; lease < 100; ++lease) assign(7, lease);
+  EXPECT_THAT(wants<StartTrace>(), SizeIs(7)) << "bounded by four times its credit";
+}
+
+TEST_F(WorkerSessionTest, GivesBackWhatItHoldsWhenItLeaves) {
+  make_ready(7);
+  assign(7, 11);
+  const auto run = wants<StartTrace>().at(0).run;
+  session.leave("stopped");
+  EXPECT_TRUE(run->progress.cancelled);
+  EXPECT_EQ(sent(v1::Envelope::kBye).at(0).bye().reason(), "stopped");
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,101 @@
+#include "worker/render_service.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "base/error.h"
+#include "base/monotonic.h"
+
+namespace tessera {
+namespace {
+
+template <typename T>
+std::optional<T> pop(std::mutex& mutex, std::deque<T>& queue) {
+  const std::lock_guard lock(mutex);
+  if (queue.empty()) return std::nullopt;
+  std::optional<T> value = std::move(queue.front());
+  queue.pop_front();
+  return value;
+}
+
+}  // namespace
+
+RenderService::RenderService(TileRendererFactory factory, int threads, std::function<void()> wake)
+    : factory_(std::move(factory)), thread_count_(std::max(1, threads)), wake_(std::move(wake)) {
+  for (int i = 0; i < thread_count_; ++i) threads_.emplace_back([this] { work(); });
+}
+
+RenderService::~RenderService() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void RenderService::build(std::shared_ptr<const BuildRun> run) {
+  {
+    const std::lock_guard lock(mutex_);
+    builds_.push_back(std::move(run));
+  }
+  changed_.notify_one();
+}
+
+void RenderService::trace(std::shared_ptr<TraceRun> run) {
+  {
+    const std::lock_guard lock(mutex_);
+    runs_.push_back(std::move(run));
+  }
+  changed_.notify_one();
+}
+
+std::optional<BuildOutcome> RenderService::take_built() { return pop(mutex_, built_); }
+std::optional<TraceOutcome> RenderService::take_traced() { return pop(mutex_, traced_); }
+
+void RenderService::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return stop_ || !builds_.empty() || !runs_.empty(); });
+    if (stop_) return;
+    if (!builds_.empty()) {
+      const auto run = std::move(builds_.front());
+      builds_.pop_front();
+      lock.unlock();
+      BuildOutcome outcome = build_now(*run);
+      lock.lock();
+      built_.push_back(std::move(outcome));
+    } else {
+      auto run = std::move(runs_.front());
+      runs_.pop_front();
+      lock.unlock();
+      TraceOutcome outcome = tessera::trace(std::move(run));
+      lock.lock();
+      traced_.push_back(std::move(outcome));
+    }
+    lock.unlock();
+    wake_();
+    lock.lock();
+  }
+}
+
+BuildOutcome RenderService::build_now(const BuildRun& run) const {
+  BuildOutcome outcome;
+  outcome.job = run.job;
+  const Time start = monotonic_now();
+  try {
+    outcome.renderer = factory_(run.scene, run.blobs, run.frame, thread_count_);
+    if (!outcome.renderer) throw render_error("the scene gave no tracer");
+  } catch (const Error& error) {
+    outcome.failure = error.what();
+    outcome.exit_code = static_cast<int>(error.code());
+  } catch (const std::exception& error) {
+    outcome.failure = error.what();
+    outcome.exit_code = static_cast<int>(ExitCode::render_failed);
+  }
+  outcome.seconds = to_seconds(monotonic_now() - start);
+  return outcome;
+}
+
+}  // namespace tessera

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "worker/run_worker.h"
+#include "worker/trace_run.h"
+
+namespace tessera {
+
+/// The threads that build scenes and trace tiles, so that whoever owns the socket never waits. All
+/// functions are for the owner; `wake` is called by the service's threads when an outcome is there.
+class RenderService {
+ public:
+  RenderService(TileRendererFactory factory, int threads, std::function<void()> wake);
+  /// Waits for what runs: cancel it first.
+  ~RenderService();
+  RenderService(const RenderService&) = delete;
+  RenderService& operator=(const RenderService&) = delete;
+
+  void build(std::shared_ptr<const BuildRun> run);
+  void trace(std::shared_ptr<TraceRun> run);
+  std::optional<BuildOutcome> take_built();
+  std::optional<TraceOutcome> take_traced();
+
+ private:
+  void work();
+  BuildOutcome build_now(const BuildRun& run) const;
+
+  TileRendererFactory factory_;
+  int thread_count_;
+  std::function<void()> wake_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::shared_ptr<const BuildRun>> builds_;
+  std::deque<std::shared_ptr<TraceRun>> runs_;
+  std::deque<BuildOutcome> built_;
+  std::deque<TraceOutcome> traced_;
+  bool stop_ = false;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,147 @@
+#include "worker/run_worker.h"
+
+#include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <random>
+#include <variant>
+
+#include "base/log.h"
+#include "base/version.h"
+#include "proto/wire/frame.h"
+#include "proto/wire/version.h"
+#include "worker/render_service.h"
+#include "worker/worker_session.h"
+
+namespace tessera {
+namespace {
+
+// How soon `stop` is noticed.
+constexpr Time kLongestWait = std::chrono::milliseconds(100);
+// Cancelled tiles stop within a row; this long their number may keep the messages waiting.
+constexpr size_t kMessagesPerRound = 256;
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  if (gethostname(name.data(), name.size() - 1) != 0) return "unknown";
+  return name.data();
+}
+
+v1::Hello make_hello(const WorkerOptions& options) {
+  std::random_device random;
+  v1::Hello hello;
+  hello.set_protocol_major(options.protocol_major ? options.protocol_major : kProtocolMajor);
+  hello.set_protocol_minor(kProtocolMinor);
+  hello.set_build(kBuild);
+  hello.set_numerics_id(options.numerics_id.empty() ? kNumericsId : options.numerics_id);
+  hello.set_worker_id((uint64_t{random()} << 32 | random()) | 1);
+  hello.set_host(host_name());
+  hello.set_process_id(static_cast<uint32_t>(getpid()));
+  const auto threads = static_cast<uint32_t>(std::max(1, options.threads));
+  hello.set_threads(threads);
+  // One more for every two threads waits its turn, so that no thread waits for the network.
+  hello.set_credit(threads + (threads + 1) / 2);
+  return hello;
+}
+
+/// The socket's side of a worker.
+class WorkerLoop {
+ public:
+  WorkerLoop(ClientTransport& transport, const WorkerOptions& options)
+      : transport_(transport),
+        service_(options.make_renderer, options.threads, [&transport] { transport.wake(); }),
+        session_(session_options(options), monotonic_now()) {}
+
+  WorkerEnd run(const std::atomic<bool>& stop) {
+    while (true) {
+      if (perform()) break;
+      if (stop) {
+        session_.leave("stopped");
+        perform();
+        break;
+      }
+      const Time pause =
+          std::clamp(session_.next_deadline() - monotonic_now(), Time{0}, kLongestWait);
+      // Rounded up, or the last millisecond would be spent in circles.
+      transport_.wait(std::chrono::ceil<std::chrono::milliseconds>(pause));
+      receive();
+      while (auto built = service_.take_built())
+        session_.on_built(std::move(*built), monotonic_now());
+      while (auto traced = service_.take_traced()) {
+        session_.on_traced(std::move(*traced), monotonic_now());
+      }
+      if (session_.next_deadline() <= monotonic_now()) session_.on_tick(monotonic_now());
+    }
+    // Nothing waits for the tiles any more.
+    session_.leave(end_.reason);
+    return end_;
+  }
+
+ private:
+  static SessionOptions session_options(const WorkerOptions& options) {
+    SessionOptions result;
+    result.hello = make_hello(options);
+    if (options.orphan_timeout_seconds >= 0) {
+      result.orphan_timeout = std::chrono::duration_cast<Time>(
+          std::chrono::duration<double>(std::min(options.orphan_timeout_seconds, 1e9)));
+    }
+    return result;
+  }
+
+  void receive() {
+    for (size_t i = 0; i < kMessagesPerRound; ++i) {
+      const auto received = transport_.receive();
+      if (!received) return;
+      const auto message = decode(received->bytes, max_message_bytes(received->channel));
+      if (message) {
+        session_.on_message(received->channel, *message, monotonic_now());
+      } else {
+        spdlog::warn("dropped a message of {} bytes that is none of ours", received->bytes.size());
+      }
+    }
+  }
+
+  /// True once the session wants to end.
+  bool perform() {
+    for (SessionAction& action : session_.take_actions()) {
+      if (auto* message = std::get_if<SendMessage>(&action)) {
+        transport_.send(message->channel, encode(message->message));
+      } else if (auto* bulk = std::get_if<ConnectBulk>(&action)) {
+        transport_.connect_bulk(bulk->endpoint);
+      } else if (std::get_if<Reconnect>(&action)) {
+        transport_.reconnect();
+      } else if (auto* build = std::get_if<StartBuild>(&action)) {
+        service_.build(std::move(build->run));
+      } else if (auto* trace = std::get_if<StartTrace>(&action)) {
+        service_.trace(std::move(trace->run));
+      } else if (auto* quit = std::get_if<Quit>(&action)) {
+        end_ = {quit->exit_code, quit->reason};
+        return true;
+      }
+    }
+    return false;
+  }
+
+  ClientTransport& transport_;
+  RenderService service_;
+  WorkerSession session_;
+  WorkerEnd end_;
+};
+
+}  // namespace
+
+bool die_with_parent(pid_t parent) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  // It may have ended before that.
+  return getppid() == parent;
+}
+
+WorkerEnd run_worker(ClientTransport& transport, const WorkerOptions& options,
+                     const std::atomic<bool>& stop) {
+  return WorkerLoop(transport, options).run(stop);
+}
+
+}  // namespace tessera

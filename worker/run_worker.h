@@ -1,0 +1,47 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "base/error.h"
+#include "proto/transport/transport.h"
+#include "renderer/render/tile_renderer.h"
+
+namespace tessera {
+
+/// How a worker gets from a scene to its tracer; make_tile_renderer, but for tests.
+using TileRendererFactory = std::function<std::shared_ptr<const TileRenderer>(
+    const v1::Scene& scene, const BlobStore& blobs, const v1::FrameSettings& frame, int threads)>;
+
+struct WorkerOptions {
+  int threads = 1;
+  /// Ends after so long without a word from the coordinator; below 0: never.
+  double orphan_timeout_seconds = 60;
+  /// The process that started this one and must outlive it; 0: none.
+  pid_t parent = 0;
+  TileRendererFactory make_renderer;
+  /// What it says of itself; other values are for tests.
+  uint32_t protocol_major = 0;  ///< 0: kProtocolMajor
+  std::string numerics_id;      ///< empty: kNumericsId
+};
+
+struct WorkerEnd {
+  ExitCode exit_code = ExitCode::done;
+  std::string reason;  ///< for the log; names both sides where the coordinator refused
+};
+
+/// Arranges that this process is killed when its parent ends; false if that has already ended.
+/// Called first thing in a local worker.
+bool die_with_parent(pid_t parent);
+
+/// Works for the coordinator behind `transport` until that says to end, refuses this worker
+/// (bad_usage), stays silent too long (render_failed), or `stop` is set (done: the coordinator is
+/// told). A running tile is then given back.
+WorkerEnd run_worker(ClientTransport& transport, const WorkerOptions& options,
+                     const std::atomic<bool>& stop);
+
+}  // namespace tessera

@@ -1,0 +1,45 @@
+#include "worker/trace_run.h"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <utility>
+
+#include "proto/wire/pixels.h"
+
+namespace tessera {
+
+TraceOutcome trace(std::shared_ptr<TraceRun> run) {
+  TraceOutcome outcome;
+  outcome.run = run;
+  if (run->progress.cancelled) {
+    outcome.cancelled = true;
+    return outcome;
+  }
+  run->started = true;
+  try {
+    const auto pixels = run->renderer->render(run->task, run->progress);
+    if (!pixels) {
+      outcome.cancelled = true;
+      return outcome;
+    }
+    const PixelRect& rect = run->task.rect;
+    const auto expected = static_cast<size_t>(rect.area()) * kFilmChannels;
+    if (pixels->values.size() != expected) {
+      outcome.failure =
+          fmt::format("the tracer gave {} values; expected {}", pixels->values.size(), expected);
+      return outcome;
+    }
+    outcome.bands = encode_bands(pixels->values, rect.width(), rect.y0, run->compress);
+    v1::TileBand& last = outcome.bands.back();
+    for (const auto& [name, value] : pixels->counters) {
+      (*last.mutable_counters()->mutable_values())[name] = value;
+    }
+    last.set_trace_seconds(pixels->seconds);
+  } catch (const std::exception& error) {
+    outcome.failure = error.what();
+  }
+  return outcome;
+}
+
+}  // namespace tessera

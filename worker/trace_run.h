@@ -1,0 +1,55 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "proto/tessera/v1/farm.pb.h"
+#include "renderer/film/tile.h"
+#include "renderer/render/tile_renderer.h"
+
+namespace tessera {
+
+/// A tile that this worker holds: queued, being traced, or done. Shared by the session, which reads
+/// its progress and may cancel it, and the thread that traces it.
+struct TraceRun {
+  uint64_t job = 0;
+  uint64_t lease = 0;
+  uint32_t tile = 0;
+  RenderTask task;
+  std::shared_ptr<const TileRenderer> renderer;
+  bool compress = false;
+  TileProgress progress;
+  std::atomic<bool> started{false};
+};
+
+/// What became of a run: its bands, or why there are none.
+struct TraceOutcome {
+  std::shared_ptr<TraceRun> run;
+  std::vector<v1::TileBand> bands;  ///< without session, job, lease and tile
+  bool cancelled = false;
+  std::string failure;
+};
+
+/// A scene with its blobs, to be made ready for tracing.
+struct BuildRun {
+  uint64_t job = 0;
+  v1::Scene scene;
+  BlobStore blobs;
+  v1::FrameSettings frame;
+};
+
+struct BuildOutcome {
+  uint64_t job = 0;
+  std::shared_ptr<const TileRenderer> renderer;  ///< null: it failed
+  double seconds = 0;
+  std::string failure;
+  int exit_code = 0;  ///< as of ExitCode, where it failed
+};
+
+/// Traces a run to its outcome; used by any thread. Throws nothing.
+TraceOutcome trace(std::shared_ptr<TraceRun> run);
+
+}  // namespace tessera
