@@ -159,4 +159,11 @@ inline Expression random_expression(Random& random, int depth, bool boxes_only) 
   return e;
 }
 
+inline Ray random_ray(Random& random, bool from_inside) {
+  const double far = from_inside ? 1.5 : 6;
+  const Point3 from = Point3{} + random.direction() * (far * random.uniform(0.2, 1));
+  const Point3 to{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)};
+  return {from, to - from};
+}
+
 }  // namespace tessera::stress

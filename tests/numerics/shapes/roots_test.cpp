@@ -10,9 +10,7 @@
 namespace tessera::stress {
 namespace {
 
-double ulp_of(double x) {
-  return std::nextafter(std::abs(x), HUGE_VAL) - std::abs(x);
-}
+double ulp_of(double x) { return std::nextafter(std::abs(x), HUGE_VAL) - std::abs(x); }
 
 void check_quadratic(double a, double b, double c) {
   double r[2];
