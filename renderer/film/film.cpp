@@ -45,8 +45,6 @@ void Film::mark_hole(const PixelRect& tile) {
   }
 }
 
-std::string Film::pixels_sha256() const {
-  return sha256_hex(std::as_bytes(std::span(values_)));
-}
+std::string Film::pixels_sha256() const { return sha256_hex(std::as_bytes(std::span(values_))); }
 
 }  // namespace tessera

@@ -12,13 +12,9 @@ namespace {
 
 using Rgb = std::array<double, 3>;
 
-double luminance(const Rgb& c) {
-  return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
-}
+double luminance(const Rgb& c) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
-double reinhard(double x) {
-  return x <= 0 ? x : x / (1 + x);
-}
+double reinhard(double x) { return x <= 0 ? x : x / (1 + x); }
 
 double filmic(double x) {
   x = std::max(x, 0.0);

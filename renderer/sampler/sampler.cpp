@@ -70,9 +70,7 @@ Vec2 independent_pair(uint64_t key, uint32_t sample) {
 }
 
 /// Distance from the centre, in radii, below which a share `u` of a tent lies.
-double tent(double u) {
-  return u < 0.5 ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 * (1 - u));
-}
+double tent(double u) { return u < 0.5 ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 * (1 - u)); }
 
 }  // namespace
 
