@@ -13,9 +13,9 @@
 #include <utility>
 
 #include "cli/interrupt.h"
-#include "coordinator/job_client.h"
 #include "coordinator/local_workers.h"
 #include "coordinator/render_loop.h"
+#include "coordinator/run_remote_job.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
 #include "renderer/render/tile_renderer.h"

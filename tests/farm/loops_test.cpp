@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <thread>
 
-#include "coordinator/job_client.h"
 #include "coordinator/render_loop.h"
+#include "coordinator/run_remote_job.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
 #include "tests/farm/fake_renderer.h"
