@@ -36,6 +36,22 @@ uint64_t claimed_bytes(const v1::SubmitJob& request) {
 
 }  // namespace
 
+bool ClientDesk::on_control(const PeerId& peer, const v1::Envelope& message, Time now) {
+  switch (message.message_case()) {
+    case v1::Envelope::kSubmitJob:
+      on_submit(peer, message.submit_job(), now);
+      return true;
+    case v1::Envelope::kJobQuery:
+      on_query(peer, message.job_query(), now);
+      return true;
+    case v1::Envelope::kJobRelease:
+      on_release(message.job_release());
+      return true;
+    default:
+      return false;
+  }
+}
+
 void ClientDesk::on_submit(const PeerId& peer, const v1::SubmitJob& request, Time now) {
   const uint64_t id = request.submission();
   const auto known = submissions_.find(id);

@@ -31,10 +31,8 @@ class ClientDesk {
     JobSpec spec;
   };
 
-  void on_submit(const PeerId& peer, const v1::SubmitJob& request, Time now);
-  /// The running state of the client's job is `progress`, if it is known to be running.
-  void on_query(const PeerId& peer, const v1::JobQuery& query, Time now);
-  void on_release(const v1::JobRelease& release);
+  /// False if the message is none of a client's.
+  bool on_control(const PeerId& peer, const v1::Envelope& message, Time now);
   /// Only who was asked knows the submission's number, which must be in the answer.
   void on_chunk(const v1::BlobChunk& chunk, Time now);
   void on_missing(const v1::BlobMissing& missing);
@@ -52,6 +50,10 @@ class ClientDesk {
   BlobData find_blob(const Digest& digest) const;
 
  private:
+  void on_submit(const PeerId& peer, const v1::SubmitJob& request, Time now);
+  /// The running state of the client's job is `progress`, if it is known to be running.
+  void on_query(const PeerId& peer, const v1::JobQuery& query, Time now);
+  void on_release(const v1::JobRelease& release);
   struct Submission {
     PeerId peer;
     v1::SubmitJob request;

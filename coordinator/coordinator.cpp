@@ -93,7 +93,7 @@ void Coordinator::on_message(Channel channel, const PeerId& peer, const v1::Enve
     return attend_clients(now);
   }
   if (message.has_hello()) return on_hello(peer, message.hello(), now);
-  if (on_client_message(peer, message, now)) return attend_clients(now);
+  if (jobs_.clients().on_control(peer, message, now)) return attend_clients(now);
   WorkerRecord* worker = workers_.by_peer(peer);
   if (!worker) {
     send(peer).mutable_hello_request();
@@ -106,22 +106,6 @@ void Coordinator::on_message(Channel channel, const PeerId& peer, const v1::Enve
   }
   on_worker_message(*worker, message, now);
   advance_jobs(now);
-}
-
-bool Coordinator::on_client_message(const PeerId& peer, const v1::Envelope& message, Time now) {
-  switch (message.message_case()) {
-    case v1::Envelope::kSubmitJob:
-      jobs_.clients().on_submit(peer, message.submit_job(), now);
-      return true;
-    case v1::Envelope::kJobQuery:
-      jobs_.clients().on_query(peer, message.job_query(), now);
-      return true;
-    case v1::Envelope::kJobRelease:
-      jobs_.clients().on_release(message.job_release());
-      return true;
-    default:
-      return false;
-  }
 }
 
 void Coordinator::on_blob_request(const PeerId& peer, const v1::BlobRequest& request) {

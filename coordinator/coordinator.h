@@ -71,7 +71,6 @@ class Coordinator {
   void fail_undecided(Time now);
   std::string name_of(WorkerId id);
   void on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed);
-  bool on_client_message(const PeerId& peer, const v1::Envelope& message, Time now);
   void on_blob_request(const PeerId& peer, const v1::BlobRequest& request);
 
   void advance_jobs(Time now);
