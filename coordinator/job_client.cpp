@@ -91,6 +91,13 @@ void JobClient::on_message(Channel channel, const v1::Envelope& message, Time no
   if (channel != Channel::bulk || result_) return;
   if (message.has_blob_chunk()) fetch_.on_chunk(message.blob_chunk(), film_);
   if (message.has_blob_missing()) fetch_.on_missing(message.blob_missing());
+  // A coordinator that was started anew has not the film, but can make it again.
+  if (message.has_blob_missing() && !fetch_.failure().empty() && submits_again_ > 0) {
+    --submits_again_;
+    fetch_ = BlobFetch();
+    status_.Clear();
+    return on_tick(now);
+  }
   fetch_film(now);
 }
 

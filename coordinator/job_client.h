@@ -51,6 +51,7 @@ class JobClient {
   v1::JobStatus status_;
   std::vector<std::pair<Channel, v1::Envelope>> outgoing_;
   Time last_heard_, next_question_;
+  int submits_again_ = 3;          ///< for a film that is gone
   std::optional<Time> cancelled_;  ///< when
   std::optional<JobResult> result_;
 };
