@@ -9,6 +9,7 @@
 
 #include "base/digest.h"
 #include "base/file.h"
+#include "base/log.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
 #include "cli/output_file.h"
@@ -83,7 +84,7 @@ class RenderRun {
     const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     const int workers = options_.workers.value_or(cores);
     if (workers == 0) return start_in_process(options_.threads.value_or(cores));
-    return start_local_workers(workers, options_.threads.value_or(1));
+    return start_local_workers(workers, options_.threads.value_or(1), options_.quiet);
   }
 
   void read(int frame) {
@@ -190,6 +191,7 @@ void add_render_command(CLI::App& app, Action& action) {
   command->callback([options, &action] {
     action = [options] {
       catch_interrupts();
+      configure_logging(options->quiet ? "off" : "warn", "render");
       return RenderRun(*options).run();
     };
   });

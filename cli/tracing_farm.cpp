@@ -13,9 +13,9 @@
 #include <utility>
 
 #include "cli/interrupt.h"
-#include "coordinator/job_client.h"
 #include "coordinator/local_workers.h"
 #include "coordinator/render_loop.h"
+#include "coordinator/run_remote_job.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
 #include "renderer/render/tile_renderer.h"
@@ -28,10 +28,11 @@ constexpr char kFrameIsDone[] = "the frame is done";
 /// What a worker gets to end by itself before it is told by signal.
 constexpr std::chrono::milliseconds kGrace{100};
 
-LocalWorkerOptions worker_options(int workers, int threads) {
+LocalWorkerOptions worker_options(int workers, int threads, bool quiet) {
   LocalWorkerOptions options;
   options.count = workers;
   options.threads = threads;
+  if (quiet) options.extra_arguments = {"--quiet"};
   return options;
 }
 
@@ -53,8 +54,8 @@ uint64_t peak_bytes_of(pid_t process) {
 
 class LocalFarm : public TracingFarm {
  public:
-  LocalFarm(int workers, int threads)
-      : workers_(worker_options(workers, threads)),
+  LocalFarm(int workers, int threads, bool quiet)
+      : workers_(worker_options(workers, threads, quiet)),
         loop_(bind_server(workers_.endpoint()), coordinator_options(workers * threads)) {
     const std::filesystem::path socket = workers_.endpoint().substr(std::strlen("ipc://"));
     remove_when_interrupted(socket.parent_path(), {socket.string(), socket.string() + ".bulk"});
@@ -131,8 +132,8 @@ class RemoteFarm : public TracingFarm {
 
 }  // namespace
 
-std::unique_ptr<TracingFarm> start_local_workers(int workers, int threads) {
-  return std::make_unique<LocalFarm>(workers, threads);
+std::unique_ptr<TracingFarm> start_local_workers(int workers, int threads, bool quiet) {
+  return std::make_unique<LocalFarm>(workers, threads, quiet);
 }
 
 std::unique_ptr<TracingFarm> start_in_process(int threads) {

@@ -24,7 +24,7 @@ class TracingFarm {
 };
 
 /// `workers` processes on this machine, `threads` each.
-std::unique_ptr<TracingFarm> start_local_workers(int workers, int threads);
+std::unique_ptr<TracingFarm> start_local_workers(int workers, int threads, bool quiet = false);
 /// `threads` in this process: the same coordinator and worker code, over memory.
 std::unique_ptr<TracingFarm> start_in_process(int threads);
 /// The coordinator that serves at `endpoint`.

@@ -21,6 +21,7 @@ struct WorkerCommandOptions {
   std::string endpoint;
   int threads = 0;
   int parent = 0;
+  bool quiet = false;
   unsigned protocol_major = 0;
 };
 
@@ -29,7 +30,7 @@ ExitCode work(const WorkerCommandOptions& options) {
   catch_interrupts();
   // The terminal's Ctrl-C reaches the whole family; a local worker ends when its parent tells it.
   if (options.parent > 0) std::signal(SIGINT, SIG_IGN);
-  configure_logging(options.parent > 0 ? "warn" : "info", "worker");
+  configure_logging(options.quiet ? "off" : options.parent > 0 ? "warn" : "info", "worker");
   const auto transport = connect_client(options.endpoint);
   WorkerOptions worker;
   worker.threads = options.threads > 0
@@ -66,6 +67,7 @@ void add_worker_command(CLI::App& app, Action& action) {
       ->type_name("N");
   // Not for users: an empty group hides them from --help.
   command->add_option("--parent", options->parent)->group("");
+  command->add_flag("--quiet", options->quiet)->group("");
   command->add_option("--protocol-major", options->protocol_major)->group("");
   command->callback([options, &action] { action = [options] { return work(*options); }; });
 }

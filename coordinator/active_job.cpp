@@ -83,13 +83,11 @@ ActiveJob::ActiveJob(uint64_t id, JobSpec spec, const CoordinatorOptions& option
   report_.tiles_total = assembler_.tiles().size();
 }
 
-v1::Assign ActiveJob::assignment(const Lease& lease, uint64_t epoch) const {
+v1::Assign ActiveJob::assignment(const Lease& lease) const {
   v1::Assign assign;
   assign.set_job(id_);
-  assign.set_epoch(epoch);
   assign.set_lease(lease.id);
   assign.set_tile(lease.tile);
-  assign.set_attempt(lease.attempt);
   const PixelRect& rect = assembler_.tiles()[lease.tile];
   assign.mutable_rect()->set_x0(rect.x0);
   assign.mutable_rect()->set_y0(rect.y0);
@@ -103,11 +101,10 @@ void ActiveJob::note_assignment(Time now) {
   if (!first_assignment_) first_assignment_ = now;
 }
 
-JobProgress ActiveJob::progress(int workers, Time now) const {
+JobProgress ActiveJob::progress(Time now) const {
   JobProgress progress;
   progress.tiles_done = assembler_.tiles_done();
   progress.tiles_total = assembler_.tiles().size();
-  progress.workers = workers;
   progress.elapsed_seconds = to_seconds(now - submitted_);
   progress.remaining_seconds = -1;
   if (first_assignment_ && progress.tiles_done > 0) {
@@ -124,6 +121,17 @@ void ActiveJob::fail(ExitCode code, std::string why) {
   report_.end = JobReport::End::failed;
   report_.exit_code = code;
   report_.failure = std::move(why);
+}
+
+void ActiveJob::note_scene_failure(WorkerId worker, ExitCode code, const std::string& why,
+                                   const std::vector<WorkerId>& present) {
+  scene_failures_[worker] = code;
+  const auto bad = std::count_if(scene_failures_.begin(), scene_failures_.end(),
+                                 [](const auto& f) { return f.second == ExitCode::bad_scene; });
+  const bool all = std::all_of(present.begin(), present.end(),
+                               [this](WorkerId id) { return scene_failures_.contains(id); });
+  constexpr int kWitnesses = 2;
+  if (all || bad >= kWitnesses) fail(bad > 0 ? ExitCode::bad_scene : ExitCode::render_failed, why);
 }
 
 void ActiveJob::interrupt() {
@@ -149,6 +157,7 @@ JobResult ActiveJob::finish() {
                      hole.height(), report_.failure.empty() ? "" : ": ", report_.failure));
   }
   report_.counters = assembler_.counters();
+  report_.build_counters = assembler_.build_counters();
   report_.tiles_done = assembler_.tiles_done();
   report_.retries = scheduler_.retries();
   report_.speculative = scheduler_.speculative();

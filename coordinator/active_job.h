@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/monotonic.h"
 #include "coordinator/assembler.h"
@@ -24,7 +25,12 @@ class ActiveJob {
 
   uint64_t id() const { return id_; }
   const v1::JobStart& start_message() const { return start_; }
-  v1::Assign assignment(const Lease& lease, uint64_t epoch) const;
+  v1::Assign assignment(const Lease& lease) const;
+  /// Notes that a worker could not build the scene, and ends the job if none can: `present` are the
+  /// workers that there are. One alone is not believed as long as another may build it.
+  void note_scene_failure(WorkerId worker, ExitCode code, const std::string& why,
+                          const std::vector<WorkerId>& present);
+  bool scene_failed_at(WorkerId worker) const { return scene_failures_.contains(worker); }
   BlobData find_blob(const Digest& digest) const { return blobs_.find(digest); }
 
   TileScheduler& scheduler() { return scheduler_; }
@@ -35,7 +41,7 @@ class ActiveJob {
   /// Notes for the times in the report and the estimate of what remains.
   void note_assignment(Time now);
   void note_result(Time now) { last_result_ = now; }
-  JobProgress progress(int workers, Time now) const;
+  JobProgress progress(Time now) const;
   /// Ends it: later calls change nothing.
   void fail(ExitCode code, std::string why);
   void interrupt();
@@ -54,6 +60,7 @@ class ActiveJob {
   Time submitted_;
   std::optional<Time> first_assignment_, last_result_;
   bool ended_ = false;
+  std::map<WorkerId, ExitCode> scene_failures_;
 };
 
 }  // namespace tessera

@@ -13,19 +13,14 @@ static_assert(kWireChannels == kFilmChannels);
 
 namespace {
 
-constexpr int kMaxCounters = 256;
+// Of all tiles of a job together, so that its report fits a message.
+constexpr size_t kMaxCounters = 256;
 constexpr size_t kMaxCounterName = 64;
 
 }  // namespace
 
-bool plausible_counters(const v1::Counters& counters) {
-  return counters.values_size() <= kMaxCounters &&
-         std::all_of(counters.values().begin(), counters.values().end(),
-                     [](const auto& entry) { return entry.first.size() <= kMaxCounterName; });
-}
-
 Assembler::Assembler(const PixelRect& crop, std::vector<PixelRect> tiles)
-    : tiles_(std::move(tiles)), done_by_(tiles_.size()), film_(crop) {}
+    : tiles_(std::move(tiles)), done_by_(tiles_.size()), film_(crop), counts_(tiles_.size()) {}
 
 bool Assembler::plausible(const v1::TileBand& band) const {
   if (band.tile() >= tiles_.size() || band.tile() != TileScheduler::tile_of(band.lease())) {
@@ -33,7 +28,46 @@ bool Assembler::plausible(const v1::TileBand& band) const {
   }
   const PixelRect& tile = tiles_[band.tile()];
   return band.rows() > 0 && band.first_row() >= tile.y0 && band.first_row() < tile.y1 &&
-         band.rows() <= tile.y1 - band.first_row() && plausible_counters(band.counters());
+         band.rows() <= tile.y1 - band.first_row();
+}
+
+std::optional<std::vector<uint64_t>> Assembler::counts_of(const v1::Counters& counters) {
+  std::vector<uint64_t> counts(names_.size());
+  for (const auto& [name, value] : counters.values()) {
+    if (name.size() > kMaxCounterName) return std::nullopt;
+    const auto known = names_.find(name);
+    if (known == names_.end() && names_.size() >= kMaxCounters) return std::nullopt;
+    const size_t place = known != names_.end() ? known->second : names_.size();
+    if (known == names_.end()) names_.emplace(name, place);
+    if (counts.size() <= place) counts.resize(place + 1);
+    counts[place] = value;
+  }
+  return counts;
+}
+
+CounterMap Assembler::counters() const {
+  std::vector<uint64_t> sums(names_.size());
+  for (const auto& counts : counts_) {
+    for (size_t i = 0; i < counts.size(); ++i) sums[i] += counts[i];
+  }
+  CounterMap result;
+  for (const auto& [name, place] : names_) result[name] = sums[place];
+  return result;
+}
+
+void Assembler::note_build_counters(const v1::Counters& counters) {
+  if (!build_counters_.empty() || counters.values_size() > static_cast<int>(kMaxCounters)) return;
+  for (const auto& [name, value] : counters.values()) {
+    if (name.size() <= kMaxCounterName) build_counters_[name] = value;
+  }
+}
+
+void Assembler::reopen(uint32_t tile) {
+  partial_.erase(tile);
+  if (done_by_[tile] == 0) return;
+  done_by_[tile] = 0;
+  counts_[tile] = {};
+  --tiles_done_;
 }
 
 bool Assembler::same_row(const PixelRect& tile, int row, const float* values) const {
@@ -51,8 +85,9 @@ BandResult Assembler::add(const v1::TileBand& band, WorkerId from) {
   const uint32_t index = band.tile();
   const PixelRect& tile = tiles_[index];
   const size_t row_values = static_cast<size_t>(tile.width()) * kFilmChannels;
-  scratch_.resize(row_values * static_cast<size_t>(band.rows()));
-  if (!decode_band(band, scratch_)) return result;
+  auto counts = band.last() ? counts_of(band.counters()) : std::nullopt;
+  if (band.last() && !counts) return result;
+  if (!decode_band(band, tile.width(), scratch_)) return result;
   result.valid = true;
 
   const bool was_complete = complete(index);
@@ -81,9 +116,9 @@ BandResult Assembler::add(const v1::TileBand& band, WorkerId from) {
     result.duplicate_tile = band.last();
     return result;
   }
-  if (band.last() && !partial->counters) partial->counters = band.counters();
-  if (partial->rows_missing == 0 && partial->counters) {
-    for (const auto& [name, value] : partial->counters->values()) counters_[name] += value;
+  if (band.last() && !partial->counts) partial->counts = std::move(counts);
+  if (partial->rows_missing == 0 && partial->counts) {
+    counts_[index] = std::move(*partial->counts);
     done_by_[index] = from;
     partial_.erase(index);
     ++tiles_done_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -23,14 +24,11 @@ struct Mismatch {
 
 /// What became of a band.
 struct BandResult {
-  bool valid = false;  ///< false: it is damaged or not of this job's tiles
+  bool valid = false;  ///< false: it is damaged, or not of this job's tiles or counters
   bool completed_tile = false;
   bool duplicate_tile = false;  ///< the last band of a tile that was complete already
   std::optional<Mismatch> mismatch;
 };
-
-/// Whether counters that came from outside are few and have short names.
-bool plausible_counters(const v1::Counters& counters);
 
 /// Puts bands into the film. The first pixels of a row stay; what comes later, in any order and
 /// from any worker, is compared with them bit by bit.
@@ -39,12 +37,17 @@ class Assembler {
   Assembler(const PixelRect& crop, std::vector<PixelRect> tiles);
 
   BandResult add(const v1::TileBand& band, WorkerId from);
+  /// Forgets what there is of the tile: the next pixels of its rows are the first again.
+  void reopen(uint32_t tile);
 
   const std::vector<PixelRect>& tiles() const { return tiles_; }
   bool complete(uint32_t tile) const { return done_by_[tile] != 0; }
   uint64_t tiles_done() const { return tiles_done_; }
-  /// Sums over complete tiles.
-  const CounterMap& counters() const { return counters_; }
+  /// Sums over complete tiles, and what building the scene counted.
+  CounterMap counters() const;
+  /// What a worker counted when it built the scene. The first word counts: they are all the same.
+  void note_build_counters(const v1::Counters& counters);
+  const CounterMap& build_counters() const { return build_counters_; }
   Film& film() { return film_; }
 
  private:
@@ -52,9 +55,11 @@ class Assembler {
   struct Partial {
     std::vector<WorkerId> row_from;  ///< 0: not there
     int rows_missing = 0;
-    std::optional<v1::Counters> counters;
+    std::optional<std::vector<uint64_t>> counts;
   };
   bool plausible(const v1::TileBand& band) const;
+  /// The numbers by names_, which grow; nothing if there would be too many, or too long ones.
+  std::optional<std::vector<uint64_t>> counts_of(const v1::Counters& counters);
   /// Whether the film has these very bits in that row.
   bool same_row(const PixelRect& tile, int row, const float* values) const;
 
@@ -63,7 +68,9 @@ class Assembler {
   std::unordered_map<uint32_t, Partial> partial_;
   Film film_;
   std::vector<float> scratch_;
-  CounterMap counters_;
+  std::map<std::string, size_t> names_;         ///< of counters: their places in counts
+  std::vector<std::vector<uint64_t>> counts_;   ///< by complete tile
+  CounterMap build_counters_;
   uint64_t tiles_done_ = 0;
 };
 

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
 #include <span>
+#include <utility>
 
 #include "coordinator/job_messages.h"
 #include "proto/wire/scene_codec.h"
@@ -13,7 +16,41 @@ namespace {
 // More than this at once is refused: each may hold a scene and a film.
 constexpr size_t kMaxSubmissions = 64;
 
+/// What it may come to take; the largest number where that is none.
+uint64_t claimed_bytes(const v1::SubmitJob& request) {
+  constexpr uint64_t kTooMuch = std::numeric_limits<uint64_t>::max();
+  uint64_t sum = 0;
+  const auto add = [&sum](uint64_t bytes) {
+    sum = bytes > kTooMuch - sum ? kTooMuch : sum + bytes;
+  };
+  add(request.scene_size());
+  for (const uint64_t size : request.blob_sizes()) add(size);
+  const v1::PixelRect& crop = request.crop();
+  const int64_t width = int64_t{crop.x1()} - crop.x0(), height = int64_t{crop.y1()} - crop.y0();
+  constexpr int64_t kPixelBytes = kFilmChannels * sizeof(float);
+  if (width > 0 && height > 0 && width <= kMaxFrameSide && height <= kMaxFrameSide) {
+    add(static_cast<uint64_t>(width * height * kPixelBytes));
+  }
+  return sum;
+}
+
 }  // namespace
+
+bool ClientDesk::on_control(const PeerId& peer, const v1::Envelope& message, Time now) {
+  switch (message.message_case()) {
+    case v1::Envelope::kSubmitJob:
+      on_submit(peer, message.submit_job(), now);
+      return true;
+    case v1::Envelope::kJobQuery:
+      on_query(peer, message.job_query(), now);
+      return true;
+    case v1::Envelope::kJobRelease:
+      on_release(message.job_release());
+      return true;
+    default:
+      return false;
+  }
+}
 
 void ClientDesk::on_submit(const PeerId& peer, const v1::SubmitJob& request, Time now) {
   const uint64_t id = request.submission();
@@ -27,11 +64,25 @@ void ClientDesk::on_submit(const PeerId& peer, const v1::SubmitJob& request, Tim
   fresh.peer = peer;
   fresh.last_heard = now;
   fresh.status.set_submission(id);
+  if (id == 0) {
+    fail(fresh, ExitCode::bad_usage, "submission 0; expected a number that was drawn");
+    return answer(fresh);
+  }
   if (submissions_.size() >= kMaxSubmissions) {
     fail(fresh, ExitCode::render_failed,
          fmt::format("the coordinator has {} jobs; expected fewer", kMaxSubmissions));
     return answer(fresh);
   }
+  fresh.bytes = claimed_bytes(request);
+  if (fresh.bytes > options_.client_budget_bytes - claimed_bytes_) {
+    fail(fresh, ExitCode::render_failed,
+         fmt::format("a submission of {} bytes with its picture; expected at most {} beside {} of "
+                     "others",
+                     fresh.bytes, options_.client_budget_bytes - claimed_bytes_, claimed_bytes_));
+    return answer(fresh);
+  }
+  claimed_bytes_ += fresh.bytes;
+  fresh.fetch = BlobFetch(id);
   Submission& submission = submissions_.emplace(id, std::move(fresh)).first->second;
   submission.request = request;
   submission.status.set_state(v1::JobStatus::FETCHING);
@@ -62,42 +113,48 @@ void ClientDesk::on_query(const PeerId& peer, const v1::JobQuery& query, Time no
   it->second.peer = peer;
   it->second.last_heard = now;
   if (query.cancel() && it->second.status.state() != v1::JobStatus::ENDED) {
-    if (it->second.status.state() == v1::JobStatus::FETCHING) {
+    // One that runs ends with what there is of it; see ended().
+    if (it->second.status.state() != v1::JobStatus::RUNNING) {
       JobReport report;
       report.end = JobReport::End::interrupted;
       report.exit_code = ExitCode::interrupted;
       *it->second.status.mutable_end() = to_message(report);
       it->second.status.set_state(v1::JobStatus::ENDED);
-    } else {
-      abandoned_.push_back(query.submission());
     }
+    abandoned_.push_back(query.submission());
   }
   answer(it->second);
 }
 
 void ClientDesk::on_release(const v1::JobRelease& release) {
   const auto it = submissions_.find(release.submission());
-  if (it != submissions_.end() && it->second.status.state() == v1::JobStatus::ENDED) {
-    submissions_.erase(it);
-  }
+  if (it != submissions_.end() && it->second.status.state() == v1::JobStatus::ENDED) forget(it);
+}
+
+ClientDesk::Submissions::iterator ClientDesk::forget(Submissions::iterator it) {
+  claimed_bytes_ -= it->second.bytes;
+  return submissions_.erase(it);
+}
+
+ClientDesk::Submission* ClientDesk::fetching(uint64_t id) {
+  const auto it = submissions_.find(id);
+  const bool is = it != submissions_.end() && it->second.status.state() == v1::JobStatus::FETCHING;
+  return is ? &it->second : nullptr;
 }
 
 void ClientDesk::on_chunk(const v1::BlobChunk& chunk, Time now) {
-  for (auto& [id, submission] : submissions_) {
-    if (submission.status.state() != v1::JobStatus::FETCHING) continue;
-    submission.fetch.on_chunk(chunk, submission.blobs);
-    advance(id, submission, now);
-  }
+  Submission* submission = fetching(chunk.submission());
+  if (!submission) return;
+  submission->fetch.on_chunk(chunk, submission->blobs);
+  advance(chunk.submission(), *submission, now);
 }
 
 void ClientDesk::on_missing(const v1::BlobMissing& missing) {
-  for (auto& [id, submission] : submissions_) {
-    if (submission.status.state() != v1::JobStatus::FETCHING) continue;
-    submission.fetch.on_missing(missing);
-    if (!submission.fetch.failure().empty()) {
-      fail(submission, ExitCode::render_failed, submission.fetch.failure());
-    }
-  }
+  Submission* submission = fetching(missing.submission());
+  if (!submission) return;
+  submission->fetch.on_missing(missing);
+  if (submission->fetch.failure().empty()) return;
+  fail(*submission, ExitCode::render_failed, submission->fetch.failure());
 }
 
 void ClientDesk::on_tick(Time now) {
@@ -109,7 +166,7 @@ void ClientDesk::on_tick(Time now) {
       continue;
     }
     abandoned_.push_back(it->first);
-    it = submissions_.erase(it);
+    it = forget(it);
   }
 }
 

@@ -31,10 +31,9 @@ class ClientDesk {
     JobSpec spec;
   };
 
-  void on_submit(const PeerId& peer, const v1::SubmitJob& request, Time now);
-  /// The running state of the client's job is `progress`, if it is known to be running.
-  void on_query(const PeerId& peer, const v1::JobQuery& query, Time now);
-  void on_release(const v1::JobRelease& release);
+  /// False if the message is none of a client's.
+  bool on_control(const PeerId& peer, const v1::Envelope& message, Time now);
+  /// Only who was asked knows the submission's number, which must be in the answer.
   void on_chunk(const v1::BlobChunk& chunk, Time now);
   void on_missing(const v1::BlobMissing& missing);
   void on_tick(Time now);
@@ -51,6 +50,10 @@ class ClientDesk {
   BlobData find_blob(const Digest& digest) const;
 
  private:
+  void on_submit(const PeerId& peer, const v1::SubmitJob& request, Time now);
+  /// The running state of the client's job is `progress`, if it is known to be running.
+  void on_query(const PeerId& peer, const v1::JobQuery& query, Time now);
+  void on_release(const v1::JobRelease& release);
   struct Submission {
     PeerId peer;
     v1::SubmitJob request;
@@ -60,14 +63,20 @@ class ClientDesk {
     BlobData film;
     Digest film_digest;
     Time last_heard{};
+    uint64_t bytes = 0;  ///< that it may come to take
   };
+  using Submissions = std::map<uint64_t, Submission>;
+  Submissions::iterator forget(Submissions::iterator it);
+  /// The submission of that number if its blobs are not yet all here; null otherwise.
+  Submission* fetching(uint64_t id);
   void advance(uint64_t id, Submission& submission, Time now);
   void answer(const Submission& submission);
   std::optional<JobSpec> read_spec(Submission& submission);
   void fail(Submission& submission, ExitCode code, const std::string& why);
 
   CoordinatorOptions options_;
-  std::map<uint64_t, Submission> submissions_;
+  Submissions submissions_;
+  uint64_t claimed_bytes_ = 0;  ///< sum over submissions_
   std::vector<Ready> ready_;
   std::vector<Outgoing> outgoing_;
   std::vector<uint64_t> abandoned_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/log.h"
+#include "proto/wire/blob_transfer.h"
 
 namespace tessera {
 namespace {
@@ -17,74 +18,47 @@ constexpr size_t kMaxText = 2000;
 }  // namespace
 
 Coordinator::Coordinator(CoordinatorOptions options)
-    : options_(std::move(options)), workers_(options_), clients_(options_) {}
+    : options_(std::move(options)), workers_(options_), jobs_(options_) {}
 
 // ------------------------------------------------------------------------------------------ jobs
 
-uint64_t Coordinator::enqueue(JobSpec spec, uint64_t submission) {
-  check_job(spec);
-  constexpr int kJobBits = 20;
-  const uint64_t id = (options_.epoch << kJobBits) + ++jobs_queued_;
-  queue_.push_back({id, submission, std::move(spec)});
-  return id;
-}
-
 uint64_t Coordinator::submit(JobSpec spec, Time now) {
-  const uint64_t id = enqueue(std::move(spec), 0);
+  const uint64_t id = jobs_.submit(std::move(spec));
   advance_jobs(now);
   return id;
 }
 
 void Coordinator::interrupt(uint64_t job, Time now) {
-  const auto queued =
-      std::find_if(queue_.begin(), queue_.end(), [&](const QueuedJob& q) { return q.id == job; });
-  if (queued != queue_.end()) {
-    ActiveJob unstarted(job, std::move(queued->spec), options_, now);
-    queue_.erase(queued);
-    unstarted.interrupt();
-    results_.emplace(job, unstarted.finish());
-  }
-  if (!job_ || job_->id() != job) return;
-  job_->interrupt();
+  jobs_.interrupt(job, now);
   advance_jobs(now);
 }
 
 void Coordinator::fail_job(const std::string& why, Time now) {
-  if (job_) job_->fail(ExitCode::render_failed, why);
+  if (job()) job()->fail(ExitCode::render_failed, why);
   advance_jobs(now);
 }
 
-std::optional<JobResult> Coordinator::take_result(uint64_t job) {
-  const auto it = results_.find(job);
-  if (it == results_.end()) return std::nullopt;
-  std::optional<JobResult> result = std::move(it->second);
-  results_.erase(it);
-  return result;
-}
+std::optional<JobResult> Coordinator::take_result(uint64_t job) { return jobs_.take_result(job); }
 
 JobProgress Coordinator::progress(Time now) const {
   JobProgress progress;
-  if (job_) progress = job_->progress(0, now);
+  if (job()) progress = job()->progress(now);
   progress.workers = workers_.present_count();
   return progress;
 }
 
 void Coordinator::note_assembling(double seconds) {
-  if (job_) job_->report().assemble_seconds += seconds;
+  if (job()) job()->report().assemble_seconds += seconds;
 }
 
 void Coordinator::advance_jobs(Time now) {
-  if (job_ && job_->ended()) end_job();
-  if (!job_ && !queue_.empty()) {
-    QueuedJob next = std::move(queue_.front());
-    queue_.pop_front();
-    start_job(std::move(next), now);
+  if (job() && job()->ended()) {
+    for (const WorkerRecord* worker : workers_.present()) {
+      send(worker->peer).mutable_cancel_job()->set_job(job()->id());
+    }
+    jobs_.end_active(workers_.seen(), workers_.lost());
   }
-}
-
-void Coordinator::start_job(QueuedJob queued, Time now) {
-  job_ = std::make_unique<ActiveJob>(queued.id, std::move(queued.spec), options_, now);
-  submission_ = queued.submission;
+  if (!jobs_.start_next(now)) return;
   next_tick_ = now;
   for (WorkerRecord* worker : workers_.present()) {
     worker->foreign = 0;
@@ -92,36 +66,11 @@ void Coordinator::start_job(QueuedJob queued, Time now) {
   }
 }
 
-void Coordinator::end_job() {
-  for (const WorkerRecord* worker : workers_.present()) {
-    send(worker->peer).mutable_cancel_job()->set_job(job_->id());
-  }
-  JobResult result = job_->finish();
-  result.report.workers_seen = workers_.seen();
-  result.report.workers_lost = workers_.lost();
-  if (submission_ != 0) {
-    clients_.ended(submission_, result);
-  } else {
-    results_.emplace(job_->id(), std::move(result));
-  }
-  job_.reset();
-}
-
 void Coordinator::attend_clients(Time now) {
-  for (ClientDesk::Ready& ready : clients_.take_ready()) {
-    try {
-      enqueue(std::move(ready.spec), ready.submission);
-    } catch (const Error& error) {
-      clients_.refused(ready.submission, error);
-    }
-  }
-  for (const uint64_t submission : clients_.take_abandoned()) {
-    std::erase_if(queue_, [&](const QueuedJob& q) { return q.submission == submission; });
-    if (job_ && submission_ == submission) job_->interrupt();
-  }
+  jobs_.attend_clients();
   advance_jobs(now);
-  if (job_ && submission_ != 0) clients_.running(submission_, progress(now));
-  for (ClientDesk::Outgoing& out : clients_.take_outgoing()) {
+  jobs_.tell_client(progress(now));
+  for (ClientDesk::Outgoing& out : jobs_.clients().take_outgoing()) {
     outgoing_.push_back({Channel::control, std::move(out.peer), std::move(out.message)});
   }
 }
@@ -139,45 +88,33 @@ void Coordinator::on_message(Channel channel, const PeerId& peer, const v1::Enve
                              Time now) {
   if (channel == Channel::bulk) {
     if (message.has_blob_request()) on_blob_request(peer, message.blob_request());
-    if (message.has_blob_chunk()) clients_.on_chunk(message.blob_chunk(), now);
-    if (message.has_blob_missing()) clients_.on_missing(message.blob_missing());
+    if (message.has_blob_chunk()) jobs_.clients().on_chunk(message.blob_chunk(), now);
+    if (message.has_blob_missing()) jobs_.clients().on_missing(message.blob_missing());
     return attend_clients(now);
   }
   if (message.has_hello()) return on_hello(peer, message.hello(), now);
-  if (on_client_message(peer, message, now)) return attend_clients(now);
+  if (jobs_.clients().on_control(peer, message, now)) return attend_clients(now);
   WorkerRecord* worker = workers_.by_peer(peer);
   if (!worker) {
     send(peer).mutable_hello_request();
+    return;
+  }
+  // Nothing but a set-aside id is refused after its hello was accepted.
+  if (auto reject = workers_.judge(worker->hello)) {
+    *send(peer).mutable_reject() = std::move(*reject);
     return;
   }
   on_worker_message(*worker, message, now);
   advance_jobs(now);
 }
 
-bool Coordinator::on_client_message(const PeerId& peer, const v1::Envelope& message, Time now) {
-  switch (message.message_case()) {
-    case v1::Envelope::kSubmitJob:
-      clients_.on_submit(peer, message.submit_job(), now);
-      return true;
-    case v1::Envelope::kJobQuery:
-      clients_.on_query(peer, message.job_query(), now);
-      return true;
-    case v1::Envelope::kJobRelease:
-      clients_.on_release(message.job_release());
-      return true;
-    default:
-      return false;
-  }
-}
-
 void Coordinator::on_blob_request(const PeerId& peer, const v1::BlobRequest& request) {
   const auto digest = Digest::parse(request.digest());
-  BlobData blob;
-  if (digest && job_) blob = job_->find_blob(*digest);
-  if (digest && !blob) blob = clients_.find_blob(*digest);
+  const auto blob = digest ? jobs_.find_blob(*digest) : JobQueue::FoundBlob{};
   v1::Envelope& answer = send(peer, Channel::bulk);
-  answer = answer_blob_request(request, blob);
-  if (job_) job_->report().bytes_scene += answer.blob_chunk().data().size();
+  answer = answer_blob_request(request, blob.data);
+  // Films that clients fetch are no part of what the job costs.
+  if (blob.of_active) job()->report().bytes_scene += answer.blob_chunk().data().size();
 }
 
 void Coordinator::on_worker_message(WorkerRecord& worker, const v1::Envelope& message, Time now) {
@@ -188,7 +125,7 @@ void Coordinator::on_worker_message(WorkerRecord& worker, const v1::Envelope& me
     return;
   }
   workers_.heard(worker, now);
-  if (job_) job_->scheduler().set_suspect(worker.id, false);
+  if (job()) job()->scheduler().set_suspect(worker.id, false);
   switch (message.message_case()) {
     case v1::Envelope::kHeartbeat:
       return on_heartbeat(worker, message.heartbeat(), now);
@@ -217,7 +154,10 @@ void Coordinator::on_hello(const PeerId& peer, const v1::Hello& hello, Time now)
   const auto greeting = workers_.greet(peer, hello, now);
   if (!greeting.worker) return;
   WorkerRecord& worker = *greeting.worker;
-  if (greeting.anew && job_) act(job_->scheduler().leave(worker.id, LossCause::left, now), now);
+  if (greeting.anew && hello.session() == 1) {
+    spdlog::info("worker {} has come, with {} threads", worker.name(), hello.threads());
+  }
+  if (greeting.anew && job()) act(job()->scheduler().leave(worker.id, LossCause::left, now), now);
   v1::Welcome& welcome = *send(peer).mutable_welcome();
   welcome.set_epoch(options_.epoch);
   welcome.set_session(hello.session());
@@ -229,96 +169,119 @@ void Coordinator::on_hello(const PeerId& peer, const v1::Hello& hello, Time now)
   welcome.set_lost_after_ms(milliseconds(options_.lost_after));
   welcome.set_compress_pixels(options_.compress_pixels);
   welcome.set_bulk_endpoint(options_.bulk_endpoint);
-  if (job_ && worker.ready_job != job_->id()) tell_job(worker, now);
+  if (job() && worker.ready_job != job()->id()) tell_job(worker, now);
 }
 
 void Coordinator::tell_job(WorkerRecord& worker, Time now) {
-  *send(worker.peer).mutable_job_start() = job_->start_message();
+  *send(worker.peer).mutable_job_start() = job()->start_message();
   worker.told_job = now;
 }
 
 void Coordinator::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now) {
   if (heartbeat.session() != worker.hello.session()) return;
   send(worker.peer).mutable_ping()->set_session(heartbeat.session());
-  if (!job_ || heartbeat.job() != job_->id()) {
+  if (!job() || heartbeat.job() != job()->id()) {
     if (heartbeat.job() != 0) send(worker.peer).mutable_cancel_job()->set_job(heartbeat.job());
-    if (job_ && now - worker.told_job >= options_.heartbeat) tell_job(worker, now);
+    if (job() && now - worker.told_job >= options_.heartbeat) tell_job(worker, now);
     return;
   }
-  if (heartbeat.ready() && worker.ready_job != job_->id()) {
-    v1::SceneReady ready;  // whose own message was lost
-    ready.set_job(job_->id());
-    on_ready(worker, ready, now);
-  }
+  // Its SceneReady was lost. Told the job again, it repeats it, with all that belongs to it.
+  const bool unheard = heartbeat.ready() && worker.ready_job != job()->id();
+  if (unheard && now - worker.told_job >= options_.heartbeat) tell_job(worker, now);
   std::vector<LeaseProgress> held;
   for (const auto& entry : heartbeat.progress()) {
     held.push_back({entry.lease(), entry.work_done(), entry.started()});
   }
   SchedulerEvents events;
-  worker.foreign = job_->scheduler().report(worker.id, held, now, events);
+  worker.foreign = job()->scheduler().report(worker.id, held, now, events);
   act(events, now);
   fill(worker, now);
 }
 
 void Coordinator::on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now) {
-  if (!job_ || ready.job() != job_->id()) return;
+  if (!job() || ready.job() != job()->id()) return;
   worker.ready_job = ready.job();
-  JobReport& report = job_->report();
+  job()->assembler().note_build_counters(ready.counters());
   // Not a number fails the comparison, and is left out.
-  if (ready.build_seconds() > report.build_seconds) report.build_seconds = ready.build_seconds();
-  // Every worker builds the same scene: the first one speaks for all.
-  if (report.build_counters.empty() && plausible_counters(ready.counters())) {
-    const auto& values = ready.counters().values();
-    report.build_counters.insert(values.begin(), values.end());
-  }
-  job_->scheduler().join(worker.id);
+  double& longest = job()->report().build_seconds;
+  if (ready.build_seconds() > longest) longest = ready.build_seconds();
+  job()->scheduler().join(worker.id);
   fill(worker, now);
 }
 
 void Coordinator::on_band(WorkerRecord& worker, const v1::TileBand& band, Time now) {
-  if (!job_ || band.job() != job_->id()) return;
-  JobReport& report = job_->report();
-  const BandResult result = job_->assembler().add(band, worker.id);
+  if (!job() || band.job() != job()->id()) return;
+  TileScheduler& scheduler = job()->scheduler();
+  const uint32_t tile = TileScheduler::tile_of(band.lease());
+  if (!scheduler.issued(band.lease(), worker.id)) {
+    spdlog::warn("worker {} sent pixels under a lease that it was not given", worker.name());
+    return;
+  }
+  // What else it sent of that tile before it heard of it.
+  const auto& disputed = scheduler.disputed_by(tile);
+  if (std::find(disputed.begin(), disputed.end(), worker.id) != disputed.end()) return;
+  const BandResult result = job()->assembler().add(band, worker.id);
   if (!result.valid) {
-    spdlog::warn("worker {} sent a damaged band of tile {}", worker.name(), band.tile());
-    return act(job_->scheduler().fail(band.lease(), worker.id, now), now);
+    spdlog::warn("worker {} sent a damaged band of tile {}", worker.name(), tile);
+    return act(scheduler.fail(band.lease(), worker.id, now), now);
   }
-  report.bytes_results += band.pixels().size();
-  job_->note_result(now);
-  if (result.duplicate_tile) ++report.duplicates;
-  if (result.mismatch) {
-    ++report.mismatches;
-    const WorkerRecord* first = workers_.by_id(result.mismatch->first);
-    spdlog::error("tile {} from row {}: workers {} and {} traced different pixels", band.tile(),
-                  result.mismatch->row, first ? first->name() : "(forgotten)", worker.name());
-  }
-  if (result.completed_tile) {
-    act(job_->scheduler().complete(band.tile(), band.lease(), now), now);
-  }
+  job()->report().bytes_results += band.pixels().size();
+  job()->note_result(now);
+  if (result.duplicate_tile) ++job()->report().duplicates;
+  if (result.mismatch) return on_mismatch(*result.mismatch, now);
+  if (result.completed_tile) act(scheduler.complete(tile, band.lease(), now), now);
   if (band.last()) fill(worker, now);
 }
 
+std::string Coordinator::name_of(WorkerId id) {
+  const WorkerRecord* worker = workers_.by_id(id);
+  return worker ? worker->name() : "(forgotten)";
+}
+
+void Coordinator::on_mismatch(const Mismatch& mismatch, Time now) {
+  ++job()->report().mismatches;
+  const bool again = !job()->scheduler().disputed_by(mismatch.tile).empty();
+  const std::string what = fmt::format(
+      "tile {} from row {}: workers {} and {} traced different "
+      "pixels; expected the same bits",
+      mismatch.tile, mismatch.row, name_of(mismatch.first), name_of(mismatch.second));
+  spdlog::error("{}", what);
+  job()->assembler().reopen(mismatch.tile);
+  const auto events =
+      job()->scheduler().dispute(mismatch.tile, mismatch.first, mismatch.second, now);
+  if (again) return job()->fail(ExitCode::render_failed, what);
+  act(events, now);
+}
+
+void Coordinator::fail_undecided(Time now) {
+  const auto tile = job()->scheduler().undecided(now);
+  if (!tile) return;
+  const auto& by = job()->scheduler().disputed_by(*tile);
+  job()->fail(ExitCode::render_failed,
+              fmt::format("tile {}: workers {} and {} traced different pixels, and there is no "
+                          "third to decide",
+                          *tile, name_of(by[0]), name_of(by[1])));
+}
+
 void Coordinator::on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now) {
-  if (!job_ || failed.job() != job_->id()) return;
+  if (!job() || failed.job() != job()->id()) return;
   const std::string text = failed.text().substr(0, kMaxText);
   spdlog::warn("worker {} failed tile {}: {}", worker.name(), failed.tile(), text);
-  job_->report().failure = text;
-  act(job_->scheduler().fail(failed.lease(), worker.id, now), now);
+  job()->report().failure = text;
+  act(job()->scheduler().fail(failed.lease(), worker.id, now), now);
 }
 
 void Coordinator::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed) {
-  if (!job_ || failed.job() != job_->id()) return;
+  if (!job() || failed.job() != job()->id()) return;
   const std::string text = failed.text().substr(0, kMaxText);
-  if (failed.exit_code() == static_cast<uint32_t>(ExitCode::bad_scene)) {
-    return job_->fail(ExitCode::bad_scene, text);
+  if (!job()->scene_failed_at(worker.id)) {
+    spdlog::warn("worker {} could not build the scene: {}", worker.name(), text);
   }
-  spdlog::warn("worker {} could not build the scene: {}", worker.name(), text);
-  worker.failed_job = job_->id();
-  const auto present = workers_.present();
-  const bool hopeless = std::all_of(present.begin(), present.end(), [&](const WorkerRecord* other) {
-    return other->failed_job == job_->id() && other->ready_job != job_->id();
-  });
-  if (hopeless) job_->fail(ExitCode::render_failed, text);
+  std::vector<WorkerId> present;
+  for (const WorkerRecord* other : workers_.present()) present.push_back(other->id);
+  const bool bad = failed.exit_code() == static_cast<uint32_t>(ExitCode::bad_scene);
+  job()->note_scene_failure(worker.id, bad ? ExitCode::bad_scene : ExitCode::render_failed, text,
+                            present);
 }
 
 // --------------------------------------------------------------------------------------- workers
@@ -341,7 +304,7 @@ void Coordinator::lose(WorkerRecord& worker, LossCause cause, const std::string&
   if (worker.state == WorkerState::lost) return;
   if (cause != LossCause::left) spdlog::warn("lost worker {}: {}", worker.name(), how);
   workers_.lose(worker);
-  if (job_) act(job_->scheduler().leave(worker.id, cause, now), now);
+  if (job()) act(job()->scheduler().leave(worker.id, cause, now), now);
 }
 
 void Coordinator::act(const SchedulerEvents& events, Time now) {
@@ -356,7 +319,7 @@ void Coordinator::act(const SchedulerEvents& events, Time now) {
     WorkerRecord* worker = workers_.by_id(id);
     if (worker) judge_failures(*worker, now);
   }
-  if (!events.cancelled.empty() || job_->scheduler().has_pending()) fill(now);
+  if (!events.cancelled.empty() || job()->scheduler().has_pending()) fill(now);
 }
 
 void Coordinator::judge_failures(WorkerRecord& worker, Time now) {
@@ -378,29 +341,29 @@ void Coordinator::fill(Time now) {
 }
 
 void Coordinator::fill(WorkerRecord& worker, Time now) {
-  if (!job_ || job_->ended() || worker.ready_job != job_->id() || worker.foreign > 0 ||
+  if (!job() || job()->ended() || worker.ready_job != job()->id() || worker.foreign > 0 ||
       worker.state != WorkerState::active) {
     return;
   }
-  TileScheduler& scheduler = job_->scheduler();
+  TileScheduler& scheduler = job()->scheduler();
   while (scheduler.held_by(worker.id) < worker.hello.credit()) {
     const auto lease = scheduler.assign(worker.id, now);
     if (!lease) return;
-    job_->note_assignment(now);
-    *send(worker.peer).mutable_assign() = job_->assignment(*lease, options_.epoch);
+    job()->note_assignment(now);
+    *send(worker.peer).mutable_assign() = job()->assignment(*lease);
   }
 }
 
 void Coordinator::on_tick(Time now) {
   const auto silence = workers_.check(now);
   for (WorkerRecord* worker : silence.suspects) {
-    if (job_) job_->scheduler().set_suspect(worker->id, true);
+    if (job()) job()->scheduler().set_suspect(worker->id, true);
   }
   for (WorkerRecord* worker : silence.lost) {
     lose(*worker, LossCause::vanished, "no word from it for too long", now);
   }
-  if (job_) {
-    const SchedulerEvents events = job_->scheduler().expire(now);
+  if (job()) {
+    const SchedulerEvents events = job()->scheduler().expire(now);
     for (const WorkerId id : events.blamed) {
       const WorkerRecord* worker = workers_.by_id(id);
       if (worker && worker->hello.host() == options_.host) {
@@ -409,10 +372,11 @@ void Coordinator::on_tick(Time now) {
     }
     act(events, now);
     fill(now);
+    fail_undecided(now);
   }
-  clients_.on_tick(now);
+  jobs_.clients().on_tick(now);
   attend_clients(now);
-  next_tick_ = now + (job_ ? kTick : options_.heartbeat);
+  next_tick_ = now + (job() ? kTick : options_.heartbeat);
 }
 
 std::vector<pid_t> Coordinator::take_stuck_processes() { return std::exchange(stuck_, {}); }

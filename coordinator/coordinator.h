@@ -2,18 +2,15 @@
 
 #include <sys/types.h>
 
-#include <deque>
-#include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/monotonic.h"
 #include "coordinator/active_job.h"
-#include "coordinator/client_desk.h"
 #include "coordinator/coordinator_options.h"
 #include "coordinator/job.h"
+#include "coordinator/job_queue.h"
 #include "coordinator/worker_registry.h"
 #include "proto/transport/transport.h"
 
@@ -63,26 +60,20 @@ class Coordinator {
   const WorkerRegistry& workers() const { return workers_; }
 
  private:
-  struct QueuedJob {
-    uint64_t id = 0;
-    uint64_t submission = 0;  ///< 0: of this process
-    JobSpec spec;
-  };
-
+  ActiveJob* job() const { return jobs_.active(); }
   void on_hello(const PeerId& peer, const v1::Hello& hello, Time now);
   void on_worker_message(WorkerRecord& worker, const v1::Envelope& message, Time now);
   void on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now);
   void on_band(WorkerRecord& worker, const v1::TileBand& band, Time now);
   void on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now);
   void on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now);
+  void on_mismatch(const Mismatch& mismatch, Time now);
+  void fail_undecided(Time now);
+  std::string name_of(WorkerId id);
   void on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed);
-  bool on_client_message(const PeerId& peer, const v1::Envelope& message, Time now);
   void on_blob_request(const PeerId& peer, const v1::BlobRequest& request);
 
-  uint64_t enqueue(JobSpec spec, uint64_t submission);
   void advance_jobs(Time now);
-  void start_job(QueuedJob queued, Time now);
-  void end_job();
   void attend_clients(Time now);
   void lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now);
   void act(const SchedulerEvents& events, Time now);
@@ -94,14 +85,9 @@ class Coordinator {
 
   CoordinatorOptions options_;
   WorkerRegistry workers_;
-  ClientDesk clients_;
-  std::deque<QueuedJob> queue_;
-  std::unique_ptr<ActiveJob> job_;         ///< the one that runs
-  uint64_t submission_ = 0;                ///< of job_
-  std::map<uint64_t, JobResult> results_;  ///< of jobs of this process
+  JobQueue jobs_;
   std::vector<OutgoingMessage> outgoing_;
   std::vector<pid_t> stuck_;
-  uint64_t jobs_queued_ = 0;
   Time next_tick_{};
 };
 

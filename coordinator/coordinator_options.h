@@ -10,7 +10,8 @@ namespace tessera {
 
 /// When the coordinator gives up on whom. Lengths of time, all above zero.
 struct CoordinatorOptions {
-  uint64_t epoch = 1;  ///< one more at each start of this coordinator
+  /// Another at each start of a coordinator, below 2^44; 0: RenderLoop takes it from the clock.
+  uint64_t epoch = 0;
   Time heartbeat = std::chrono::seconds(1);
   Time suspect_after = std::chrono::seconds(3);   ///< silence: no new work for it
   Time lost_after = std::chrono::seconds(5);      ///< silence: its work is given to others
@@ -19,6 +20,8 @@ struct CoordinatorOptions {
   Time client_timeout = std::chrono::seconds(15);
   /// A second copy of a tile is issued no sooner than this after the first.
   Time speculate_after = std::chrono::milliseconds(100);
+  /// What all submissions of clients together may come to take: blobs, scenes and films.
+  uint64_t client_budget_bytes = uint64_t{32} << 30;
   int expected_workers = 4;      ///< for the choice of a tile size
   bool compress_pixels = false;  ///< saves network, costs time: for workers on other machines
   std::string bulk_endpoint;     ///< as in Welcome

@@ -1,14 +1,10 @@
 #include "coordinator/job_client.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
-#include <random>
+#include <span>
 
-#include "coordinator/active_job.h"
 #include "coordinator/job_messages.h"
-#include "proto/wire/frame.h"
 #include "proto/wire/scene_codec.h"
 
 namespace tessera {
@@ -16,7 +12,8 @@ namespace {
 
 constexpr Time kAskEvery = std::chrono::milliseconds(100);
 constexpr Time kSubmitEvery = std::chrono::seconds(1);
-constexpr Time kLongestWait = std::chrono::milliseconds(50);
+// So long a cancelled job may take to end over there.
+constexpr Time kCancelPatience = std::chrono::seconds(2);
 
 }  // namespace
 
@@ -49,6 +46,8 @@ std::vector<std::pair<Channel, v1::Envelope>> JobClient::take_outgoing() {
 }
 
 void JobClient::on_tick(Time now) {
+  if (result_) return;
+  if (cancelled_ && now >= *cancelled_ + kCancelPatience) return finish_interrupted();
   if (status_.state() == v1::JobStatus::ENDED) {
     fetch_film(now);
     next_question_ = now + kAskEvery;
@@ -58,14 +57,27 @@ void JobClient::on_tick(Time now) {
   } else {
     v1::JobQuery& query = *send().mutable_job_query();
     query.set_submission(request_.submission());
-    query.set_cancel(cancelled_);
+    query.set_cancel(cancelled_.has_value());
     next_question_ = now + kAskEvery;
   }
 }
 
 void JobClient::cancel(Time now) {
-  if (std::exchange(cancelled_, true)) return;
+  if (cancelled_ || result_) return;
+  cancelled_ = now;
+  // A coordinator that has not answered may yet have heard of the job.
+  if (status_.state() == v1::JobStatus::UNKNOWN) return finish_interrupted();
   next_question_ = now;
+}
+
+void JobClient::finish_interrupted() {
+  v1::JobQuery& query = *send().mutable_job_query();
+  query.set_submission(request_.submission());
+  query.set_cancel(true);
+  JobReport report;
+  report.end = JobReport::End::interrupted;
+  report.exit_code = ExitCode::interrupted;
+  finish(std::move(report));
 }
 
 void JobClient::on_message(Channel channel, const v1::Envelope& message, Time now) {
@@ -79,6 +91,13 @@ void JobClient::on_message(Channel channel, const v1::Envelope& message, Time no
   if (channel != Channel::bulk || result_) return;
   if (message.has_blob_chunk()) fetch_.on_chunk(message.blob_chunk(), film_);
   if (message.has_blob_missing()) fetch_.on_missing(message.blob_missing());
+  // A coordinator that was started anew has not the film, but can make it again.
+  if (message.has_blob_missing() && !fetch_.failure().empty() && submits_again_ > 0) {
+    --submits_again_;
+    fetch_ = BlobFetch();
+    status_.Clear();
+    return on_tick(now);
+  }
   fetch_film(now);
 }
 
@@ -88,6 +107,7 @@ void JobClient::on_status(const v1::JobStatus& status, Time now) {
     return;
   }
   const bool forgotten = status.state() == v1::JobStatus::UNKNOWN;
+  if (forgotten && cancelled_) return finish_interrupted();
   if (forgotten && status_.state() != v1::JobStatus::UNKNOWN) next_question_ = now;
   status_ = status;
   if (!forgotten) next_question_ = std::min(next_question_, now + kAskEvery);
@@ -103,19 +123,23 @@ void JobClient::fetch_film(Time now) {
   for (v1::BlobRequest& request : fetch_.requests(now)) {
     *send(Channel::bulk).mutable_blob_request() = std::move(request);
   }
-  if (fetch_.finished() || !fetch_.failure().empty()) finish();
+  if (fetch_.finished() || !fetch_.failure().empty()) finish(from_message(status_.end()));
 }
 
-void JobClient::finish() {
-  JobResult result{from_message(status_.end()), Film(crop_)};
+void JobClient::finish(JobReport report) {
+  JobResult result{std::move(report), Film(crop_)};
   const auto digest = Digest::parse(status_.end().film_digest());
   const BlobData pixels = digest ? film_.find(*digest) : nullptr;
   if (pixels) {
     std::memcpy(result.film.values().data(), pixels->data(), pixels->size());
-  } else if (result.report.end == JobReport::End::done) {
-    result.report.end = JobReport::End::failed;
-    result.report.exit_code = ExitCode::render_failed;
-    result.report.failure = "the picture could not be fetched: " + fetch_.failure();
+  } else {
+    result.film.mark_hole(crop_);
+    result.report.holes = {crop_};
+    if (result.report.end == JobReport::End::done) {
+      result.report.end = JobReport::End::failed;
+      result.report.exit_code = ExitCode::render_failed;
+      result.report.failure = "the picture could not be fetched: " + fetch_.failure();
+    }
   }
   send().mutable_job_release()->set_submission(request_.submission());
   result_ = std::move(result);
@@ -132,40 +156,5 @@ JobProgress JobClient::progress() const {
 }
 
 std::optional<JobResult> JobClient::take_result() { return std::exchange(result_, std::nullopt); }
-
-JobResult run_remote_job(ClientTransport& transport, const JobSpec& job,
-                         const ProgressCallback& progress, const std::atomic<bool>& stop,
-                         double patience_seconds) {
-  check_job(job);
-  std::random_device random;
-  JobClient client(job, (uint64_t{random()} << 32 | random()) | 1, monotonic_now());
-  Time next_progress{};
-  while (true) {
-    if (!client.bulk_endpoint().empty()) transport.connect_bulk(client.bulk_endpoint());
-    for (auto& [channel, message] : client.take_outgoing()) {
-      transport.send(channel, encode(message));
-    }
-    if (auto result = client.take_result()) return std::move(*result);
-    const Time pause = std::clamp(client.next_deadline() - monotonic_now(), Time{0}, kLongestWait);
-    transport.wait(std::chrono::ceil<std::chrono::milliseconds>(pause));
-    while (const auto received = transport.receive()) {
-      const auto message = decode(received->bytes, max_message_bytes(received->channel));
-      if (message) client.on_message(received->channel, *message, monotonic_now());
-    }
-    const Time now = monotonic_now();
-    if (stop) client.cancel(now);
-    if (now >= client.next_deadline()) client.on_tick(now);
-    if (progress && now >= next_progress) {
-      progress(client.progress());
-      next_progress = now + kAskEvery;
-    }
-    if (to_seconds(now - client.last_heard()) > patience_seconds) {
-      throw render_error(
-          fmt::format("no word from the coordinator for {} s; expected an answer to "
-                      "the job",
-                      patience_seconds));
-    }
-  }
-}
 
 }  // namespace tessera

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -28,18 +26,21 @@ class JobClient {
   std::vector<std::pair<Channel, v1::Envelope>> take_outgoing();
   /// Where to send bulk messages, once it is known.
   const std::string& bulk_endpoint() const { return status_.bulk_endpoint(); }
+  /// Ends it as interrupted: at once if the coordinator has not answered yet, else when it agrees,
+  /// or soon.
   void cancel(Time now);
 
   JobProgress progress() const;
   /// When the coordinator was last heard.
   Time last_heard() const { return last_heard_; }
-  /// Set at the end; taken once. The film is black where it could not be fetched.
+  /// Set at the end; taken once. The film is one hole where it could not be fetched.
   std::optional<JobResult> take_result();
 
  private:
   void on_status(const v1::JobStatus& status, Time now);
   void fetch_film(Time now);
-  void finish();
+  void finish(JobReport report);
+  void finish_interrupted();
   v1::Envelope& send(Channel channel = Channel::control);
 
   v1::SubmitJob request_;
@@ -50,14 +51,9 @@ class JobClient {
   v1::JobStatus status_;
   std::vector<std::pair<Channel, v1::Envelope>> outgoing_;
   Time last_heard_, next_question_;
-  bool cancelled_ = false;
+  int submits_again_ = 3;          ///< for a film that is gone
+  std::optional<Time> cancelled_;  ///< when
   std::optional<JobResult> result_;
 };
-
-/// Has `job` rendered by the coordinator behind `transport`. `stop` cancels it there. Throws
-/// render_error if the coordinator is silent for `patience_seconds`.
-JobResult run_remote_job(ClientTransport& transport, const JobSpec& job,
-                         const ProgressCallback& progress, const std::atomic<bool>& stop,
-                         double patience_seconds = 15);
 
 }  // namespace tessera

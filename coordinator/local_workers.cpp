@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,7 +14,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include "base/error.h"
@@ -26,16 +30,52 @@ namespace {
 constexpr int kVainReplacements = 8;
 constexpr Time kLook = std::chrono::milliseconds(1);
 
-std::string make_private_folder() {
+constexpr std::string_view kFolderName = "tessera-farm-";
+
+/// Holds `folder` against removal until it is closed, which also the kernel does for whoever is
+/// killed; -1 where another holds it or it is gone.
+int hold(const std::string& folder) {
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (descriptor < 0) return -1;
+  struct stat status {};
+  const bool held = flock(descriptor, LOCK_EX | LOCK_NB) == 0 && fstat(descriptor, &status) == 0 &&
+                    status.st_nlink > 0 && status.st_uid == geteuid();
+  if (held) return descriptor;
+  close(descriptor);
+  return -1;
+}
+
+/// Removes the folders of processes of this user that could not do so themselves.
+void remove_stale_folders(const std::filesystem::path& parent) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(parent, error)) {
+    if (!entry.path().filename().string().starts_with(kFolderName)) continue;
+    const int descriptor = hold(entry.path().string());
+    if (descriptor < 0) continue;
+    std::error_code ignored;
+    std::filesystem::remove_all(entry.path(), ignored);
+    close(descriptor);
+  }
+}
+
+/// The folder, and the descriptor that holds it.
+std::pair<std::string, int> make_private_folder() {
   std::error_code error;
   std::filesystem::path parent = std::filesystem::temp_directory_path(error);
   if (error) parent = "/tmp";
-  std::string pattern = (parent / "tessera-XXXXXX").string();
-  if (!mkdtemp(pattern.data())) {
-    throw render_error(
-        fmt::format("cannot make a folder like '{}': {}", pattern, std::strerror(errno)));
+  remove_stale_folders(parent);
+  // Another process may take it for a stale one before it is held.
+  constexpr int kAttempts = 100;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    std::string pattern = (parent / (std::string(kFolderName) + "XXXXXX")).string();
+    if (!mkdtemp(pattern.data())) {
+      throw render_error(
+          fmt::format("cannot make a folder like '{}': {}", pattern, std::strerror(errno)));
+    }
+    if (const int descriptor = hold(pattern); descriptor >= 0) return {pattern, descriptor};
+    rmdir(pattern.c_str());
   }
-  return pattern;
+  throw render_error(fmt::format("cannot lock a folder in '{}'", parent.string()));
 }
 
 EndedProcess describe(pid_t pid, int status) {
@@ -84,10 +124,9 @@ class SpawnSettings {
 
 }  // namespace
 
-LocalWorkers::LocalWorkers(LocalWorkerOptions options)
-    : options_(std::move(options)),
-      folder_(make_private_folder()),
-      endpoint_("ipc://" + folder_ + "/farm") {
+LocalWorkers::LocalWorkers(LocalWorkerOptions options) : options_(std::move(options)) {
+  std::tie(folder_, folder_lock_) = make_private_folder();
+  endpoint_ = "ipc://" + folder_ + "/farm";
   note_progress();
 }
 
@@ -95,6 +134,7 @@ LocalWorkers::~LocalWorkers() {
   stop(Time{0});
   std::error_code ignored;
   std::filesystem::remove_all(folder_, ignored);
+  close(folder_lock_);
 }
 
 void LocalWorkers::note_progress() {

@@ -32,7 +32,8 @@ struct EndedProcess {
 /// long as they should. Not thread-safe.
 class LocalWorkers {
  public:
-  /// Makes the folder; throws render_error if it cannot.
+  /// Makes the folder, and removes those that killed processes left; throws render_error if it
+  /// cannot.
   explicit LocalWorkers(LocalWorkerOptions options);
   /// Ends what still runs, as stop() does, and removes the folder.
   ~LocalWorkers();
@@ -62,6 +63,7 @@ class LocalWorkers {
 
   LocalWorkerOptions options_;
   std::string folder_;
+  int folder_lock_ = -1;  ///< a descriptor: as long as it is open, nobody takes folder_ for stale
   std::string endpoint_;
   std::vector<pid_t> running_;
   int replacements_left_ = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <utility>
 
 #include "base/log.h"
@@ -21,6 +22,12 @@ constexpr int kMessagesPerRound = 256;
 
 CoordinatorOptions completed(CoordinatorOptions options, const ServerTransport& transport) {
   options.bulk_endpoint = transport.bulk_endpoint();
+  // Workers of the coordinator that was here before must not take our jobs for its.
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  if (options.epoch == 0) {
+    options.epoch = static_cast<uint64_t>(
+        std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count());
+  }
   if (options.host.empty()) {
     std::array<char, 256> name{};
     if (gethostname(name.data(), name.size() - 1) == 0) options.host = name.data();

@@ -59,6 +59,7 @@ SchedulerEvents TileScheduler::leave(WorkerId worker, LossCause cause, Time now)
 }
 
 bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now) const {
+  if (std::count(tile.disputed_by.begin(), tile.disputed_by.end(), worker) > 0) return false;
   if (tile.failed_by.empty()) return true;
   if (!holders_.at(worker).leases.empty()) return false;
   const auto has_failed = [&](WorkerId id) {
@@ -130,14 +131,14 @@ std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now) {
   }
   Tile& tile = tiles_[lease.tile];
   lease.id = ++leases_issued_ << 32 | lease.tile;
-  lease.attempt = tile.attempts++;
   lease.worker = worker;
   lease.issued = now;
   lease.deadline = now + lease_length(tile);
-  if (lease.attempt > 0 && !lease.speculative) ++retries_;
+  if (tile.attempts++ > 0 && !lease.speculative) ++retries_;
   tile.state = State::leased;
   tile.leases.push_back(lease.id);
   live_.emplace(lease.id, lease);
+  issued_.emplace(lease.id, worker);
   holder.leases.push_back(lease.id);
   return lease;
 }
@@ -219,6 +220,35 @@ SchedulerEvents TileScheduler::fail(LeaseId id, WorkerId worker, Time now) {
   if (it == live_.end() || it->second.worker != worker) return events;
   blame(drop(id).tile, worker, now, events);
   return events;
+}
+
+SchedulerEvents TileScheduler::dispute(uint32_t index, WorkerId one, WorkerId other, Time now) {
+  SchedulerEvents events;
+  Tile& tile = tiles_[index];
+  if (tile.disputed_by.empty()) disputed_.push_back(index);
+  tile.disputed_by.insert(tile.disputed_by.end(), {one, other});
+  tile.disputed_at = now;
+  const std::vector<LeaseId> leases = tile.leases;
+  for (const LeaseId id : leases) events.cancelled.push_back(drop(id));
+  if (tile.state == State::done) {
+    tile.state = State::pending;
+    pending_.push_front(index);
+    ++open_tiles_;
+  }
+  return events;
+}
+
+std::optional<uint32_t> TileScheduler::undecided(Time now) const {
+  const auto it = std::find_if(disputed_.begin(), disputed_.end(), [&](uint32_t index) {
+    const Tile& tile = tiles_[index];
+    return tile.state == State::pending && now - tile.disputed_at >= options_.lease;
+  });
+  return it == disputed_.end() ? std::nullopt : std::optional(*it);
+}
+
+bool TileScheduler::issued(LeaseId lease, WorkerId worker) const {
+  const auto it = issued_.find(lease);
+  return it != issued_.end() && it->second == worker;
 }
 
 SchedulerEvents TileScheduler::expire(Time now) {

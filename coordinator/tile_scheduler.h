@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "base/monotonic.h"
@@ -19,7 +20,6 @@ using LeaseId = uint64_t;
 struct Lease {
   LeaseId id = 0;
   uint32_t tile = 0;
-  uint32_t attempt = 0;  ///< from 0, by tile
   WorkerId worker = 0;
   Time issued{}, deadline{};
   uint64_t work_done = 0;
@@ -75,9 +75,18 @@ class TileScheduler {
   SchedulerEvents complete(uint32_t tile, LeaseId lease, Time now);
   /// The worker could not trace the tile of this lease.
   SchedulerEvents fail(LeaseId lease, WorkerId worker, Time now);
+  /// Two workers traced the tile and got different pixels: neither counts, and neither gets the
+  /// tile again. One that is given up stays so.
+  SchedulerEvents dispute(uint32_t tile, WorkerId one, WorkerId other, Time now);
+  /// The workers of earlier calls of dispute() for the tile.
+  const std::vector<WorkerId>& disputed_by(uint32_t tile) const { return tiles_[tile].disputed_by; }
+  /// A disputed tile that no other worker has taken for a whole lease.
+  std::optional<uint32_t> undecided(Time now) const;
   /// Ends the leases that had no progress for too long.
   SchedulerEvents expire(Time now);
 
+  /// Whether this worker was ever given that lease.
+  bool issued(LeaseId lease, WorkerId worker) const;
   bool finished() const { return open_tiles_ == 0; }
   size_t held_by(WorkerId worker) const;
   bool has_pending() const { return !pending_.empty(); }
@@ -96,6 +105,8 @@ class TileScheduler {
     uint8_t vanished = 0;         ///< workers that did so with it, and did not come back
     std::vector<WorkerId> failed_by;
     Time failed_at{};
+    std::vector<WorkerId> disputed_by;
+    Time disputed_at{};
   };
   struct Holder {
     bool suspect = false;
@@ -116,6 +127,8 @@ class TileScheduler {
   std::vector<Tile> tiles_;
   std::deque<uint32_t> pending_;
   std::map<LeaseId, Lease> live_;
+  std::unordered_map<LeaseId, WorkerId> issued_;  ///< all there ever were
+  std::vector<uint32_t> disputed_;                ///< tiles
   std::map<WorkerId, Holder> holders_;
   std::map<WorkerId, std::vector<uint32_t>> vanished_with_;
   std::vector<Time> durations_;  ///< of completed leases

@@ -26,11 +26,10 @@ struct WorkerRecord {
   v1::Hello hello;
   WorkerState state = WorkerState::active;
   Time last_heard{};
-  int failures = 0;         ///< tiles that it failed
-  uint64_t ready_job = 0;   ///< the job whose scene it has built; 0: none
-  uint64_t failed_job = 0;  ///< the job whose scene it could not build, for a reason of its own
-  Time told_job{};          ///< when it was last sent the running job
-  size_t foreign = 0;       ///< tiles that keep it busy though they are no longer its own
+  int failures = 0;        ///< tiles that it failed
+  uint64_t ready_job = 0;  ///< the job whose scene it has built; 0: none
+  Time told_job{};         ///< when it was last sent the running job
+  size_t foreign = 0;      ///< tiles that keep it busy though they are no longer its own
 
   /// "host:process", for messages.
   std::string name() const;

@@ -18,7 +18,7 @@ bool SceneCache::begin(const v1::JobStart& start, uint64_t budget_bytes) {
   // Equal settings serialise equally: FrameSettings holds no map.
   key_ = start.scene_digest() + start.frame().SerializeAsString();
   make_room(budget_bytes);
-  fetch_ = {};
+  fetch_ = BlobFetch();
   const auto want = [this](const std::string& hex, uint64_t size) {
     const auto digest = Digest::parse(hex);
     if (digest && !blobs_.find(*digest)) fetch_.want(*digest, size);

@@ -35,7 +35,6 @@ TraceOutcome trace(std::shared_ptr<TraceRun> run) {
     for (const auto& [name, value] : pixels->counters) {
       (*last.mutable_counters()->mutable_values())[name] = value;
     }
-    last.set_trace_seconds(pixels->seconds);
   } catch (const std::exception& error) {
     outcome.failure = error.what();
   }

@@ -59,7 +59,10 @@ void WorkerSession::forget_job() {
   unsent_.clear();
   job_ = 0;
   renderer_ = nullptr;
-  building_ = scene_bad_ = false;
+  start_.clear();
+  building_ = false;
+  build_seconds_ = 0;
+  failure_.Clear();
 }
 
 // -------------------------------------------------------------------------------------- messages
@@ -126,9 +129,11 @@ void WorkerSession::on_welcome(const v1::Welcome& welcome, Time now) {
 
 void WorkerSession::on_job_start(const v1::JobStart& start, Time now) {
   if (!welcomed_ || start.job() == 0 || start.job() < job_) return;
-  if (start.job() != job_) {
+  // The number alone does not make it the same job: a coordinator may have lost count.
+  if (start.SerializeAsString() != start_) {
     forget_job();
     job_ = start.job();
+    start_ = start.SerializeAsString();
     frame_ = start.frame();
     if (!cache_.begin(start, options_.blob_budget_bytes)) {
       return scene_failed("the job names its blobs wrongly; expected digests and sizes",
@@ -136,15 +141,13 @@ void WorkerSession::on_job_start(const v1::JobStart& start, Time now) {
     }
     renderer_ = cache_.built();
   }
-  if (renderer_) {
-    send_ready();
-    return;
-  }
+  if (scene_bad()) return send_failure();
+  if (renderer_) return send_ready();
   fetch_more(now);
 }
 
 void WorkerSession::fetch_more(Time now) {
-  if (job_ == 0 || renderer_ || building_ || scene_bad_) return;
+  if (job_ == 0 || renderer_ || building_ || scene_bad()) return;
   BlobFetch& fetch = cache_.fetch();
   if (!fetch.failure().empty()) return scene_failed(fetch.failure(), ExitCode::render_failed);
   for (v1::BlobRequest& request : fetch.requests(now)) {
@@ -158,14 +161,25 @@ void WorkerSession::fetch_more(Time now) {
 }
 
 void WorkerSession::scene_failed(const std::string& text, ExitCode code) {
-  scene_bad_ = true;
-  v1::Envelope message;
-  v1::SceneFailed& failed = *message.mutable_scene_failed();
-  failed.set_session(options_.hello.session());
-  failed.set_job(job_);
-  failed.set_text(text);
-  failed.set_exit_code(static_cast<uint32_t>(code));
-  send_result(std::move(message));
+  failure_.set_job(job_);
+  failure_.set_text(text);
+  failure_.set_exit_code(static_cast<uint32_t>(code));
+  if (welcomed_) send_failure();
+}
+
+void WorkerSession::send_failure() {
+  failure_.set_session(options_.hello.session());
+  *send().mutable_scene_failed() = failure_;
+}
+
+void WorkerSession::send_ready() {
+  v1::SceneReady& ready = *send().mutable_scene_ready();
+  ready.set_session(options_.hello.session());
+  ready.set_job(job_);
+  ready.set_build_seconds(build_seconds_);
+  for (const auto& [name, value] : renderer_->build_counters()) {
+    (*ready.mutable_counters()->mutable_values())[name] = value;
+  }
 }
 
 void WorkerSession::on_built(BuildOutcome outcome, Time) {
@@ -176,17 +190,8 @@ void WorkerSession::on_built(BuildOutcome outcome, Time) {
   }
   renderer_ = std::move(outcome.renderer);
   cache_.keep(renderer_);
-  send_ready().set_build_seconds(outcome.seconds);
-}
-
-v1::SceneReady& WorkerSession::send_ready() {
-  v1::SceneReady& ready = *send().mutable_scene_ready();
-  ready.set_session(options_.hello.session());
-  ready.set_job(job_);
-  for (const auto& [name, value] : renderer_->build_counters()) {
-    (*ready.mutable_counters()->mutable_values())[name] = value;
-  }
-  return ready;
+  build_seconds_ = outcome.seconds;
+  send_ready();
 }
 
 // ----------------------------------------------------------------------------------------- tiles
@@ -214,8 +219,10 @@ void WorkerSession::on_assign(const v1::Assign& assign) {
 void WorkerSession::on_traced(TraceOutcome outcome, Time) {
   const TraceRun& run = *outcome.run;
   const auto it = runs_.find(run.lease);
-  if (it != runs_.end() && it->second == outcome.run) runs_.erase(it);
-  if (outcome.cancelled || run.job != job_) return;
+  // One that is not held any more was of a job that is forgotten.
+  if (it == runs_.end() || it->second != outcome.run) return;
+  runs_.erase(it);
+  if (outcome.cancelled) return;
   if (!outcome.failure.empty()) {
     v1::Envelope message;
     v1::TileFailed& failed = *message.mutable_tile_failed();
@@ -258,6 +265,7 @@ void WorkerSession::send_heartbeat(Time now) {
     progress.set_work_done(run->progress.work_done);
     progress.set_started(run->started);
   }
+  if (scene_bad()) send_failure();
   next_heartbeat_ = now + milliseconds(welcome_.heartbeat_ms());
 }
 
@@ -287,7 +295,7 @@ Time WorkerSession::next_deadline() const {
     next = std::min(next, last_heard_ + options_.orphan_timeout);
   }
   const auto fetch = cache_.fetch().next_deadline();
-  if (fetch && job_ != 0 && !building_ && !renderer_ && !scene_bad_) next = std::min(next, *fetch);
+  if (fetch && job_ != 0 && !building_ && !renderer_ && !scene_bad()) next = std::min(next, *fetch);
   return next;
 }
 

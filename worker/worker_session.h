@@ -73,9 +73,11 @@ class WorkerSession {
   void on_assign(const v1::Assign& assign);
   void cancel_all();
   void forget_job();
-  v1::SceneReady& send_ready();
   void fetch_more(Time now);
   void scene_failed(const std::string& text, ExitCode code);
+  bool scene_bad() const { return failure_.job() != 0; }
+  void send_failure();
+  void send_ready();
   void send_heartbeat(Time now);
   void send_result(v1::Envelope message);
   v1::Envelope& send(Channel channel = Channel::control);
@@ -90,8 +92,10 @@ class WorkerSession {
   // The job.
   uint64_t job_ = 0;  ///< 0: none
   v1::FrameSettings frame_;
+  std::string start_;  ///< the JobStart that told it
   bool building_ = false;
-  bool scene_bad_ = false;
+  v1::SceneFailed failure_;  ///< job 0: it has not failed
+  double build_seconds_ = 0;
   std::shared_ptr<const TileRenderer> renderer_;
   SceneCache cache_;
   std::map<uint64_t, std::shared_ptr<TraceRun>> runs_;  ///< by lease; what the worker holds

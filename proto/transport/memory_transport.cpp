@@ -113,7 +113,6 @@ class MemoryNetwork::State::Client final : public ClientTransport {
     const std::lock_guard lock(state_->mutex);
     state_->server.put({channel, name_, std::move(bytes)});
   }
-  size_t backlog() const override { return 0; }
   void reconnect() override {}
   void wake() override {
     const std::lock_guard lock(state_->mutex);

@@ -62,10 +62,9 @@ class ClientTransport {
   virtual void connect_bulk(const std::string& bulk_endpoint) = 0;
   virtual void wait(std::chrono::milliseconds timeout) = 0;
   virtual std::optional<ReceivedMessage> receive() = 0;
-  /// Sends, or keeps what cannot be sent yet for a later wait(). Does not block.
+  /// Sends, or keeps what cannot be sent yet for a later wait(), up to a bound: past it, messages
+  /// are dropped. Does not block.
   virtual void send(Channel channel, MessageBytes bytes) = 0;
-  /// Messages that send() keeps.
-  virtual size_t backlog() const = 0;
   /// Drops this connection and makes a new one: to the server, a new peer.
   virtual void reconnect() = 0;
   virtual void wake() = 0;

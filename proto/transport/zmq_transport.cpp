@@ -19,6 +19,8 @@ namespace tessera {
 namespace {
 
 constexpr int kHighWater = 256;
+// Of what is kept for a connection that takes nothing. Nothing depends on delivery.
+constexpr size_t kMaxKept = 1024, kMaxKeptBytes = size_t{256} << 20;
 constexpr int kLingerMs = 500;
 constexpr int kHandshakeMs = 5000;
 constexpr int kReconnectMs = 50, kReconnectMaxMs = 5000;
@@ -177,6 +179,7 @@ class ZmqClient final : public ClientTransport {
 
   void reconnect() override {
     control_.kept.clear();
+    control_.kept_bytes = 0;
     open(control_, endpoint_, Channel::control);
   }
 
@@ -223,17 +226,22 @@ class ZmqClient final : public ClientTransport {
 
   void send(Channel channel, MessageBytes bytes) override {
     Line& line = channel == Channel::control ? control_ : bulk_;
+    flush(line);
+    const bool full =
+        line.kept.size() >= kMaxKept || line.kept_bytes + bytes.size() > kMaxKeptBytes;
+    if (full && !line.kept.empty()) return;
+    line.kept_bytes += bytes.size();
     line.kept.push_back(wrap(std::move(bytes)));
     flush(line);
   }
 
-  size_t backlog() const override { return control_.kept.size() + bulk_.kept.size(); }
   void wake() override { wake_.wake(); }
 
  private:
   struct Line {
     zmq::socket_t socket;
     std::deque<zmq::message_t> kept;  ///< until the connection takes them
+    size_t kept_bytes = 0;
   };
 
   void open(Line& line, const Endpoint& endpoint, Channel channel) {
@@ -257,8 +265,11 @@ class ZmqClient final : public ClientTransport {
   static void flush(Line& line) {
     if (!line.socket) return;
     try {
-      while (!line.kept.empty() && line.socket.send(line.kept.front(), zmq::send_flags::dontwait)) {
+      while (!line.kept.empty()) {
+        const size_t size = line.kept.front().size();
+        if (!line.socket.send(line.kept.front(), zmq::send_flags::dontwait)) return;
         line.kept.pop_front();
+        line.kept_bytes -= size;
       }
     } catch (const zmq::error_t& error) {
       if (error.num() != EINTR) throw;

@@ -12,8 +12,9 @@ constexpr size_t kWindow = 8;
 constexpr Time kAskAgainAfter = std::chrono::seconds(2);
 constexpr int kMaxCorrupt = 3;
 
+/// An empty blob has one chunk too, which completes it.
 size_t chunk_count(uint64_t size) {
-  return static_cast<size_t>((size + kBlobChunkBytes - 1) / kBlobChunkBytes);
+  return std::max<size_t>(1, static_cast<size_t>((size + kBlobChunkBytes - 1) / kBlobChunkBytes));
 }
 
 size_t chunk_size(uint64_t size, size_t chunk) {
@@ -27,11 +28,13 @@ v1::Envelope answer_blob_request(const v1::BlobRequest& request, const BlobData&
   v1::Envelope answer;
   if (!blob || request.offset() > blob->size()) {
     answer.mutable_blob_missing()->set_digest(request.digest());
+    answer.mutable_blob_missing()->set_submission(request.submission());
     return answer;
   }
   v1::BlobChunk& chunk = *answer.mutable_blob_chunk();
   chunk.set_digest(request.digest());
   chunk.set_offset(request.offset());
+  chunk.set_submission(request.submission());
   const auto length =
       std::min<uint64_t>({request.length(), kBlobChunkBytes, blob->size() - request.offset()});
   chunk.set_data(blob->data() + request.offset(), length);
@@ -44,87 +47,80 @@ void BlobFetch::want(const Digest& digest, uint64_t size) {
         fmt::format("blob {} of {} bytes; expected at most {}", digest.hex(), size, kMaxBlobBytes);
     return;
   }
-  const auto same = [&](const Part& part) { return part.digest == digest; };
-  if (std::none_of(parts_.begin(), parts_.end(), same)) {
-    parts_.push_back({.digest = digest, .size = size, .data = {}, .asked = {}, .received = {}});
-  }
+  const auto [part, fresh] = parts_.try_emplace(digest);
+  if (!fresh) return;
+  part->second.size = size;
+  unasked_.push_back(digest);
 }
 
 std::vector<v1::BlobRequest> BlobFetch::requests(Time now) {
   std::vector<v1::BlobRequest> result;
   if (!failure_.empty()) return result;
-  for (Part& part : parts_) {
-    for (size_t chunk = 0; chunk < part.asked.size(); ++chunk) {
-      if (!part.received[chunk] && now - part.asked[chunk] >= kAskAgainAfter) {
-        --in_flight_;
-        ask(part, chunk, now, result);
-      }
-    }
-    // An empty blob is asked for too: its one, empty chunk completes it.
-    const size_t count = std::max<size_t>(1, chunk_count(part.size));
-    while (in_flight_ < kWindow && part.asked.size() < count) {
-      part.asked.push_back(now);
-      part.received.push_back(false);
-      ask(part, part.asked.size() - 1, now, result);
-    }
-    if (in_flight_ >= kWindow) break;
+  for (auto& [chunk, asked] : in_flight_) {
+    if (now - asked < kAskAgainAfter) continue;
+    asked = now;
+    result.push_back(request(chunk.first, chunk.second));
+  }
+  while (in_flight_.size() < kWindow && !unasked_.empty()) {
+    const Digest digest = unasked_.front();
+    Part& part = parts_.at(digest);
+    in_flight_.emplace(std::pair(digest, part.asked), now);
+    result.push_back(request(digest, part.asked));
+    if (++part.asked == chunk_count(part.size)) unasked_.pop_front();
   }
   return result;
 }
 
-void BlobFetch::ask(Part& part, size_t chunk, Time now, std::vector<v1::BlobRequest>& requests) {
-  part.asked[chunk] = now;
-  ++in_flight_;
-  v1::BlobRequest& request = requests.emplace_back();
-  request.set_digest(part.digest.hex());
+v1::BlobRequest BlobFetch::request(const Digest& digest, size_t chunk) const {
+  v1::BlobRequest request;
+  request.set_digest(digest.hex());
   request.set_offset(uint64_t{chunk} * kBlobChunkBytes);
-  request.set_length(static_cast<uint32_t>(chunk_size(part.size, chunk)));
+  request.set_length(static_cast<uint32_t>(chunk_size(parts_.at(digest).size, chunk)));
+  request.set_submission(submission_);
+  return request;
 }
 
-BlobFetch::Part* BlobFetch::find(const std::string& hex) {
+BlobFetch::Parts::iterator BlobFetch::find(const std::string& hex) {
   const auto digest = Digest::parse(hex);
-  if (!digest) return nullptr;
-  const auto it = std::find_if(parts_.begin(), parts_.end(),
-                               [&](const Part& part) { return part.digest == *digest; });
-  return it == parts_.end() ? nullptr : &*it;
+  return digest ? parts_.find(*digest) : parts_.end();
 }
 
 void BlobFetch::on_chunk(const v1::BlobChunk& chunk, BlobStore& store) {
-  Part* part = find(chunk.digest());
-  if (!part || chunk.offset() % kBlobChunkBytes != 0) return;
+  const auto it = find(chunk.digest());
+  if (it == parts_.end() || chunk.offset() % kBlobChunkBytes != 0) return;
   const auto index = static_cast<size_t>(chunk.offset() / kBlobChunkBytes);
-  if (index >= part->asked.size() || part->received[index] ||
-      chunk.data().size() != chunk_size(part->size, index)) {
-    return;
-  }
+  const auto asked = in_flight_.find({it->first, index});
+  if (asked == in_flight_.end()) return;
+  Part& part = it->second;
+  // Such as where the blob is not as long as was said.
+  if (chunk.data().size() != chunk_size(part.size, index)) return note_damage(it);
+  in_flight_.erase(asked);
   const size_t end = static_cast<size_t>(chunk.offset()) + chunk.data().size();
-  if (part->data.size() < end) part->data.resize(end);
-  std::memcpy(part->data.data() + chunk.offset(), chunk.data().data(), chunk.data().size());
-  part->received[index] = true;
-  --in_flight_;
-  bytes_received_ += chunk.data().size();
-  const bool whole =
-      part->received.size() == std::max<size_t>(1, chunk_count(part->size)) &&
-      std::find(part->received.begin(), part->received.end(), false) == part->received.end();
-  if (whole) complete(*part, store);
+  if (part.data.size() < end) part.data.resize(end);
+  std::memcpy(part.data.data() + chunk.offset(), chunk.data().data(), chunk.data().size());
+  if (++part.received == chunk_count(part.size)) complete(it, store);
 }
 
-void BlobFetch::complete(Part& part, BlobStore& store) {
-  if (Digest::of(part.data) != part.digest) {
-    if (++part.corrupt >= kMaxCorrupt) {
-      failure_ = fmt::format("blob {} came damaged {} times", part.digest.hex(), part.corrupt);
-    }
+void BlobFetch::complete(Parts::iterator it, BlobStore& store) {
+  Part& part = it->second;
+  if (Digest::of(part.data) != it->first) {
     part.data = {};
-    part.asked.clear();
-    part.received.clear();
-    return;
+    part.asked = part.received = 0;
+    unasked_.push_front(it->first);
+    return note_damage(it);
   }
-  store.put(part.digest, std::make_shared<const std::vector<std::byte>>(std::move(part.data)));
-  std::erase_if(parts_, [digest = part.digest](const Part& p) { return p.digest == digest; });
+  store.put(it->first, std::make_shared<const std::vector<std::byte>>(std::move(part.data)));
+  parts_.erase(it);
+}
+
+void BlobFetch::note_damage(Parts::iterator it) {
+  if (++it->second.corrupt < kMaxCorrupt) return;
+  failure_ = fmt::format("blob {} came damaged, or not {} bytes long, {} times", it->first.hex(),
+                         it->second.size, it->second.corrupt);
 }
 
 void BlobFetch::on_missing(const v1::BlobMissing& missing) {
-  if (find(missing.digest())) {
+  if (find(missing.digest()) != parts_.end()) {
     failure_ =
         fmt::format("blob {} is not to be had; expected every blob of the scene", missing.digest());
   }
@@ -132,12 +128,8 @@ void BlobFetch::on_missing(const v1::BlobMissing& missing) {
 
 std::optional<Time> BlobFetch::next_deadline() const {
   std::optional<Time> next;
-  for (const Part& part : parts_) {
-    for (size_t chunk = 0; chunk < part.asked.size(); ++chunk) {
-      if (part.received[chunk]) continue;
-      const Time due = part.asked[chunk] + kAskAgainAfter;
-      if (!next || due < *next) next = due;
-    }
+  for (const auto& [chunk, asked] : in_flight_) {
+    if (!next || asked + kAskAgainAfter < *next) next = asked + kAskAgainAfter;
   }
   return next;
 }

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/digest.h"
@@ -22,6 +25,9 @@ v1::Envelope answer_blob_request(const v1::BlobRequest& request, const BlobData&
 /// again for what did not come, and verifies each blob before it counts.
 class BlobFetch {
  public:
+  /// `submission` goes into every request, for the other side to repeat in its answers.
+  explicit BlobFetch(uint64_t submission = 0) : submission_(submission) {}
+
   /// Adds a blob to fetch. Once is enough; a size above kMaxBlobBytes is a failure.
   void want(const Digest& digest, uint64_t size);
   /// What to ask now. Call after each chunk and at next_deadline().
@@ -33,25 +39,26 @@ class BlobFetch {
   bool finished() const { return parts_.empty(); }
   /// Why it cannot succeed; empty as long as it can.
   const std::string& failure() const { return failure_; }
-  uint64_t bytes_received() const { return bytes_received_; }
   std::optional<Time> next_deadline() const;
 
  private:
   struct Part {
-    Digest digest;
     uint64_t size = 0;
     std::vector<std::byte> data;  ///< grows as chunks come, so that a size alone costs nothing
-    std::vector<Time> asked;      ///< by chunk, as far as asked
-    std::vector<bool> received;   ///< likewise
+    size_t asked = 0;             ///< so many chunks from the first on
+    size_t received = 0;
     int corrupt = 0;
   };
-  Part* find(const std::string& hex);
-  void complete(Part& part, BlobStore& store);
-  void ask(Part& part, size_t chunk, Time now, std::vector<v1::BlobRequest>& requests);
+  using Parts = std::map<Digest, Part>;
+  Parts::iterator find(const std::string& hex);
+  void complete(Parts::iterator part, BlobStore& store);
+  void note_damage(Parts::iterator part);
+  v1::BlobRequest request(const Digest& digest, size_t chunk) const;
 
-  std::vector<Part> parts_;
-  size_t in_flight_ = 0;
-  uint64_t bytes_received_ = 0;
+  uint64_t submission_;
+  Parts parts_;
+  std::deque<Digest> unasked_;  ///< of parts with chunks that were not asked for, in their order
+  std::map<std::pair<Digest, size_t>, Time> in_flight_;  ///< when each was asked for
   std::string failure_;
 };
 

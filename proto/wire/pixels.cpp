@@ -44,13 +44,22 @@ std::optional<std::string> compressed(std::span<const std::byte> bytes) {
 }
 
 bool decompress(const std::string& packed, std::span<std::byte> bytes) {
-  if (ZSTD_getFrameContentSize(packed.data(), packed.size()) != bytes.size()) return false;
   std::string planes(bytes.size(), '\0');
   if (ZSTD_decompress(planes.data(), planes.size(), packed.data(), packed.size()) != bytes.size()) {
     return false;
   }
   unshuffle(planes, bytes);
   return true;
+}
+
+/// What the band says that its pixels come to; nothing if it does not say.
+std::optional<uint64_t> unpacked_bytes(const v1::TileBand& band) {
+  const std::string& pixels = band.pixels();
+  if (band.encoding() == v1::TileBand::RAW) return pixels.size();
+  if (band.encoding() != v1::TileBand::SHUFFLED_ZSTD) return std::nullopt;
+  const unsigned long long size = ZSTD_getFrameContentSize(pixels.data(), pixels.size());
+  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) return std::nullopt;
+  return size;
 }
 
 }  // namespace
@@ -79,19 +88,19 @@ std::vector<v1::TileBand> encode_bands(std::span<const float> values, int width,
   return bands;
 }
 
-bool decode_band(const v1::TileBand& band, std::span<float> values) {
-  const auto bytes = std::as_writable_bytes(values);
+bool decode_band(const v1::TileBand& band, int width, std::vector<float>& values) {
+  if (band.rows() < 1 || width < 1) return false;
+  const size_t row_bytes = static_cast<size_t>(width) * kWireChannels * kFloat;
+  const uint64_t expected = uint64_t{row_bytes} * static_cast<uint64_t>(band.rows());
+  if (expected > std::max(kBandBytes, row_bytes)) return false;
   const std::string& pixels = band.pixels();
-  switch (band.encoding()) {
-    case v1::TileBand::RAW:
-      if (pixels.size() != bytes.size()) return false;
-      std::memcpy(bytes.data(), pixels.data(), pixels.size());
-      break;
-    case v1::TileBand::SHUFFLED_ZSTD:
-      if (!decompress(pixels, bytes)) return false;
-      break;
-    default:
-      return false;
+  if (unpacked_bytes(band) != expected) return false;
+  values.resize(static_cast<size_t>(expected) / kFloat);
+  const auto bytes = std::as_writable_bytes(std::span(values));
+  if (band.encoding() == v1::TileBand::RAW) {
+    std::memcpy(bytes.data(), pixels.data(), pixels.size());
+  } else if (!decompress(pixels, bytes)) {
+    return false;
   }
   return crc32c(bytes) == band.pixel_crc();
 }

@@ -19,8 +19,9 @@ inline constexpr size_t kBandBytes = size_t{1} << 20;
 std::vector<v1::TileBand> encode_bands(std::span<const float> values, int width, int first_row,
                                        bool compress);
 
-/// Writes a band's pixels into `values`, whose size is what they must come to. False, without
-/// having allocated for it, if they do not, or are damaged.
-bool decode_band(const v1::TileBand& band, std::span<float> values);
+/// Unpacks a band's rows of `width` pixels into `values`, which it resizes. False if they are
+/// damaged, longer than encode_bands() makes them, or of another size than the band says: then
+/// nothing was allocated.
+bool decode_band(const v1::TileBand& band, int width, std::vector<float>& values);
 
 }  // namespace tessera

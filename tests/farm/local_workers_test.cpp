@@ -165,6 +165,23 @@ TEST(LocalWorkers, DieWithTheirParent) {
     for (int i = 0; i < 500 && alive(process); ++i) std::this_thread::sleep_for(milliseconds(10));
     EXPECT_FALSE(alive(process));
   }
+  // What it could not remove itself, the next one does, but not what is in use.
+  const auto entries = [&folder] {
+    const auto all = std::filesystem::directory_iterator(folder);
+    return std::distance(begin(all), end(all));
+  };
+  EXPECT_EQ(entries(), 1);
+  const char* before = std::getenv("TMPDIR");
+  const std::string restored = before ? before : "";
+  setenv("TMPDIR", folder.c_str(), 1);
+  {
+    const LocalWorkers one(fake_workers(0, 0));
+    EXPECT_EQ(entries(), 1);
+    const LocalWorkers two(fake_workers(0, 0));
+    EXPECT_EQ(entries(), 2);
+  }
+  EXPECT_EQ(entries(), 0);
+  before ? setenv("TMPDIR", restored.c_str(), 1) : unsetenv("TMPDIR");
   std::filesystem::remove_all(folder);
 }
 

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <thread>
 
-#include "coordinator/job_client.h"
 #include "coordinator/render_loop.h"
+#include "coordinator/run_remote_job.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
 #include "tests/farm/fake_renderer.h"
@@ -71,6 +71,7 @@ TEST(RenderLoop, InMemoryWorkerTracesTheFrame) {
   EXPECT_EQ(result.report.tiles_total, 28u);
   EXPECT_EQ(told, 28u);
   EXPECT_EQ(result.report.counters.at("rays_primary"), 100u * 60 * 4);
+  EXPECT_EQ(result.report.build_counters.at("build_skipped"), 3u);
   workers.join();
   EXPECT_EQ(workers.end(0).exit_code, ExitCode::done);
 }
@@ -120,6 +121,51 @@ TEST(RenderLoop, ServesAClientThatSubmitsAJob) {
   }
   stop = true;
   server.join();
+}
+
+TEST(RenderLoop, AnotherCoordinatorAtTheSamePlaceGetsItsOwnPicture) {
+  const SocketFolder folder;
+  const std::string endpoint = "ipc://" + folder.path + "/farm";
+  Threads workers;
+  JobSpec job = make_job(64, 64, 16);
+  CoordinatorOptions options;
+  options.heartbeat = std::chrono::milliseconds(50);
+  {
+    RenderLoop loop(bind_server(endpoint), options);
+    class Slow : public FakeRenderer {
+     public:
+      using FakeRenderer::FakeRenderer;
+      std::optional<TilePixels> render(const RenderTask& task, TileProgress& p) const override {
+        std::this_thread::sleep_for(std::chrono::milliseconds(30));
+        return FakeRenderer::render(task, p);
+      }
+    };
+    WorkerOptions slow = worker_options(1);
+    slow.make_renderer = [](const v1::Scene&, const BlobStore&, const v1::FrameSettings& frame,
+                            int) { return std::make_shared<Slow>(frame.seed()); };
+    workers.add(connect_client(endpoint), slow);
+    // As if it were killed in the middle of the job.
+    struct Killed {};
+    const auto kill = [](const JobProgress& progress) {
+      if (progress.tiles_done > 0) throw Killed{};
+    };
+    EXPECT_THROW(loop.run(job, kill, kNever), Killed);
+  }
+  job.frame.set_seed(job.frame.seed() + 1);
+  RenderLoop loop(bind_server(endpoint), options);
+  const JobResult result = loop.run(job, nullptr, kNever);
+  EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+  EXPECT_EQ(result.report.mismatches, 0u);
+  loop.shut_down("done");
+  workers.join();
+}
+
+TEST(RenderLoop, AClientThatIsInterruptedBeforeAnybodyAnswersEndsAtOnce) {
+  const auto client = connect_client("tcp://127.0.0.1:1");
+  const std::atomic<bool> stop{true};
+  const JobResult result = run_remote_job(*client, make_job(8, 8, 8), nullptr, stop, 1e6);
+  EXPECT_EQ(result.report.exit_code, ExitCode::interrupted);
+  EXPECT_EQ(result.report.holes, std::vector<PixelRect>({{0, 0, 8, 8}}));
 }
 
 TEST(RenderLoop, StopLeavesWhatThereIs) {

@@ -27,15 +27,15 @@ Simulation::Simulation(uint64_t seed,
                        const std::function<void(Faults&, CoordinatorOptions&)>& adjust)
     : random_(seed) {
   draw_faults();
-  CoordinatorOptions options;
-  options.host = kHost;
-  options.compress_pixels = draw() < 0.2;
-  if (adjust) adjust(faults_, options);
+  options_.epoch = 1;
+  options_.host = kHost;
+  options_.compress_pixels = draw() < 0.2;
+  if (adjust) adjust(faults_, options_);
   const int tile = 4 + static_cast<int>(draw(9));
   job_ = make_job(16 + static_cast<int>(draw(9)), 16 + static_cast<int>(draw(9)), tile);
   job_.crop.x0 = static_cast<int>(draw(5));
   job_.crop.y1 -= static_cast<int>(draw(5));
-  coordinator_ = std::make_unique<Coordinator>(options);
+  coordinator_ = std::make_unique<Coordinator>(options_);
 }
 
 void Simulation::draw_faults() {
@@ -52,6 +52,8 @@ void Simulation::draw_faults() {
   faults_.by_client = draw() < 0.2;
   faults_.one_fails = draw() < 0.1;
   faults_.one_hangs = draw() < 0.2;
+  faults_.bad_scene = draw() < 0.05;
+  faults_.restarts = draw() < 0.2;
   pace_ = 0.2 + 8 * draw() * draw();
 }
 
@@ -247,7 +249,12 @@ void Simulation::perform(Worker& worker) {
         if (!builder) return;
         BuildOutcome outcome;
         outcome.job = run->job;
-        outcome.renderer = make_fake_renderer(run->scene, run->blobs, run->frame, 1);
+        if (faults_.bad_scene) {
+          outcome.failure = "simulated";
+          outcome.exit_code = static_cast<int>(ExitCode::bad_scene);
+        } else {
+          outcome.renderer = make_fake_renderer(run->scene, run->blobs, run->frame, 1);
+        }
         builder->session->on_built(std::move(outcome), now_);
         perform(*builder);
       });
@@ -357,15 +364,29 @@ void Simulation::thaw_all() {
   join();
 }
 
-std::optional<JobResult> Simulation::run() {
-  const Time start = now_;
-  uint64_t id = 0;
+void Simulation::submit() {
   if (faults_.by_client) {
     client_ = std::make_unique<JobClient>(job_, 42, now_);
     deliver_client();
   } else {
-    id = coordinator_->submit(job_, now_);
+    id_ = coordinator_->submit(job_, now_);
   }
+}
+
+void Simulation::restart_coordinator() {
+  say("the coordinator is started anew");
+  ++options_.epoch;
+  coordinator_ = std::make_unique<Coordinator>(options_);
+  if (client_) return;
+  job_.frame.set_seed(job_.frame.seed() + 1);
+  submit();
+  deliver();
+}
+
+std::optional<JobResult> Simulation::run() {
+  const Time start = now_;
+  submit();
+  if (faults_.restarts) at(now_ + draw_time(seconds(5)), [this] { restart_coordinator(); });
   for (size_t i = 0; i < kWorkersAtStart; ++i)
     at(now_ + draw_time(milliseconds(500)), [this] { join(); });
   for (int i = 0; i < faults_.events; ++i) {
@@ -376,7 +397,7 @@ std::optional<JobResult> Simulation::run() {
   while (now_ - start < kPatience) {
     now_ = next_time();
     tick();
-    auto result = client_ ? client_->take_result() : coordinator_->take_result(id);
+    auto result = client_ ? client_->take_result() : coordinator_->take_result(id_);
     if (result) return result;
   }
   return std::nullopt;

@@ -28,6 +28,8 @@ struct Faults {
   bool one_fails = false;    ///< the first worker fails its first two tiles
   bool one_hangs = false;    ///< the second worker's first tile never ends
   bool one_lies = false;     ///< the third worker's pixels are wrong
+  bool bad_scene = false;    ///< no worker can build the scene
+  bool restarts = false;     ///< the coordinator dies once, and another takes its place
 };
 
 /// The whole farm in one thread under a simulated clock: the real Coordinator, WorkerSessions and
@@ -88,6 +90,9 @@ class Simulation {
   void crash(uint32_t process, bool noticed, bool own_fault);
   void something_happens();
   void thaw_all();
+  /// A new coordinator with a new job, whose picture is another.
+  void restart_coordinator();
+  void submit();
 
   void to_coordinator(Channel channel, const PeerId& peer, const v1::Envelope& message);
   void deliver();
@@ -107,7 +112,9 @@ class Simulation {
   uint64_t order_ = 0, messages_ = 0;
   std::priority_queue<Event> events_;
   std::map<std::string, Time> last_arrival_;  ///< by line, where messages keep their order
+  CoordinatorOptions options_;
   std::unique_ptr<Coordinator> coordinator_;
+  uint64_t id_ = 0;  ///< of the job, where no client asks for it
   std::map<uint32_t, Worker> workers_;
   uint32_t processes_ = 0, peers_ = 0;
   std::unique_ptr<JobClient> client_;

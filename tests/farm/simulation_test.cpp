@@ -24,6 +24,9 @@ uint64_t from_environment(const char* name, uint64_t otherwise) {
 std::string flaw(const Simulation& simulation, const std::optional<JobResult>& result) {
   if (!result) return "it does not end";
   const JobReport& report = result->report;
+  if (simulation.faults().bad_scene) {
+    return report.exit_code == ExitCode::bad_scene ? "" : "a bad scene is not reported";
+  }
   if (report.end != JobReport::End::done) return "it fails: " + report.failure;
   if (result->film.pixels_sha256() != expected_sha256(simulation.job())) return "another picture";
   if (report.tiles_done != report.tiles_total) return "tiles are missing";
@@ -88,6 +91,8 @@ TEST_F(FarmMutation, AWorkerThatLiesIsCaught) {
   for (uint64_t seed = 1; seed <= 100; ++seed) {
     Simulation simulation(seed, [](Faults& faults, CoordinatorOptions&) {
       faults.one_lies = true;
+      faults.restarts = false;
+      faults.bad_scene = false;
       faults.duplication = 0.3;
     });
     const auto result = simulation.run();
@@ -104,6 +109,19 @@ TEST_F(FarmMutation, WithoutReissueJobsDoNotEnd) {
     options.speculate_after = std::chrono::hours(10);
   };
   EXPECT_GT(flawed(100, never), 30);
+}
+
+TEST_F(FarmMutation, ARestartAndABadSceneAreSurvivedAlone) {
+  const auto restart = [](Faults& faults, CoordinatorOptions&) {
+    faults.bad_scene = false;
+    faults.restarts = true;
+  };
+  EXPECT_EQ(flawed(100, restart), 0);
+  const auto bad = [](Faults& faults, CoordinatorOptions&) {
+    faults.bad_scene = true;
+    faults.loss = 0.3;
+  };
+  EXPECT_EQ(flawed(100, bad), 0);
 }
 
 TEST_F(FarmMutation, AHangThatNoLeaseEndsIsNoticed) {

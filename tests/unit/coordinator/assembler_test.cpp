@@ -97,6 +97,29 @@ TEST(Assembler, ComparesBitsAndNotNumbers) {
   EXPECT_TRUE(assembler.add(other, 2).mismatch);
 }
 
+TEST(Assembler, BoundsTheNamesOfAllTilesTogether) {
+  Assembler assembler(kCrop, kTiles);
+  v1::TileBand band = rows_of_first_tile()[2];
+  for (int i = 0; i < 255; ++i) (*band.mutable_counters()->mutable_values())[std::to_string(i)] = 1;
+  EXPECT_TRUE(assembler.add(band, 1).valid);
+  band.mutable_counters()->clear_values();
+  (*band.mutable_counters()->mutable_values())["one more"] = 1;
+  EXPECT_FALSE(assembler.add(band, 1).valid);
+}
+
+TEST(Assembler, CountsAReopenedTileAnew) {
+  Assembler assembler(kCrop, kTiles);
+  for (const auto& band : rows_of_first_tile()) assembler.add(band, 1);
+  assembler.reopen(0);
+  EXPECT_FALSE(assembler.complete(0));
+  EXPECT_EQ(assembler.tiles_done(), 0u);
+  EXPECT_EQ(assembler.counters().at("rays_primary"), 0u);
+  for (const auto& band : rows_of_first_tile(0.5f)) EXPECT_FALSE(assembler.add(band, 2).mismatch);
+  EXPECT_EQ(assembler.tiles_done(), 1u);
+  EXPECT_EQ(assembler.counters().at("rays_primary"), 12u);
+  EXPECT_EQ(assembler.film().values()[7 * 3], 12.5f);
+}
+
 TEST(Assembler, RefusesWhatDoesNotFit) {
   Assembler assembler(kCrop, kTiles);
   const v1::TileBand sound = rows_of_first_tile()[1];
@@ -119,9 +142,14 @@ TEST(Assembler, RefusesWhatDoesNotFit) {
   EXPECT_TRUE(refused([](auto& band) { band.set_pixel_crc(band.pixel_crc() ^ 1); }));
   EXPECT_TRUE(refused([](auto& band) { band.mutable_pixels()->push_back('x'); }));
   EXPECT_TRUE(refused([](auto& band) {
+    band.set_last(true);
     for (int i = 0; i < 300; ++i) {
       (*band.mutable_counters()->mutable_values())[std::to_string(i)] = 1;
     }
+  }));
+  EXPECT_TRUE(refused([](auto& band) {
+    band.set_last(true);
+    (*band.mutable_counters()->mutable_values())[std::string(65, 'x')] = 1;
   }));
   EXPECT_EQ(assembler.film().values()[7 * 3], 0) << "nothing was written";
   EXPECT_FALSE(refused([](auto&) {}));

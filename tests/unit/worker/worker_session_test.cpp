@@ -65,12 +65,13 @@ class WorkerSessionTest : public ::testing::Test {
     session.on_message(Channel::control, message, now);
   }
 
-  void start(uint64_t job, Time now = {}) {
+  void start(uint64_t job, Time now = {}, uint32_t seed = 0) {
     v1::Envelope message;
     v1::JobStart& start = *message.mutable_job_start();
     start.set_job(job);
     start.set_scene_digest(scene_digest.hex());
     start.set_scene_size(scene_size);
+    start.mutable_frame()->set_seed(seed);
     start.mutable_frame()->set_width(64);
     start.mutable_frame()->set_height(64);
     session.on_message(Channel::control, message, now);
@@ -197,6 +198,56 @@ TEST_F(WorkerSessionTest, ForgetsAllWhenTheCoordinatorWasStartedAnew) {
   EXPECT_THAT(sent(v1::Envelope::kHello), SizeIs(1)) << "one answers both";
   welcome(2, {}, 2);
   EXPECT_TRUE(run->progress.cancelled);
+}
+
+TEST_F(WorkerSessionTest, TakesAnotherFrameForAnotherJobWhateverItsNumber) {
+  make_ready(7);
+  assign(7, 11);
+  const auto run = wants<StartTrace>().at(0).run;
+  start(7);
+  EXPECT_FALSE(run->progress.cancelled) << "the same again";
+  EXPECT_THAT(sent(v1::Envelope::kSceneReady), SizeIs(1));
+  TraceOutcome late = trace(run);
+  start(7, {}, 99);
+  EXPECT_TRUE(run->progress.cancelled);
+  EXPECT_THAT(sent(v1::Envelope::kSceneReady), IsEmpty());
+  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
+  session.on_traced(std::move(late), {});
+  EXPECT_THAT(sent(v1::Envelope::kTileBand), IsEmpty()) << "pixels of the frame before";
+}
+
+TEST_F(WorkerSessionTest, TellsWhatBuildingCountedEachTimeItIsReady) {
+  welcome(1);
+  start(7);
+  serve_blobs();
+  built(7);
+  for (int i = 0; i < 2; ++i) {
+    const auto ready = sent(v1::Envelope::kSceneReady);
+    ASSERT_THAT(ready, SizeIs(1));
+    EXPECT_EQ(ready[0].scene_ready().counters().values().at("build_skipped"), 3u);
+    EXPECT_EQ(ready[0].scene_ready().build_seconds(), 1);
+    start(7);
+  }
+}
+
+TEST_F(WorkerSessionTest, RepeatsThatASceneFailedUntilTheJobIsOver) {
+  welcome(1);
+  start(7);
+  serve_blobs();
+  session.on_built({.job = 7, .renderer = nullptr, .seconds = 0, .failure = "bad", .exit_code = 1},
+                   {});
+  EXPECT_THAT(sent(v1::Envelope::kSceneFailed), SizeIs(1));
+  start(7);
+  EXPECT_THAT(sent(v1::Envelope::kSceneFailed), SizeIs(1)) << "when it is told the job again";
+  session.on_tick(seconds(1));
+  const auto failed = sent(v1::Envelope::kSceneFailed);
+  ASSERT_THAT(failed, SizeIs(1)) << "with each heartbeat";
+  EXPECT_EQ(failed[0].scene_failed().text(), "bad");
+  v1::Envelope cancel;
+  cancel.mutable_cancel_job()->set_job(7);
+  session.on_message(Channel::control, cancel, seconds(1));
+  session.on_tick(seconds(2));
+  EXPECT_THAT(sent(v1::Envelope::kSceneFailed), IsEmpty());
 }
 
 TEST_F(WorkerSessionTest, GivesUpAsAnOrphan) {

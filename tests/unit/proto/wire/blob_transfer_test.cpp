@@ -110,7 +110,35 @@ TEST(BlobFetch, IgnoresChunksThatFitNothing) {
   fetch.on_chunk(chunk, to);
   chunk.set_digest(Digest::of("another").hex());
   fetch.on_chunk(chunk, to);
-  EXPECT_EQ(fetch.bytes_received(), 0u);
+  EXPECT_TRUE(fetch.requests({}).empty()) << "all are still on their way";
+  for (const auto& request : requests) {
+    fetch.on_chunk(answer_blob_request(request, from.find(digest)).blob_chunk(), to);
+  }
+  EXPECT_TRUE(fetch.finished());
+}
+
+TEST(BlobFetch, ABlobThatIsShorterThanWasSaidIsAFailure) {
+  BlobStore from, to;
+  const auto digest = from.put(random_bytes(1000));
+  BlobFetch fetch;
+  fetch.want(digest, 1001);
+  for (int i = 0; i < 5 && fetch.failure().empty(); ++i) {
+    for (const auto& request : fetch.requests(seconds(2 * i))) {
+      fetch.on_chunk(answer_blob_request(request, from.find(digest)).blob_chunk(), to);
+    }
+  }
+  EXPECT_NE(fetch.failure().find("1001 bytes"), std::string::npos) << fetch.failure();
+}
+
+TEST(BlobFetch, TellsWhoseItIs) {
+  BlobFetch fetch(77);
+  fetch.want(Digest::of("x"), 1);
+  const auto requests = fetch.requests({});
+  ASSERT_EQ(requests.size(), 1u);
+  EXPECT_EQ(requests[0].submission(), 77u);
+  EXPECT_EQ(answer_blob_request(requests[0], nullptr).blob_missing().submission(), 77u);
+  const auto blob = std::make_shared<const std::vector<std::byte>>(1);
+  EXPECT_EQ(answer_blob_request(requests[0], blob).blob_chunk().submission(), 77u);
 }
 
 TEST(BlobFetch, ASizeAloneCostsNothing) {

@@ -1,0 +1,57 @@
+#include "coordinator/run_remote_job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <random>
+#include <utility>
+
+#include "base/monotonic.h"
+#include "coordinator/active_job.h"
+#include "coordinator/job_client.h"
+#include "proto/wire/frame.h"
+
+namespace tessera {
+namespace {
+
+constexpr Time kTellProgress = std::chrono::milliseconds(100);
+constexpr Time kLongestWait = std::chrono::milliseconds(50);
+
+}  // namespace
+
+JobResult run_remote_job(ClientTransport& transport, const JobSpec& job,
+                         const ProgressCallback& progress, const std::atomic<bool>& stop,
+                         double patience_seconds) {
+  check_job(job);
+  std::random_device random;
+  JobClient client(job, (uint64_t{random()} << 32 | random()) | 1, monotonic_now());
+  Time next_progress{};
+  while (true) {
+    if (!client.bulk_endpoint().empty()) transport.connect_bulk(client.bulk_endpoint());
+    for (auto& [channel, message] : client.take_outgoing()) {
+      transport.send(channel, encode(message));
+    }
+    if (auto result = client.take_result()) return std::move(*result);
+    const Time pause = std::clamp(client.next_deadline() - monotonic_now(), Time{0}, kLongestWait);
+    transport.wait(std::chrono::ceil<std::chrono::milliseconds>(pause));
+    while (const auto received = transport.receive()) {
+      const auto message = decode(received->bytes, max_message_bytes(received->channel));
+      if (message) client.on_message(received->channel, *message, monotonic_now());
+    }
+    const Time now = monotonic_now();
+    if (stop) client.cancel(now);
+    if (now >= client.next_deadline()) client.on_tick(now);
+    if (progress && now >= next_progress) {
+      progress(client.progress());
+      next_progress = now + kTellProgress;
+    }
+    if (to_seconds(now - client.last_heard()) > patience_seconds) {
+      throw render_error(
+          fmt::format("no word from the coordinator for {} s; expected an answer to "
+                      "the job",
+                      patience_seconds));
+    }
+  }
+}
+
+}  // namespace tessera
