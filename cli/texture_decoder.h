@@ -6,8 +6,7 @@
 
 namespace tessera {
 
-/// Reads a picture for a scene: 8-bit RGB where the file holds no more, else floats. Throws
-/// scene_error.
+/// Reads a picture for a scene, up to four channels of it and without loss. Throws scene_error.
 DecodedTexture decode_texture(const std::string& path);
 
 }  // namespace tessera

@@ -124,7 +124,12 @@ CameraSettings grown_view(const CameraSettings& settings, int frame_width, int f
       high = {std::max(high.x, u), std::max(high.y, v)};
       back = std::max(back, settings.near_distance - dot(offset, camera.view()));
     }
-    out.min_x = low.x, out.min_y = low.y, out.max_x = high.x, out.max_y = high.y;
+    // A side that moves goes a little farther than needed.
+    const double pad_x = (high.x - low.x) * (kMargin - 1), pad_y = (high.y - low.y) * (kMargin - 1);
+    if (low.x < out.min_x) out.min_x = low.x - pad_x;
+    if (low.y < out.min_y) out.min_y = low.y - pad_y;
+    if (high.x > out.max_x) out.max_x = high.x + pad_x;
+    if (high.y > out.max_y) out.max_y = high.y + pad_y;
     back *= kMargin;
   }
   const Vec3 move = camera.view() * -back;

@@ -88,9 +88,7 @@ std::shared_future<const ImageModule*> module_future() {
 
 // -------------------------------------------------------------------------------- safe appearance
 
-std::string system_cause() {
-  return std::strerror(errno);
-}
+std::string system_cause() { return std::strerror(errno); }
 
 /// Where the file will really lie: a link is written through, not replaced.
 fs::path destination(const fs::path& path) {
@@ -188,11 +186,28 @@ float* allocate_values(void* context, int width, int height) {
   return image.values.data();
 }
 
+void* allocate_texels(void* context, const ImageModule::Layout& layout) {
+  auto& image = *static_cast<TextureImage*>(context);
+  const bool legal = layout.width >= 1 && layout.height >= 1 && layout.width <= kMaxFrameSide &&
+                     layout.height <= kMaxFrameSide &&
+                     int64_t{layout.width} * layout.height <= kMaxFramePixels;
+  if (!legal) return nullptr;
+  image.width = static_cast<uint32_t>(layout.width);
+  image.height = static_cast<uint32_t>(layout.height);
+  image.channels = static_cast<uint32_t>(layout.channels);
+  image.bits = static_cast<uint32_t>(layout.bits);
+  image.texels.resize(size_t{image.width} * image.height * image.channels * (image.bits / 8));
+  return image.texels.data();
+}
+
+[[noreturn]] void fail_to_read(const fs::path& path, const char* cause) {
+  throw scene_error(SourcePlace{path.string()}, fmt::format("can not be read: {}", cause),
+                    "an image file");
+}
+
 }  // namespace
 
-void preload_image_module() {
-  module_future();
-}
+void preload_image_module() { module_future(); }
 
 void check_writable(const fs::path& path) {
   format_of(path);
@@ -239,8 +254,17 @@ RgbImage read_image(const fs::path& path) {
   std::array<char, 1024> error{};
   if (!module_future().get()->read(path.c_str(), allocate_values, &image, error.data(),
                                    error.size())) {
-    throw scene_error(SourcePlace{path.string()}, fmt::format("can not be read: {}", error.data()),
-                      "an image file");
+    fail_to_read(path, error.data());
+  }
+  return image;
+}
+
+TextureImage read_texture_image(const fs::path& path) {
+  TextureImage image;
+  std::array<char, 1024> error{};
+  if (!module_future().get()->read_texels(path.c_str(), allocate_texels, &image, error.data(),
+                                          error.size())) {
+    fail_to_read(path, error.data());
   }
   return image;
 }

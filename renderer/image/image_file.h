@@ -25,6 +25,15 @@ struct RgbImage {
   std::vector<float> values;
 };
 
+/// A picture as a texture holds it: rows from the top, tightly packed, numbers as the file has
+/// them, alpha not multiplied in.
+struct TextureImage {
+  uint32_t width = 0, height = 0;
+  uint32_t channels = 0;  ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA
+  uint32_t bits = 0;      ///< 8, 16 (half float) or 32 (float)
+  std::vector<std::byte> texels;
+};
+
 /// Starts loading the module that holds OpenImageIO (0.3 s of shared libraries) on a thread of its
 /// own, so that it is there when the frame is done. May be called from any thread, often, or never.
 void preload_image_module();
@@ -42,5 +51,7 @@ void write_image(const std::filesystem::path& path, const Film& film,
 /// The first three channels (one or two: the first thrice) of any file that OpenImageIO reads.
 /// Throws a scene error.
 RgbImage read_image(const std::filesystem::path& path);
+/// At most the first four channels of the same, without loss. Throws a scene error.
+TextureImage read_texture_image(const std::filesystem::path& path);
 
 }  // namespace tessera

@@ -30,9 +30,19 @@ struct ImageModule {
   /// width * height * 3 floats, or null to refuse the size.
   bool (*read)(const char* path, float* (*allocate)(void* context, int width, int height),
                void* context, char* error, size_t error_size);
+  /// What a picture is kept as: its own numbers, alpha not multiplied in.
+  struct Layout {
+    int width, height;
+    int channels;  ///< 1 to 4; further ones of the file are left out
+    int bits;      ///< 8, 16 (half float) or 32 (float), the least that holds the file's numbers
+  };
+  /// Reads a picture into memory from `allocate(context, layout)`, which returns room for its rows
+  /// from the top, tightly packed, or null to refuse the size.
+  bool (*read_texels)(const char* path, void* (*allocate)(void* context, const Layout& layout),
+                      void* context, char* error, size_t error_size);
 };
 
-inline constexpr uint32_t kImageModuleVersion = 1;
+inline constexpr uint32_t kImageModuleVersion = 2;
 inline constexpr const char* kImageModuleEntry = "tessera_image_module";
 /// The type of that entry: null for a version that it does not speak.
 using ImageModuleEntry = const ImageModule* (*)(uint32_t version);

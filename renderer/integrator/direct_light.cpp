@@ -7,7 +7,8 @@ namespace tessera {
 namespace {
 
 /// The stretch between a point and a light on which occluders count.
-Ray shadow_ray(const SurfacePoint& point, const Light& light, const LightSample& sample) {
+[[gnu::always_inline]] inline Ray shadow_ray(const SurfacePoint& point, const Light& light,
+                                             const LightSample& sample) {
   if (light.kind == LightKind::point || light.kind == LightKind::spot) {
     Ray ray = spawn_ray_to(point.surface, light.position);
     ray.t_max = std::min(ray.t_max, light.shadow_distance / sample.distance);
@@ -21,14 +22,15 @@ Ray shadow_ray(const SurfacePoint& point, const Light& light, const LightSample&
 /// What transparent occluders leave of the light, from the point outwards. Light goes straight
 /// through them: there are no caustics here.
 template <bool kRich>
-Color clear_transmittance(const Scene& scene, Ray ray, double width, TraceCounters& counters) {
+Color clear_transmittance(const Scene& scene, Ray ray, [[maybe_unused]] double width,
+                          TraceCounters& counters) {
   Color left = kWhite;
   const double metres = length(ray.direction);
   for (uint32_t pass = 0; pass < kMaxPasses && !is_black(left); ++pass) {
     Hit hit;
     if (!scene.clear_occluders->closest_hit(ray, hit, counters.traversal)) break;
-    SurfacePoint point;
-    find_surface_point<kRich>(scene, scene.clear_instances[hit.instance], ray, hit, width, point);
+    SurfacePoint point(scene, scene.clear_instances[hit.instance], ray, hit);
+    if constexpr (kRich) look_up_textures(scene, ray, width, point);
     const Coverage coverage = straight_coverage(point);
     const Material& material = *point.material;
     Color through = kWhite * coverage.through;

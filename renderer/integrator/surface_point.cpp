@@ -45,7 +45,32 @@ TexturePoint texture_point(const Scene& scene, const Ray& ray, double width,
   return at;
 }
 
-void resolve_inputs(const Scene& scene, const Ray& ray, double width, SurfacePoint& point) {
+Hit in_instance(Hit hit, uint32_t instance_index) {
+  hit.instance = instance_index;
+  return hit;
+}
+
+}  // namespace
+
+SurfacePoint::SurfacePoint(const Scene& scene, uint32_t instance_index, const Ray& ray,
+                           const Hit& hit)
+    : surface(surface_at(scene.instances, ray, in_instance(hit, instance_index))) {
+  is_back = dot(surface.geometric_normal, ray.direction) > 0;
+  material = &scene.material(instance_index, surface.material);
+  if (is_back && material->sides != Sides::two_sided) {
+    is_hidden = material->sides == Sides::front_only;
+    if (!is_hidden) material = &scene.materials[material->back];
+  }
+  geometric_normal = static_cast<Vec3>(surface.geometric_normal);
+  normal = material->flat ? geometric_normal : static_cast<Vec3>(surface.shading_normal);
+  if (is_back) {
+    geometric_normal = -geometric_normal;
+    normal = -normal;
+  }
+}
+
+void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfacePoint& point) {
+  if (point.material->inputs == kNoMaterialInputs || point.is_hidden) return;
   const MaterialInputs& inputs = scene.inputs[point.material->inputs];
   SurfaceInteraction& s = point.surface;
   point.resolved = *point.material;
@@ -67,40 +92,6 @@ void resolve_inputs(const Scene& scene, const Ray& ray, double width, SurfacePoi
                                   std::max({width, least, 1e-100})) *
                  side;
 }
-
-}  // namespace
-
-template <bool kRich>
-void find_surface_point(const Scene& scene, uint32_t instance_index, const Ray& ray, const Hit& hit,
-                        [[maybe_unused]] double width, SurfacePoint& point) {
-  Hit numbered = hit;
-  numbered.instance = instance_index;
-  point.is_hidden = false;
-  point.surface = surface_at(scene.instances, ray, numbered);
-  point.is_back = dot(point.surface.geometric_normal, ray.direction) > 0;
-  point.material = &scene.material(instance_index, point.surface.material);
-  if (point.is_back && point.material->sides != Sides::two_sided) {
-    point.is_hidden = point.material->sides == Sides::front_only;
-    if (!point.is_hidden) point.material = &scene.materials[point.material->back];
-  }
-  point.geometric_normal = static_cast<Vec3>(point.surface.geometric_normal);
-  point.normal = point.material->flat ? point.geometric_normal
-                                      : static_cast<Vec3>(point.surface.shading_normal);
-  if (point.is_back) {
-    point.geometric_normal = -point.geometric_normal;
-    point.normal = -point.normal;
-  }
-  if constexpr (kRich) {
-    if (point.material->inputs != kNoMaterialInputs && !point.is_hidden) {
-      resolve_inputs(scene, ray, width, point);
-    }
-  }
-}
-
-template void find_surface_point<false>(const Scene&, uint32_t, const Ray&, const Hit&, double,
-                                        SurfacePoint&);
-template void find_surface_point<true>(const Scene&, uint32_t, const Ray&, const Hit&, double,
-                                       SurfacePoint&);
 
 Coverage straight_coverage(const SurfacePoint& point) {
   if (point.is_hidden) return {1, 0};

@@ -10,7 +10,8 @@ namespace tessera {
 /// A hit, seen from where the ray came: its material for the side that is seen and normals turned
 /// towards the viewer.
 struct SurfacePoint {
-  SurfacePoint() = default;
+  /// What lies at the hit, with the material's constants.
+  SurfacePoint(const Scene& scene, uint32_t instance_index, const Ray& ray, const Hit& hit);
   SurfacePoint(const SurfacePoint&) = delete;
   SurfacePoint& operator=(const SurfacePoint&) = delete;
 
@@ -23,11 +24,9 @@ struct SurfacePoint {
   std::optional<Material> resolved;    ///< the material with its textures looked up
 };
 
-/// Finds what lies at the hit. Without kRich the scene must have no rich materials. `width`, in
-/// metres, is that of the patch across the ray that the point stands for in textures.
-template <bool kRich>
-void find_surface_point(const Scene& scene, uint32_t instance_index, const Ray& ray, const Hit& hit,
-                        double width, SurfacePoint& point);
+/// Looks the material's textures up at the point, where it has any. Only scenes with rich materials
+/// need it. `width`, in metres, is that of the patch across the ray that the point stands for.
+void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfacePoint& point);
 
 /// How much of what is behind the surface comes straight through, and the rest. For a refracting
 /// material 0 and 1: what it lets through is bent.

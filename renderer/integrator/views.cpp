@@ -7,38 +7,37 @@ namespace tessera {
 
 namespace {
 
-/// Finds the first surface that is there at all; false where there is none. Sets the distance in
-/// metres. What covers less than half of what is behind it is passed by.
-bool find_first_surface(const Scene& scene, Ray ray, TraceState& state, SurfacePoint& point,
-                        double& distance) {
+/// Calls use(point, distance in metres) for the first surface that is there, if there is one. What
+/// covers less than half of what is behind it is passed by.
+template <typename Use>
+void use_first_surface(const Scene& scene, Ray ray, TraceState& state, const Use& use) {
   ++state.counters.rays_primary;
   double start = 0;
   for (uint32_t pass = 0; scene.surfaces && pass < kMaxPasses; ++pass) {
     Hit hit;
     if (!scene.surfaces->closest_hit(ray, hit, state.counters.traversal)) break;
-    find_surface_point<true>(scene, hit.instance, ray, hit, cone_width(scene, start + hit.t),
-                             point);
+    SurfacePoint point(scene, hit.instance, ray, hit);
+    look_up_textures(scene, ray, cone_width(scene, start + hit.t), point);
     ++state.counters.hits;
-    distance = start + hit.t;
-    const bool is_there = point.surface.vertex_alpha * point.material->alpha >= 0.5;
-    if (!point.is_hidden && is_there) return true;
     start += hit.t;
+    if (!point.is_hidden && point.surface.vertex_alpha * point.material->alpha >= 0.5) {
+      return use(point, start);
+    }
     const double t_max = ray.t_max - hit.t;
     ray = spawn_ray(point.surface, ray.direction);
     ray.t_max = t_max;
   }
-  return false;
 }
 
 class NormalsView final : public Integrator {
  public:
   explicit NormalsView(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
   Color radiance(const Ray& ray, const SampleKey&, TraceState& state) const override {
-    SurfacePoint point;
-    double distance;
-    if (!find_first_surface(*scene_, ray, state, point, distance)) return kBlack;
-    const Vec3& n = point.normal;
-    return Color{n.x + 1, n.y + 1, n.z + 1} * 0.5;
+    Color color = kBlack;
+    use_first_surface(*scene_, ray, state, [&](const SurfacePoint& point, double) {
+      color = Color{point.normal.x + 1, point.normal.y + 1, point.normal.z + 1} * 0.5;
+    });
+    return color;
   }
   Color background(const Ray&) const override { return kBlack; }
 
@@ -50,9 +49,10 @@ class DepthView final : public Integrator {
  public:
   explicit DepthView(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
   Color radiance(const Ray& ray, const SampleKey&, TraceState& state) const override {
-    SurfacePoint point;
-    double distance;
-    return find_first_surface(*scene_, ray, state, point, distance) ? kWhite * distance : kBlack;
+    Color color = kBlack;
+    use_first_surface(*scene_, ray, state,
+                      [&](const SurfacePoint&, double distance) { color = kWhite * distance; });
+    return color;
   }
   Color background(const Ray&) const override { return kBlack; }
 

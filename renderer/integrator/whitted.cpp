@@ -50,9 +50,10 @@ class WhittedIntegrator final : public Integrator {
     }
     ++state.counters.hits;
     const double path_length = segment.path_length + hit.t;
-    SurfacePoint point;
-    find_surface_point<kRich>(*scene_, hit.instance, segment.ray, hit,
-                              kRich ? cone_width(*scene_, path_length) : 0, point);
+    SurfacePoint point(*scene_, hit.instance, segment.ray, hit);
+    if constexpr (kRich) {
+      look_up_textures(*scene_, segment.ray, cone_width(*scene_, path_length), point);
+    }
     Color throughput = segment.throughput;
     Coverage coverage;
     if constexpr (kSecondary) {

@@ -31,7 +31,8 @@ Color rings_radiance(const Background& background, const Vec3& d) {
   return background.sky_rings.empty() ? kBlack : ring_color(background.sky_rings, from_zenith);
 }
 
-Color panorama_radiance(const Background& background, const Vec3& d) {
+// What looks pictures up stays out of the way of the plain colours.
+[[gnu::noinline]] Color panorama_radiance(const Background& background, const Vec3& d) {
   const double azimuth = portable::atan2(d.x, -d.z) + background.angle;
   double s = 0.5 + azimuth / (2 * portable::kPi);
   s -= std::floor(s);
@@ -42,7 +43,8 @@ Color panorama_radiance(const Background& background, const Vec3& d) {
 }
 
 /// The picture of the face that `d` points to over `behind`.
-Color over_cube(const Background& background, const Vec3& d, const Color& behind) {
+[[gnu::noinline]] Color over_cube(const Background& background, const Vec3& d,
+                                  const Color& behind) {
   const Vec3 size = abs(d);
   const double most = max_component(size);
   if (!(most > 0)) return behind;

@@ -149,7 +149,9 @@ Color fresnel_conductor(double cos_i, const Color& eta, const Color& k) {
     const double sum = a2_b2 + cos2, cross = 2 * cos_i * a;
     const double perpendicular = (sum - cross) / (sum + cross);
     const double s = cos2 * a2_b2 + sin2 * sin2, t = cross * sin2;
-    return (perpendicular + perpendicular * (s - t) / (s + t)) / 2;
+    // Straight on both polarisations are alike.
+    const double ratio = s + t > 0 ? (s - t) / (s + t) : 1;
+    return (perpendicular + perpendicular * ratio) / 2;
   };
   return {channel(eta.r, k.r), channel(eta.g, k.g), channel(eta.b, k.b)};
 }

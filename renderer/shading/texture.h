@@ -42,7 +42,7 @@ struct Texture {
   TextureKind kind = TextureKind::gradient;
   TextureMapping mapping = TextureMapping::uv;
   Affine transform{};  ///< acts on the coordinate
-  std::shared_ptr<const ImageTexture> image;
+  std::shared_ptr<const ImageTexture> image{};
   TexturedColor odd{kBlack}, even{kWhite};  ///< of a checker
   /// Of noise; `frequency` per unit of the coordinate, 1 to 16 octaves.
   NoiseKind noise = NoiseKind::perlin;
@@ -50,8 +50,8 @@ struct Texture {
   double frequency = 1, strength = 1;
   uint32_t octaves = 1;
   /// Of a gradient: increasing positions, one colour each, at least one.
-  std::vector<double> positions;
-  std::vector<Color> colors;
+  std::vector<double> positions{};
+  std::vector<Color> colors{};
 
   bool has_color() const { return kind != TextureKind::image || image->settings().has_color(); }
   bool has_alpha() const { return kind == TextureKind::image && image->settings().has_alpha(); }

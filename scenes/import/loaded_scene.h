@@ -23,7 +23,7 @@ struct LoadedScene {
 struct DecodedTexture {
   uint32_t width = 0, height = 0;
   uint32_t channels = 3;  ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA
-  uint32_t bits = 8;      ///< 8 or 32 (float)
+  uint32_t bits = 8;      ///< 8, 16 (half float) or 32 (float)
   std::vector<std::byte> texels;
 };
 /// Reads the picture in a file. Whoever reads scenes brings it: scenes decode no pictures.

@@ -3,22 +3,30 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <tuple>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "scenes/import/mip_levels.h"
 
 namespace tessera {
 namespace {
 
-v1::Texture::Image decode(const std::filesystem::path& file, const TextureDecoder& decoder,
-                          BlobStore& blobs) {
+/// Levels are for the filter that uses them; a picture without pixels' middles has none.
+bool wants_levels(const v1::Texture::Image& image) {
+  return image.filter() == v1::Texture::Image::TRILINEAR && !image.texels_at_corners();
+}
+
+v1::Texture::Image decode(const std::filesystem::path& file, const v1::Texture::Image& wanted,
+                          const TextureDecoder& decoder, BlobStore& blobs) {
   DecodedTexture decoded = decoder(file.string());
   v1::Texture::Image image;
   image.set_width(decoded.width);
   image.set_height(decoded.height);
   image.set_channels(decoded.channels);
   image.set_bits(decoded.bits);
-  image.set_levels(1);
+  const bool is_srgb = wanted.encoding() == v1::Texture::Image::ENCODING_SRGB;
+  image.set_levels(wants_levels(wanted) ? add_mip_levels(decoded, is_srgb) : 1);
   image.mutable_texels()->set_size(decoded.texels.size());
   image.mutable_texels()->set_digest(blobs.put(std::move(decoded.texels)).hex());
   return image;
@@ -29,7 +37,7 @@ v1::Texture::Image decode(const std::filesystem::path& file, const TextureDecode
 void load_textures(LoadedScene& loaded, const std::filesystem::path& folder,
                    const TextureDecoder& decoder) {
   if (!decoder) return;
-  std::map<std::filesystem::path, v1::Texture::Image> known;
+  std::map<std::tuple<std::filesystem::path, int, bool>, v1::Texture::Image> known;
   for (v1::Texture& texture : *loaded.scene.mutable_textures()) {
     const bool wanted = texture.has_image() && !texture.image().file().empty() &&
                         texture.image().texels().digest().empty();
@@ -42,8 +50,9 @@ void load_textures(LoadedScene& loaded, const std::filesystem::path& folder,
                                     "scene's folder",
                                     texture.name(), image.file()),
                         "a file in the folder of the scene or below it");
-    const auto [at, is_new] = known.try_emplace(*file);
-    if (is_new) at->second = decode(*file, decoder, loaded.blobs);
+    const auto [at, is_new] =
+        known.try_emplace({*file, static_cast<int>(image.encoding()), wants_levels(image)});
+    if (is_new) at->second = decode(*file, image, decoder, loaded.blobs);
     image.MergeFrom(at->second);
   }
 }

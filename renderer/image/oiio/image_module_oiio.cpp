@@ -1,5 +1,6 @@
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -80,6 +81,36 @@ bool read(const char* path, float* (*allocate)(void* context, int width, int hei
   return true;
 }
 
+bool read_texels(const char* path,
+                 void* (*allocate)(void* context, const ImageModule::Layout& layout), void* context,
+                 char* error, size_t error_size) {
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  const auto input = OIIO::ImageInput::open(path, &config);
+  if (!input) {
+    report(OIIO::geterror(), error, error_size);
+    return false;
+  }
+  const OIIO::ImageSpec& spec = input->spec();
+  // Integers of 16 bits are more than half floats hold.
+  const OIIO::TypeDesc type = spec.format == OIIO::TypeDesc::UINT8  ? OIIO::TypeDesc::UINT8
+                              : spec.format == OIIO::TypeDesc::HALF ? OIIO::TypeDesc::HALF
+                                                                    : OIIO::TypeDesc::FLOAT;
+  const int channels = std::min(spec.nchannels, 4);
+  void* const texels = channels < 1 ? nullptr
+                                    : allocate(context, {spec.width, spec.height, channels,
+                                                         static_cast<int>(type.basesize()) * 8});
+  if (!texels) {
+    report("its size is out of range", error, error_size);
+    return false;
+  }
+  if (!input->read_image(0, 0, 0, channels, type, texels)) {
+    report(input->geterror(), error, error_size);
+    return false;
+  }
+  return true;
+}
+
 // Nothing may be thrown through the C boundary.
 bool guarded_write(const char* path, const char* format, const ImageModule::Picture& picture,
                    char* error, size_t error_size) {
@@ -101,7 +132,18 @@ bool guarded_read(const char* path, float* (*allocate)(void* context, int width,
   }
 }
 
-constexpr ImageModule kModule{guarded_write, guarded_read};
+bool guarded_read_texels(const char* path,
+                         void* (*allocate)(void* context, const ImageModule::Layout& layout),
+                         void* context, char* error, size_t error_size) {
+  try {
+    return read_texels(path, allocate, context, error, error_size);
+  } catch (const std::exception& e) {
+    report(e.what(), error, error_size);
+    return false;
+  }
+}
+
+constexpr ImageModule kModule{guarded_write, guarded_read, guarded_read_texels};
 
 }  // namespace
 

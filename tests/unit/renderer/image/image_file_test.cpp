@@ -133,6 +133,33 @@ TEST_F(ImageFile, files_that_are_no_pictures_are_refused) {
   EXPECT_EQ(code_of([&] { read_image(folder_ / "text.png"); }), ExitCode::bad_scene);
 }
 
+TEST_F(ImageFile, textures_keep_their_own_numbers) {
+  // Red, green, blue and a half clear white, which nothing multiplies.
+  const unsigned char png[] = {0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00,
+                               0x0d, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00,
+                               0x00, 0x02, 0x08, 0x06, 0x00, 0x00, 0x00, 0x72, 0xb6, 0x0d, 0x24,
+                               0x00, 0x00, 0x00, 0x13, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63,
+                               0xf8, 0xcf, 0xc0, 0xf0, 0x1f, 0x0c, 0x81, 0x34, 0x08, 0x34, 0x00,
+                               0x00, 0x49, 0x49, 0x09, 0x78, 0x28, 0xa0, 0xdb, 0x77, 0x00, 0x00,
+                               0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  std::ofstream(folder_ / "a.png", std::ios::binary)
+      .write(reinterpret_cast<const char*>(png), sizeof png);
+  const TextureImage image = read_texture_image(folder_ / "a.png");
+  EXPECT_EQ(image.width, 2u);
+  EXPECT_EQ(image.height, 2u);
+  EXPECT_EQ(image.channels, 4u);
+  EXPECT_EQ(image.bits, 8u);
+  const int expected[] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 128};
+  ASSERT_EQ(image.texels.size(), 16u);
+  for (size_t i = 0; i < 16; ++i) EXPECT_EQ(static_cast<int>(image.texels[i]), expected[i]) << i;
+
+  write_image(folder_ / "b.exr", ramp(), {}, {});
+  const TextureImage floats = read_texture_image(folder_ / "b.exr");
+  EXPECT_EQ(floats.channels, 3u);
+  EXPECT_EQ(floats.bits, 32u);
+  EXPECT_EQ(code_of([&] { read_texture_image(folder_ / "missing.png"); }), ExitCode::bad_scene);
+}
+
 TEST_F(ImageFile, loading_may_be_asked_for_often) {
   preload_image_module();
   preload_image_module();

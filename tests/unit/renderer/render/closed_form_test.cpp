@@ -18,9 +18,7 @@ std::string wall(const std::string& classic) {
          "nodes { shape { materials: 'm' plane { normal { z: 1 } } } }";
 }
 
-std::string light(const std::string& fields) {
-  return "nodes { light { " + fields + " } }";
-}
+std::string light(const std::string& fields) { return "nodes { light { " + fields + " } }"; }
 
 std::string head_on(const std::string& fields = "") {
   return light("directional { direction { z: -1 } } " + fields);

@@ -1,0 +1,145 @@
+#include "scenes/import/mip_levels.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "renderer/math/elementary.h"
+
+namespace tessera {
+namespace {
+
+/// IEC 61966-2-1.
+double srgb_to_linear(double v) {
+  return v <= 0.04045 ? v / 12.92 : portable::pow((v + 0.055) / 1.055, 2.4);
+}
+
+float half_to_float(uint16_t half) {
+  const int exponent = (half >> 10) & 31;
+  const auto mantissa = static_cast<float>(half & 1023);
+  if (exponent == 31) return (half & 1023) ? NAN : (half & 0x8000) ? -INFINITY : INFINITY;
+  const float size =
+      exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(mantissa + 1024, exponent - 25);
+  return half & 0x8000 ? -size : size;
+}
+
+/// The nearest half of a number that is no larger than the largest one.
+uint16_t float_to_half(float value) {
+  const uint32_t sign = (std::bit_cast<uint32_t>(value) >> 16) & 0x8000;
+  const float size = std::abs(value);
+  if (!(size < 65520)) return static_cast<uint16_t>(sign | 0x7c00);
+  int exponent;
+  std::frexp(size, &exponent);  // size = m 2^exponent, m in [.5, 1)
+  const int step = std::max(exponent - 11, -24);
+  const auto steps = static_cast<uint32_t>(std::nearbyint(std::ldexp(size, -step)));
+  // A carry out of the mantissa goes on into the exponent, as it should.
+  return static_cast<uint16_t>(sign | (static_cast<uint32_t>(step + 24) * 1024 + steps));
+}
+
+/// A picture's numbers as linear light.
+class Texels {
+ public:
+  Texels(const DecodedTexture& texture, bool is_srgb)
+      : channels_(texture.channels),
+        bits_(texture.bits),
+        colors_(channels_ - (channels_ % 2 == 0 ? 1 : 0)),
+        is_srgb_(is_srgb) {
+    for (size_t i = 0; i < 256; ++i) {
+      const double v = static_cast<double>(i) / 255;
+      linear_[i] = static_cast<float>(srgb_to_linear(v));
+      // The light from which on the code i, and none below it, is nearest.
+      from_[i] =
+          static_cast<float>(i == 0 ? 0 : srgb_to_linear((static_cast<double>(i) - 0.5) / 255));
+    }
+  }
+
+  bool has_alpha() const { return channels_ % 2 == 0; }
+  uint32_t colors() const { return colors_; }
+
+  float get(const std::byte* texel, uint32_t channel) const {
+    if (bits_ == 8) {
+      const auto code = static_cast<size_t>(texel[channel]);
+      return is_srgb_ && channel < colors_ ? linear_[code] : static_cast<float>(code) / 255;
+    }
+    if (bits_ == 16) return half_to_float(at<uint16_t>(texel, channel));
+    return at<float>(texel, channel);
+  }
+
+  void put(float value, std::byte* texel, uint32_t channel) const {
+    if (bits_ == 8) {
+      texel[channel] = static_cast<std::byte>(code_of(value, channel));
+    } else if (bits_ == 16) {
+      const uint16_t half = float_to_half(value);
+      std::memcpy(texel + channel * sizeof half, &half, sizeof half);
+    } else {
+      std::memcpy(texel + channel * sizeof value, &value, sizeof value);
+    }
+  }
+
+ private:
+  template <typename Number>
+  static Number at(const std::byte* texel, uint32_t channel) {
+    Number number;
+    std::memcpy(&number, texel + channel * sizeof number, sizeof number);
+    return number;
+  }
+
+  int code_of(float value, uint32_t channel) const {
+    if (!is_srgb_ || channel >= colors_) return static_cast<int>(value * 255 + 0.5f);
+    const auto above = std::upper_bound(from_.begin(), from_.end(), value);
+    return std::max(static_cast<int>(above - from_.begin()) - 1, 0);
+  }
+
+  uint32_t channels_, bits_, colors_;
+  bool is_srgb_;
+  std::array<float, 256> linear_{}, from_{};
+};
+
+/// The mean of four texels.
+void average(const Texels& texels, const std::array<const std::byte*, 4>& from, std::byte* to) {
+  const uint32_t alpha_channel = texels.colors();
+  std::array<float, 4> weight{0.25f, 0.25f, 0.25f, 0.25f};
+  if (texels.has_alpha()) {
+    float sum = 0;
+    for (size_t i = 0; i < 4; ++i) sum += weight[i] = texels.get(from[i], alpha_channel);
+    texels.put(sum / 4, to, alpha_channel);
+    for (float& w : weight) w = sum > 0 ? w / sum : 0.25f;
+  }
+  for (uint32_t channel = 0; channel < texels.colors(); ++channel) {
+    float mean = 0;
+    for (size_t i = 0; i < 4; ++i) mean += weight[i] * texels.get(from[i], channel);
+    texels.put(mean, to, channel);
+  }
+}
+
+}  // namespace
+
+uint32_t add_mip_levels(DecodedTexture& texture, bool is_srgb) {
+  const Texels texels(texture, is_srgb);
+  const size_t size = size_t{texture.channels} * (texture.bits / 8);
+  size_t width = texture.width, height = texture.height, offset = 0;
+  uint32_t levels = 1;
+  for (; width > 1 || height > 1; ++levels) {
+    const size_t next_width = width - width / 2, next_height = height - height / 2;
+    const size_t next = offset + width * height * size;
+    texture.texels.resize(next + next_width * next_height * size);
+    std::byte* const data = texture.texels.data();
+    for (size_t y = 0; y < next_height; ++y) {
+      const size_t y0 = 2 * y, y1 = std::min(y0 + 1, height - 1);
+      for (size_t x = 0; x < next_width; ++x) {
+        const size_t x0 = 2 * x, x1 = std::min(x0 + 1, width - 1);
+        const auto texel = [&](size_t column, size_t row) {
+          return data + offset + (row * width + column) * size;
+        };
+        average(texels, {texel(x0, y0), texel(x1, y0), texel(x0, y1), texel(x1, y1)},
+                data + next + (y * next_width + x) * size);
+      }
+    }
+    offset = next, width = next_width, height = next_height;
+  }
+  return levels;
+}
+
+}  // namespace tessera

@@ -1,0 +1,149 @@
+// Cameras that grow their view, billboards, and what lies behind everything.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/unit/renderer/scene_text.h"
+
+namespace tessera {
+namespace {
+
+bool is_lit(const TilePixels& tile, int x, int y) {
+  return tile.values[static_cast<size_t>(3 * (y * tile.rect.width() + x))] > 0;
+}
+
+/// The number of lit pixels, and of those at the frame's edge.
+std::pair<int, int> lit(const TilePixels& tile) {
+  int all = 0, at_edge = 0;
+  const int w = tile.rect.width(), h = tile.rect.height();
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      if (!is_lit(tile, x, y)) continue;
+      ++all;
+      if (x == 0 || y == 0 || x == w - 1 || y == h - 1) ++at_edge;
+    }
+  }
+  return {all, at_edge};
+}
+
+constexpr char kBright[] =
+    "materials { name: 'm' unlit {} } nodes { transform { steps { translate { x: 7 y: 2 } } } "
+    "shape { materials: 'm' box { min { x: -3 y: -3 z: -3 } max { x: 3 y: 3 z: 3 } } } } ";
+
+TEST(FrameAll, takes_everything_in) {
+  for (const char* projection : {"perspective { field_of_view: 30 }", "orthographic {}"}) {
+    const std::string camera = std::string("cameras { ") + projection + " %s } ";
+    const auto with = [&](const char* more) {
+      std::string text = camera;
+      text.replace(text.find("%s"), 2, more);
+      return render_text(text + kBright, 200, 100);
+    };
+    EXPECT_EQ(lit(with("")).first, 0) << projection;
+    const auto framed = lit(with("frame_all: true"));
+    EXPECT_GT(framed.first, 300) << projection;
+    EXPECT_EQ(framed.second, 0) << projection;
+  }
+}
+
+TEST(FrameAll, leaves_a_view_that_has_everything) {
+  const std::string scene = "nodes { shape { sphere {} } } nodes { light { point {} } }";
+  EXPECT_EQ(
+      render_text("cameras { world_from_camera { steps { translate { z: 9 } } } } " + scene, 9, 9)
+          .values,
+      render_text("cameras { world_from_camera { steps { translate { z: 9 } } } "
+                  "frame_all: true } " +
+                      scene,
+                  9, 9)
+          .values);
+}
+
+TEST(FrameAll, passes_by_what_never_ends) {
+  const auto tile = render_text(std::string("cameras { frame_all: true } nodes { shape { plane { "
+                                            "offset: -5 } } } ") +
+                                    kBright,
+                                200, 200);
+  EXPECT_EQ(lit(tile).second, 0);
+  EXPECT_GT(lit(tile).first, 0);
+}
+
+/// A card that is dark seen from the side, behind turned frames; the viewer is off at +x.
+std::string card(const std::string& billboard) {
+  return "cameras { world_from_camera { steps { look_at { eye { x: 10 y: 4 } target {} } } } "
+         "orthographic { min_x: -2 min_y: -2 max_x: 2 max_y: 2 } } materials { name: 'm' unlit {} "
+         "} nodes { transform { steps { rotate { axis { y: 1 } angle: 30 } } steps { scale { x: 2 "
+         "y: 2 z: 2 } } } " +
+         billboard +
+         " children { shape { materials: 'm' rectangle { corner { x: -.5 y: -.5 } edge_u { x: 1 } "
+         "edge_v { y: 1 } } } } } ";
+}
+
+TEST(Billboards, turn_to_the_viewer) {
+  // Unturned it is seen at 60 degrees and 22 degrees from above.
+  const int aside = lit(render_text(card(""), 80, 80)).first;
+  const int upright = lit(render_text(card("billboard_axis { y: 1 }"), 80, 80)).first;
+  const int facing = lit(render_text(card("billboard_axis {}"), 80, 80)).first;
+  EXPECT_NEAR(aside, 1600 * .5 * .928, 60);
+  EXPECT_NEAR(upright, 1600 * .928, 60);
+  EXPECT_EQ(facing, 1600);
+}
+
+TEST(Billboards, keep_their_place_with_the_viewer_on_the_axis) {
+  const auto tile = render_text(
+      "cameras { world_from_camera { steps { translate { z: 10 } } } } materials { name: 'm' unlit "
+      "{} } nodes { billboard_axis { z: 1 } shape { materials: 'm' box {} } }",
+      9, 9);
+  EXPECT_TRUE(is_lit(tile, 4, 4));
+}
+
+/// The cube's pictures are one texel each: the face's number over 255.
+v1::Scene cube_scene(BlobStore& blobs, const std::string& camera) {
+  std::string text = "background { solid { r: 1 } cube {";
+  const char* faces[] = {"front", "back", "left", "right", "top"};  // and no bottom
+  std::string textures;
+  for (int i = 0; i < 5; ++i) {
+    const std::string name = faces[i];
+    const std::string digest =
+        blobs.put({static_cast<std::byte>(10 * (i + 1)), static_cast<std::byte>(255)}).hex();
+    text += " " + name + ": '" + name + "'";
+    textures += "textures { name: '" + name + "' image { texels { digest: '" + digest +
+                "' } width: 1 height: 1 channels: 2 bits: 8 encoding: ENCODING_LINEAR } } ";
+  }
+  return parse_scene(text + " } } " + textures + camera);
+}
+
+TEST(Background, a_cube_has_its_faces_where_they_belong) {
+  const std::pair<const char*, int> looks[] = {{"z: -1", 10}, {"z: 1", 20}, {"x: -1", 30},
+                                               {"x: 1", 40},  {"y: 1", 50}, {"y: -1", 255}};
+  for (const auto& [target, expected] : looks) {
+    BlobStore blobs;
+    const v1::Scene scene =
+        cube_scene(blobs, std::string("cameras { world_from_camera { steps { look_at { target { ") +
+                              target + " } } } } }");
+    const auto renderer = make_tile_renderer(scene, blobs, frame_of(1, 1), 1);
+    EXPECT_FLOAT_EQ(render_rect(*renderer, {0, 0, 1, 1}).values[0],
+                    static_cast<float>(expected) / 255)
+        << target;
+  }
+}
+
+TEST(Background, a_cube_picture_stands_upright) {
+  // Top row dark, bottom row bright, on the front; the camera sees the middle of it.
+  BlobStore blobs;
+  const std::string digest = blobs.put({std::byte{0}, std::byte{255}}).hex();
+  const auto tile = render_text(
+      "background { cube { front: 't' } } textures { name: 't' image { texels { digest: '" +
+          digest +
+          "' } width: 1 height: 2 channels: 1 bits: 8 encoding: ENCODING_LINEAR filter: NEAREST } "
+          "}",
+      1, 4, blobs);
+  EXPECT_EQ(tile.values[3], 0);
+  EXPECT_EQ(tile.values[6], 1);
+}
+
+TEST(Background, may_be_half_there) {
+  EXPECT_EQ(render_pixel("background { solid { r: 1 g: .5 } transparency: .5 }"),
+            (std::vector<float>{.5f, .25f, 0}));
+}
+
+}  // namespace
+}  // namespace tessera

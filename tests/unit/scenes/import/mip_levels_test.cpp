@@ -1,0 +1,84 @@
+#include "scenes/import/mip_levels.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace tessera {
+namespace {
+
+DecodedTexture texture(uint32_t width, uint32_t height, uint32_t channels,
+                       std::initializer_list<int> values) {
+  DecodedTexture out{
+      .width = width, .height = height, .channels = channels, .bits = 8, .texels = {}};
+  for (const int value : values) out.texels.push_back(static_cast<std::byte>(value));
+  return out;
+}
+
+int code(const DecodedTexture& t, size_t i) { return static_cast<int>(t.texels[i]); }
+
+TEST(MipLevels, halve_and_round_up_to_one) {
+  DecodedTexture t = texture(5, 2, 1, {0, 20, 40, 60, 80, 0, 20, 40, 60, 80});
+  EXPECT_EQ(add_mip_levels(t, false), 4u);  // 5x2, 3x1, 2x1, 1x1
+  ASSERT_EQ(t.texels.size(), 10u + 3 + 2 + 1);
+  EXPECT_EQ(code(t, 10), 10);
+  EXPECT_EQ(code(t, 11), 50);
+  EXPECT_EQ(code(t, 12), 80);
+  EXPECT_EQ(code(t, 13), 30);
+  EXPECT_EQ(code(t, 14), 80);
+  EXPECT_EQ(code(t, 15), 55);
+  DecodedTexture one = texture(1, 1, 3, {1, 2, 3});
+  EXPECT_EQ(add_mip_levels(one, true), 1u);
+  EXPECT_EQ(one.texels.size(), 3u);
+}
+
+TEST(MipLevels, take_means_of_light) {
+  DecodedTexture t = texture(2, 1, 1, {0, 255});
+  add_mip_levels(t, true);
+  EXPECT_EQ(code(t, 2), 188);  // half the light
+  DecodedTexture same = texture(2, 2, 1, {77, 77, 77, 77});
+  add_mip_levels(same, true);
+  EXPECT_EQ(code(same, 4), 77);
+}
+
+TEST(MipLevels, every_code_is_its_own_mean) {
+  for (int i = 0; i < 256; ++i) {
+    DecodedTexture t = texture(2, 2, 1, {i, i, i, i});
+    add_mip_levels(t, true);
+    ASSERT_EQ(code(t, 4), i);
+  }
+}
+
+TEST(MipLevels, what_is_clear_has_no_colour) {
+  DecodedTexture t = texture(2, 1, 4, {200, 100, 50, 255, 0, 0, 0, 0});
+  add_mip_levels(t, false);
+  EXPECT_EQ(code(t, 8), 200);
+  EXPECT_EQ(code(t, 9), 100);
+  EXPECT_EQ(code(t, 11), 128);
+  DecodedTexture clear = texture(2, 1, 2, {200, 0, 100, 0});
+  add_mip_levels(clear, false);
+  EXPECT_EQ(code(clear, 4), 150);
+  EXPECT_EQ(code(clear, 5), 0);
+}
+
+TEST(MipLevels, keep_halves_and_floats) {
+  DecodedTexture halves{.width = 2, .height = 1, .channels = 1, .bits = 16, .texels = {}};
+  const uint16_t pair[] = {0x3e00, 0xc200};  // 1.5 and -3
+  halves.texels.resize(4);
+  std::memcpy(halves.texels.data(), pair, 4);
+  EXPECT_EQ(add_mip_levels(halves, true), 2u);
+  uint16_t mean;
+  std::memcpy(&mean, &halves.texels[4], 2);
+  EXPECT_EQ(mean, 0xba00);  // -.75
+  DecodedTexture floats{.width = 1, .height = 2, .channels = 1, .bits = 32, .texels = {}};
+  const float values[] = {1000, 1};
+  floats.texels.resize(8);
+  std::memcpy(floats.texels.data(), values, 8);
+  add_mip_levels(floats, false);
+  float middle;
+  std::memcpy(&middle, &floats.texels[8], 4);
+  EXPECT_EQ(middle, 500.5f);
+}
+
+}  // namespace
+}  // namespace tessera
