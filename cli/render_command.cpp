@@ -163,9 +163,10 @@ class RenderRun {
   void print_end(const JobResult& result, const FrameStatistics& statistics,
                  std::optional<int> frame) const {
     for (const auto& path : picture_paths(options_)) {
-      fmt::print("{}  {}x{}, {} tiles, {} retries, {}\n", path_for(path, frame).string(),
-                 result.film.width(), result.film.height(), result.report.tiles_done,
-                 result.report.retries, duration_text(statistics.seconds.total));
+      fmt::print("{}  {}x{}, {} tiles by {} workers, {} retries, {}\n",
+                 path_for(path, frame).string(), result.film.width(), result.film.height(),
+                 result.report.tiles_done, result.report.workers_seen, result.report.retries,
+                 duration_text(statistics.seconds.total));
     }
     std::fflush(stdout);
   }

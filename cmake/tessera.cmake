@@ -25,6 +25,7 @@ target_include_directories(tessera_flags INTERFACE "${CMAKE_SOURCE_DIR}")
 # Contraction would let the compiler choose where a multiply-add rounds once, so that two builds
 # would render different bits. Errno and FP traps are never read; giving them up changes no result.
 target_compile_options(tessera_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wvla
+  "-ffile-prefix-map=${CMAKE_SOURCE_DIR}/="
   -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-omit-frame-pointer)
 set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
 set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1")
