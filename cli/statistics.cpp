@@ -72,6 +72,8 @@ json statistics_json(const FrameStatistics& statistics) {
     result[name] = counter(report.counters, name);
   }
   result["skips"] = skips_json(report.counters);
+  result["built"] = json::object();
+  for (const auto& [name, value] : report.build_counters) result["built"][name] = value;
   result["tiles"] = {{"total", report.tiles_total},       {"done", report.tiles_done},
                      {"failed", report.holes.size()},     {"retries", report.retries},
                      {"speculative", report.speculative}, {"duplicates", report.duplicates},

@@ -16,13 +16,13 @@ namespace {
 constexpr int kMaxCounters = 256;
 constexpr size_t kMaxCounterName = 64;
 
+}  // namespace
+
 bool plausible_counters(const v1::Counters& counters) {
   return counters.values_size() <= kMaxCounters &&
          std::all_of(counters.values().begin(), counters.values().end(),
                      [](const auto& entry) { return entry.first.size() <= kMaxCounterName; });
 }
-
-}  // namespace
 
 Assembler::Assembler(const PixelRect& crop, std::vector<PixelRect> tiles)
     : tiles_(std::move(tiles)), done_by_(tiles_.size()), film_(crop) {}

@@ -29,6 +29,9 @@ struct BandResult {
   std::optional<Mismatch> mismatch;
 };
 
+/// Whether counters that came from outside are few and have short names.
+bool plausible_counters(const v1::Counters& counters);
+
 /// Puts bands into the film. The first pixels of a row stay; what comes later, in any order and
 /// from any worker, is compared with them bit by bit.
 class Assembler {

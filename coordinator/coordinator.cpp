@@ -198,7 +198,7 @@ void Coordinator::on_worker_message(WorkerRecord& worker, const v1::Envelope& me
       return on_tile_failed(worker, message.tile_failed(), now);
     case v1::Envelope::kSceneReady:
       if (message.scene_ready().session() == worker.hello.session()) {
-        on_ready(worker, message.scene_ready().job(), message.scene_ready().build_seconds(), now);
+        on_ready(worker, message.scene_ready(), now);
       }
       return;
     case v1::Envelope::kSceneFailed:
@@ -245,7 +245,11 @@ void Coordinator::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartb
     if (job_ && now - worker.told_job >= options_.heartbeat) tell_job(worker, now);
     return;
   }
-  if (heartbeat.ready() && worker.ready_job != job_->id()) on_ready(worker, job_->id(), 0, now);
+  if (heartbeat.ready() && worker.ready_job != job_->id()) {
+    v1::SceneReady ready;  // whose own message was lost
+    ready.set_job(job_->id());
+    on_ready(worker, ready, now);
+  }
   std::vector<LeaseProgress> held;
   for (const auto& entry : heartbeat.progress()) {
     held.push_back({entry.lease(), entry.work_done(), entry.started()});
@@ -256,11 +260,17 @@ void Coordinator::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartb
   fill(worker, now);
 }
 
-void Coordinator::on_ready(WorkerRecord& worker, uint64_t job, double build_seconds, Time now) {
-  if (!job_ || job != job_->id()) return;
-  worker.ready_job = job;
+void Coordinator::on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now) {
+  if (!job_ || ready.job() != job_->id()) return;
+  worker.ready_job = ready.job();
+  JobReport& report = job_->report();
   // Not a number fails the comparison, and is left out.
-  if (build_seconds > job_->report().build_seconds) job_->report().build_seconds = build_seconds;
+  if (ready.build_seconds() > report.build_seconds) report.build_seconds = ready.build_seconds();
+  // Every worker builds the same scene: the first one speaks for all.
+  if (report.build_counters.empty() && plausible_counters(ready.counters())) {
+    const auto& values = ready.counters().values();
+    report.build_counters.insert(values.begin(), values.end());
+  }
   job_->scheduler().join(worker.id);
   fill(worker, now);
 }

@@ -74,7 +74,7 @@ class Coordinator {
   void on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now);
   void on_band(WorkerRecord& worker, const v1::TileBand& band, Time now);
   void on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now);
-  void on_ready(WorkerRecord& worker, uint64_t job, double build_seconds, Time now);
+  void on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now);
   void on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed);
   bool on_client_message(const PeerId& peer, const v1::Envelope& message, Time now);
   void on_blob_request(const PeerId& peer, const v1::BlobRequest& request);

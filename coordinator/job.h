@@ -31,7 +31,8 @@ struct JobReport {
   ExitCode exit_code = ExitCode::done;  ///< bad_scene where the scene could not be built
   std::vector<PixelRect> holes;         ///< tiles that were given up, already marked in the film
 
-  CounterMap counters;  ///< sums over accepted tiles: rays_primary ...
+  CounterMap counters;        ///< sums over accepted tiles: rays_primary ...
+  CounterMap build_counters;  ///< of the scene that was built: textures_used ...
   uint64_t tiles_total = 0, tiles_done = 0;
   uint64_t retries = 0;      ///< assignments beyond the first that replaced a lost one
   uint64_t speculative = 0;  ///< second copies issued at the end of the queue

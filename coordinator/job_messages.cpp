@@ -40,6 +40,9 @@ v1::JobEnd to_message(const JobReport& report) {
   for (const auto& [name, value] : report.counters) {
     (*end.mutable_counters()->mutable_values())[name] = value;
   }
+  for (const auto& [name, value] : report.build_counters) {
+    (*end.mutable_build_counters()->mutable_values())[name] = value;
+  }
   for (const auto& [name, member] : kTotals) {
     (*end.mutable_totals()->mutable_values())[name] = report.*member;
   }
@@ -61,6 +64,9 @@ JobReport from_message(const v1::JobEnd& end) {
     report.holes.push_back({rect.x0(), rect.y0(), rect.x1(), rect.y1()});
   }
   for (const auto& [name, value] : end.counters().values()) report.counters[name] = value;
+  for (const auto& [name, value] : end.build_counters().values()) {
+    report.build_counters[name] = value;
+  }
   for (const auto& [name, member] : kTotals) {
     const auto it = end.totals().values().find(name);
     if (it != end.totals().values().end()) report.*member = it->second;

@@ -137,9 +137,7 @@ void WorkerSession::on_job_start(const v1::JobStart& start, Time now) {
     renderer_ = cache_.built();
   }
   if (renderer_) {
-    v1::SceneReady& ready = *send().mutable_scene_ready();
-    ready.set_session(options_.hello.session());
-    ready.set_job(job_);
+    send_ready();
     return;
   }
   fetch_more(now);
@@ -178,10 +176,17 @@ void WorkerSession::on_built(BuildOutcome outcome, Time) {
   }
   renderer_ = std::move(outcome.renderer);
   cache_.keep(renderer_);
+  send_ready().set_build_seconds(outcome.seconds);
+}
+
+v1::SceneReady& WorkerSession::send_ready() {
   v1::SceneReady& ready = *send().mutable_scene_ready();
   ready.set_session(options_.hello.session());
   ready.set_job(job_);
-  ready.set_build_seconds(outcome.seconds);
+  for (const auto& [name, value] : renderer_->build_counters()) {
+    (*ready.mutable_counters()->mutable_values())[name] = value;
+  }
+  return ready;
 }
 
 // ----------------------------------------------------------------------------------------- tiles

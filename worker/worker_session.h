@@ -73,6 +73,7 @@ class WorkerSession {
   void on_assign(const v1::Assign& assign);
   void cancel_all();
   void forget_job();
+  v1::SceneReady& send_ready();
   void fetch_more(Time now);
   void scene_failed(const std::string& text, ExitCode code);
   void send_heartbeat(Time now);

@@ -81,6 +81,12 @@ Texel checker(const Texture& texture, const TextureCoordinate& c, const TextureP
   return {a.color * (1 - even) + b.color * even, a.alpha * (1 - even) + b.alpha * even};
 }
 
+/// A wave of frequency 1 under a patch of `width` fades to its mean.
+double faded(double wave, double width) {
+  const double share = std::clamp(2 - 2 * width, 0.0, 1.0);
+  return 0.5 + (wave - 0.5) * share;
+}
+
 double noise_weight(const Texture& texture, const TextureCoordinate& c) {
   const Vec3 p = c.at * texture.frequency;
   const double width = largest_extent(c) * texture.frequency;
@@ -91,14 +97,15 @@ double noise_weight(const Texture& texture, const TextureCoordinate& c) {
       return texture.strength * turbulence(p, texture.octaves, width);
     case NoiseKind::marble: {
       const double turns = p.x + texture.strength * turbulence(p, texture.octaves, width);
-      return (1 + portable::sin(2 * portable::kPi * (turns - std::floor(turns)))) / 2;
+      const double wave = portable::sin(2 * portable::kPi * (turns - std::floor(turns)));
+      return faded((1 + wave) / 2, extent(c, 0) * texture.frequency);
     }
     case NoiseKind::wood:
       break;
   }
   const double rings = std::sqrt(p.x * p.x + p.z * p.z) +
                        texture.strength * fractal_noise(p, texture.octaves, width);
-  return rings - std::floor(rings);
+  return faded(rings - std::floor(rings), width);
 }
 
 Color mix(const Color& a, const Color& b, double weight_of_b) {
