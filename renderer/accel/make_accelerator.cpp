@@ -17,10 +17,8 @@ constexpr size_t kFewInstances = 2;
 
 void require_known(AcceleratorKind kind) {
   if (kind != AcceleratorKind::embree) return;
-  throw usage_error(fmt::format(
-      "the accelerator '{}' is not in this program; expected bvh, octree, nonuniform-octree or "
-      "linear",
-      accelerator_name(kind)));
+  throw scene_error(fmt::format("the accelerator '{}' is not in this program; expected one of {}",
+                                accelerator_name(kind), fmt::join(available_accelerators(), ", ")));
 }
 
 OctreeKind octree_kind(AcceleratorKind kind) {
@@ -28,6 +26,11 @@ OctreeKind octree_kind(AcceleratorKind kind) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& available_accelerators() {
+  static const std::vector<std::string> names{"bvh", "octree", "nonuniform-octree", "linear"};
+  return names;
+}
 
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
                                                          AcceleratorKind kind, int threads) {

@@ -55,7 +55,7 @@ class BadCommandLine(TesseraTest):
 
     def test_what_does_not_exist_yet(self):
         self.refused("render", self.scene, "--resume", says=["--resume", "yet"])
-        self.refused("render", self.scene, "--accel", "octree", says=["'octree'", "yet"])
+        self.refused("render", self.scene, "--accel", "embree", says=["'embree'", "octree"])
         self.refused("serve", "--http", "127.0.0.1:8080", says=["--http", "yet"])
         self.refused("serve", "--store", "jobs", says=["--store", "yet"])
 
@@ -147,6 +147,12 @@ class BadScenes(TesseraTest):
             with self.subTest(settings=settings):
                 path = self.write("scene.tessera", f"settings {{ {settings} }}\n" + scenes.ONE_SPHERE)
                 self.assert_error(self.run_program("render", path), 1, "settings")
+
+    def test_names_of_settings(self):
+        for settings, name in [('integrator { kind: "pathh" }', "'pathh'"),
+                               ('accelerator: "bvhh"', "'bvhh'")]:
+            self.refused("scene.tessera", f"settings {{ {settings} }}\n" + scenes.ONE_SPHERE, name)
+            (self.folder / "scene.tessera").unlink()
 
     def test_cycles(self):
         self.refused("scene.tessera",
