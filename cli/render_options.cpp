@@ -141,13 +141,15 @@ void check_camera(const std::string& name, const v1::Scene& scene) {
 
 /// The option, which is known to be one of `names`; else the scene's, which may not be; else the
 /// first.
-std::string named_setting(const char* what, const std::optional<std::string>& option,
-                          const std::string& in_scene, const std::vector<std::string>& names) {
+std::string named_setting(const std::string& scene_file, const char* what,
+                          const std::optional<std::string>& option, const std::string& in_scene,
+                          const std::vector<std::string>& names) {
   if (option) return *option;
   if (in_scene.empty()) return names.front();
   if (std::find(names.begin(), names.end(), in_scene) != names.end()) return in_scene;
-  throw scene_error(fmt::format("settings: {} is '{}'; expected one of {}{}", what, in_scene,
-                                fmt::join(names, ", "), suggestion(in_scene, names)));
+  throw scene_error(
+      {scene_file}, fmt::format("settings: {} is '{}'", what, in_scene),
+      fmt::format("one of {}{}", fmt::join(names, ", "), suggestion(in_scene, names)));
 }
 
 double frame_time(const RenderOptions& options, const v1::Settings& settings,
@@ -206,10 +208,10 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
       static_cast<uint32_t>(ranged_setting("samples_per_pixel", sampling.has_samples_per_pixel(),
                                            sampling.samples_per_pixel(), 1, kMaxSamplesPerPixel))));
   result.set_seed(options.seed.value_or(sampling.seed()));
-  result.set_integrator(named_setting("integrator.kind", options.integrator,
+  result.set_integrator(named_setting(options.scene, "integrator.kind", options.integrator,
                                       settings.integrator().kind(), integrator_names()));
-  result.set_accelerator(named_setting("accelerator", options.accelerator, settings.accelerator(),
-                                       available_accelerators()));
+  result.set_accelerator(named_setting(options.scene, "accelerator", options.accelerator,
+                                       settings.accelerator(), available_accelerators()));
   if (options.camera) check_camera(*options.camera, scene);
   result.set_camera(options.camera.value_or(""));
   result.set_time(frame_time(options, settings, frame));
