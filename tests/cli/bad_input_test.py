@@ -46,6 +46,7 @@ class BadCommandLine(TesseraTest):
                               ("--seed", "4294967296"), ("--time", "nan"), ("--time", "inf"),
                               ("--time", "soon"), ("--crop", "0,0,0,10"), ("--crop", "5,5,1,9"),
                               ("--crop", "1,2,3"), ("--crop", "-1,0,3,3"), ("--frames", "5-2"),
+                              ("--frames", "2147483646-2147483647"),
                               ("--frames", "a-b"), ("--frames", "-3")]:
             with self.subTest(option=option, value=value):
                 self.refused("render", self.scene, f"{option}={value}", says=[option, value])
