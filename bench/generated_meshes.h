@@ -12,8 +12,6 @@ namespace tessera {
 TriangleMesh icosphere(int subdivisions);
 /// Unconnected triangles of side about 1 / cbrt(count) in the unit cube.
 TriangleMesh triangle_soup(size_t count, uint64_t seed);
-/// Reads "v" and "f" lines of a trusted OBJ file and nothing else.
-TriangleMesh read_plain_obj(const std::string& path);
 
 /// A furnished room, about 100,000 triangles: large walls, boxes of all sizes on shelves and floor,
 /// thin bars, and finely divided balls.
