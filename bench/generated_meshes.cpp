@@ -168,30 +168,4 @@ TriangleMesh subdivided(const TriangleMesh& mesh, int times) {
   return subdivided(finer, times - 1);
 }
 
-TriangleMesh read_plain_obj(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error("cannot read " + path);
-  TriangleMesh mesh;
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
-    if (word == "v") {
-      Float3 p;
-      words >> p.x >> p.y >> p.z;
-      mesh.positions.push_back(p);
-    } else if (word == "f") {
-      std::vector<uint32_t> corners;
-      for (std::string corner; words >> corner;) {
-        const long index = std::stol(corner);
-        corners.push_back(static_cast<uint32_t>(
-            index > 0 ? index - 1 : static_cast<long>(mesh.positions.size()) + index));
-      }
-      for (size_t i = 2; i < corners.size(); ++i)
-        mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
-    }
-  }
-  return mesh;
-}
-
 }  // namespace tessera

@@ -14,8 +14,6 @@ TriangleMesh icosphere(int subdivisions);
 TriangleMesh triangle_soup(size_t count, uint64_t seed);
 /// Each triangle cut in four at the middles of its edges, `times` over; vertices are not shared.
 TriangleMesh subdivided(const TriangleMesh& mesh, int times);
-/// Reads "v" and "f" lines of a trusted OBJ file and nothing else.
-TriangleMesh read_plain_obj(const std::string& path);
 
 /// A furnished room, about 100,000 triangles: large walls, boxes of all sizes on shelves and floor,
 /// thin bars, and finely divided balls.

@@ -21,6 +21,8 @@ void add_convert_command(CLI::App& app, Action& action);
 void add_info_command(CLI::App& app, Action& action);
 void add_compare_command(CLI::App& app, Action& action);
 void add_bench_command(CLI::App& app, Action& action);
+/// The kinds of `bench` that trace: rays and octree.
+void add_tracing_benches(CLI::App& bench, Action& action);
 
 /// Parses and runs; prints the error, if any, to standard error. Never throws.
 ExitCode run_command_line(int argc, const char* const* argv);

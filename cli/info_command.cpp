@@ -43,9 +43,11 @@ void check_builds(const std::string& path, const LoadedScene& loaded,
 }
 
 SceneInfo inspect(const std::string& path) {
+  RenderOptions options;
+  options.scene = path;
   const LoadedScene loaded = read_scene(path);
   SceneInfo info{.digest = Digest::of(serialize_scene(loaded.scene)).hex(),
-                 .frame = frame_settings({}, loaded.scene, std::nullopt),
+                 .frame = frame_settings(options, loaded.scene, std::nullopt),
                  .summary = summarize(loaded.scene, loaded.blobs),
                  .cameras = {},
                  .warnings = loaded.warnings};

@@ -12,6 +12,8 @@
 namespace tessera {
 namespace {
 
+constexpr int kMaxFrameNumber = 999'999'999;
+
 Error bad_value(std::string_view option, std::string_view text, std::string_view expected) {
   return usage_error(fmt::format("{}: '{}'; expected {}", option, text, expected));
 }
@@ -87,10 +89,10 @@ PixelRect parse_crop(std::string_view option, std::string_view text) {
 FrameRange parse_frames(std::string_view option, std::string_view text) {
   const auto ends = split_numbers(text, '-');
   if (ends && (ends->size() == 1 || ends->size() == 2) && ends->front() >= 0 &&
-      ends->front() <= ends->back()) {
+      ends->front() <= ends->back() && ends->back() <= kMaxFrameNumber) {
     return {ends->front(), ends->back()};
   }
-  throw bad_value(option, text, "FIRST-LAST with 0 <= FIRST <= LAST, such as 0-23");
+  throw bad_value(option, text, "FIRST-LAST with 0 <= FIRST <= LAST <= 999999999, such as 0-23");
 }
 
 std::string parse_choice(std::string_view option, const std::string& text,

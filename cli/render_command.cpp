@@ -147,6 +147,8 @@ class RenderRun {
     }
     FrameStatistics statistics{.scene_digest = scene_digest_,
                                .frame = settings,
+                               .width = result.film.width(),
+                               .height = result.film.height(),
                                .seconds = {.parse = parse_seconds_,
                                            .write = seconds_since(start),
                                            .total = seconds_since(began_)},

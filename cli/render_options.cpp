@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
+#include <algorithm>
 
 #include "base/error.h"
+#include "renderer/accel/make_accelerator.h"
+#include "renderer/scene/read_settings.h"
 
 namespace tessera {
 namespace {
@@ -17,22 +19,10 @@ constexpr int64_t kMaxSamplesPerPixel = int64_t{1} << 20;
 constexpr int64_t kMaxWorkers = 1024;
 constexpr int64_t kMaxThreads = 1024;
 
-const std::array<std::string, 5> kAccelerators{"bvh", "octree", "nonuniform-octree", "embree",
-                                               "linear"};
-const std::array<std::string, 2> kBuiltAccelerators{"bvh", "linear"};
-const std::array<std::string, 3> kIntegrators{"auto", "whitted", "path"};
-const std::array<std::string, 2> kBuiltIntegrators{"auto", "whitted"};
-
-/// A name of the contract that this version does not build yet is told apart from a slip of the
-/// pen.
-std::string built_choice(std::string_view option, const std::string& text,
-                         std::span<const std::string> names, std::span<const std::string> built) {
-  parse_choice(option, text, names);
-  for (const std::string& name : built) {
-    if (name == text) return text;
-  }
-  throw usage_error(fmt::format("{}: '{}' does not exist yet in this version; there are {}", option,
-                                text, fmt::join(built, ", ")));
+/// "a, b or c; note [a]" for a help text.
+std::string choices(const std::vector<std::string>& names, std::string_view note) {
+  return fmt::format("{} or {}{} [{}]", fmt::join(names.begin(), names.end() - 1, ", "),
+                     names.back(), note, names.front());
 }
 
 void add_picture_options(CLI::App& command, RenderOptions& options) {
@@ -47,7 +37,7 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       ->type_name("FILE")
       ->allow_extra_args(false)
       ->group("Picture");
-  const auto add = [&](const char* name, const char* type, const char* text, auto assign) {
+  const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
     command.add_option_function<std::string>(name, assign, text)->type_name(type)->group("Picture");
   };
   add("--size", "WxH", "Width and height in pixels [the scene's, or 960x540]",
@@ -62,7 +52,8 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       });
   add("--crop", "X0,Y0,X1,Y1", "Only these pixels of the frame, from X0,Y0 up to before X1,Y1",
       [&options](const std::string& text) { options.crop = parse_crop("--crop", text); });
-  add("--camera", "NAME", "Which of the scene's cameras [the first]",
+  add("--camera", "CAMERA",
+      "Which of the scene's cameras, by name, description or number from 1 [the first]",
       [&options](const std::string& text) { options.camera = text; });
   command
       .add_flag("--pinhole", options.pinhole, "Leave out the camera's lens: everything is in focus")
@@ -74,21 +65,22 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
 }
 
 void add_tracing_options(CLI::App& command, RenderOptions& options) {
-  const auto add = [&](const char* name, const char* type, const char* text, auto assign) {
+  const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
     command.add_option_function<std::string>(name, assign, text)->type_name(type)->group("Tracing");
   };
-  add("--accel", "KIND",
-      "bvh, octree, nonuniform-octree, embree or linear; none changes a pixel [bvh]",
+  add("--accel", "KIND", choices(available_accelerators(), "; none changes a pixel"),
       [&options](const std::string& text) {
-        options.accelerator = built_choice("--accel", text, kAccelerators, kBuiltAccelerators);
+        options.accelerator = parse_choice("--accel", text, available_accelerators());
       });
-  add("--integrator", "KIND", "auto, whitted or path [auto]", [&options](const std::string& text) {
-    options.integrator = built_choice("--integrator", text, kIntegrators, kBuiltIntegrators);
-  });
+  add("--integrator", "KIND",
+      choices(integrator_names(), "; normals and depth show the first surface's"),
+      [&options](const std::string& text) {
+        options.integrator = parse_choice("--integrator", text, integrator_names());
+      });
 }
 
 void add_farm_options(CLI::App& command, RenderOptions& options) {
-  const auto add = [&](const char* name, const char* type, const char* text, auto assign) {
+  const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
     command.add_option_function<std::string>(name, assign, text)
         ->type_name(type)
         ->group("Who does the work");
@@ -108,7 +100,9 @@ void add_farm_options(CLI::App& command, RenderOptions& options) {
       });
   add("--connect", "ENDPOINT", "Let the farm of a running 'tessera serve' do it, tcp://HOST:PORT",
       [&options](const std::string& text) { options.connect = text; });
-  command.add_flag("--resume", options.resume, "Take up an interrupted render of the same picture")
+  command
+      .add_flag("--resume", options.resume,
+                "Not in this version, which keeps no finished tiles: refused")
       ->group("Who does the work");
 }
 
@@ -116,7 +110,9 @@ void add_report_options(CLI::App& command, RenderOptions& options) {
   command
       .add_option_function<std::string>(
           "--stats", [&options](const std::string& text) { options.stats = text; },
-          "Write what was done, counted and timed, as one JSON object")
+          "Write what was done, counted and timed, as one JSON object; with --frames one a frame, "
+          "to "
+          "FILE.NNNN.json")
       ->type_name("FILE.json")
       ->group("Report");
   command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group("Report");
@@ -133,15 +129,27 @@ int64_t ranged_setting(const char* what, bool present, int64_t value, int64_t fa
 }
 
 void check_camera(const std::string& name, const v1::Scene& scene) {
+  if (find_camera(scene, name)) return;
   std::vector<std::string> names;
   for (const v1::Camera& camera : scene.cameras()) {
-    if (camera.name() == name) return;
     if (!camera.name().empty()) names.push_back(camera.name());
   }
-  throw usage_error(
-      fmt::format("--camera: '{}' is not in the scene, which has {}{}", name,
-                  names.empty() ? "no named camera" : fmt::format("{}", fmt::join(names, ", ")),
-                  suggestion(name, names)));
+  throw usage_error(fmt::format(
+      "--camera: '{}' is not in the scene, which has {} cameras{}{}", name, scene.cameras_size(),
+      names.empty() ? "" : fmt::format(": {}", fmt::join(names, ", ")), suggestion(name, names)));
+}
+
+/// The option, which is known to be one of `names`; else the scene's, which may not be; else the
+/// first.
+std::string named_setting(const std::string& scene_file, const char* what,
+                          const std::optional<std::string>& option, const std::string& in_scene,
+                          const std::vector<std::string>& names) {
+  if (option) return *option;
+  if (in_scene.empty()) return names.front();
+  if (std::find(names.begin(), names.end(), in_scene) != names.end()) return in_scene;
+  throw scene_error(
+      {scene_file}, fmt::format("settings: {} is '{}'", what, in_scene),
+      fmt::format("one of {}{}", fmt::join(names, ", "), suggestion(in_scene, names)));
 }
 
 double frame_time(const RenderOptions& options, const v1::Settings& settings,
@@ -200,11 +208,10 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
       static_cast<uint32_t>(ranged_setting("samples_per_pixel", sampling.has_samples_per_pixel(),
                                            sampling.samples_per_pixel(), 1, kMaxSamplesPerPixel))));
   result.set_seed(options.seed.value_or(sampling.seed()));
-  const v1::IntegratorSettings& integrator = settings.integrator();
-  result.set_integrator(
-      options.integrator.value_or(integrator.has_kind() ? integrator.kind() : "auto"));
-  result.set_accelerator(
-      options.accelerator.value_or(settings.has_accelerator() ? settings.accelerator() : "bvh"));
+  result.set_integrator(named_setting(options.scene, "integrator.kind", options.integrator,
+                                      settings.integrator().kind(), integrator_names()));
+  result.set_accelerator(named_setting(options.scene, "accelerator", options.accelerator,
+                                       settings.accelerator(), available_accelerators()));
   if (options.camera) check_camera(*options.camera, scene);
   result.set_camera(options.camera.value_or(""));
   result.set_time(frame_time(options, settings, frame));

@@ -58,8 +58,8 @@ json statistics_json(const FrameStatistics& statistics) {
   json result;
   result["version"] = kVersion;
   result["scene"] = statistics.scene_digest;
-  result["width"] = frame.width();
-  result["height"] = frame.height();
+  result["width"] = statistics.width;
+  result["height"] = statistics.height;
   result["samples_per_pixel"] = frame.samples_per_pixel();
   result["seed"] = frame.seed();
   result["integrator"] = frame.integrator();

@@ -19,6 +19,7 @@ struct PhaseSeconds {
 struct FrameStatistics {
   std::string scene_digest;
   v1::FrameSettings frame;
+  int width = 0, height = 0;  ///< of what was rendered: the crop's, if there is one
   PhaseSeconds seconds;
   JobReport report;
   uint64_t peak_worker_bytes = 0;

@@ -26,21 +26,33 @@ constexpr std::string_view kHeading =
     "# proto-file: proto/tessera/v1/scene.proto\n"
     "# proto-message: tessera.v1.Scene\n\n";
 
+/// Protobuf's own bound, which counts otherwise in each form: above ours, below its stack's.
+constexpr int kParserDepth = kMaxSceneDepth + 32;
+
+/// Of a path as deep as a scene may be, its last steps.
+std::string short_path(const SceneFault& fault) {
+  constexpr size_t kShown = 80;
+  if (fault.path.size() <= kShown) return fault.path;
+  const size_t dot = fault.path.find('.', fault.path.size() - kShown);
+  return "..." + fault.path.substr(dot == std::string::npos ? fault.path.size() - kShown : dot);
+}
+
 v1::Scene parse_text(std::string_view text, const std::string& name) {
   TextErrors errors(name, text);
   pb::TextFormat::ParseInfoTree places;
   pb::TextFormat::Parser parser;
   parser.RecordErrorsTo(&errors);
   parser.WriteLocationsTo(&places);
-  parser.SetRecursionLimit(kMaxSceneDepth);
+  parser.SetRecursionLimit(kParserDepth);
   pb::io::ArrayInputStream input(text.data(), static_cast<int>(text.size()));
   v1::Scene scene;
   const bool parsed = parser.Parse(&input, &scene);
   errors.throw_if_any();
   if (!parsed) throw scene_error({name}, "the text cannot be read", "a scene in text format");
-  if (const auto field = find_infinite(scene, &places))
-    throw scene_error({name, field->line, field->column},
-                      fmt::format("{} is not finite", field->path), "a finite number");
+  if (const auto fault = find_fault(scene, &places)) {
+    throw scene_error({name, fault->line, fault->column},
+                      fmt::format("{} {}", short_path(*fault), fault->found), fault->expected);
+  }
   return scene;
 }
 
@@ -48,7 +60,7 @@ bool parse_binary(std::string_view bytes, v1::Scene& scene) {
   const pb::LogSilencer silencer;  // the caller says what is wrong, once
   pb::io::CodedInputStream input(reinterpret_cast<const uint8_t*>(bytes.data()),
                                  static_cast<int>(bytes.size()));
-  input.SetRecursionLimit(kMaxSceneDepth);
+  input.SetRecursionLimit(kParserDepth);
   if (!scene.ParseFromCodedStream(&input) || !input.ConsumedEntireMessage()) return false;
   // A field of a later version may change the picture: better no scene than another one.
   const size_t size = scene.ByteSizeLong();
@@ -78,11 +90,13 @@ v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const st
         pb::util::JsonStringToMessage(pb::StringPiece(text.data(), text.size()), &scene, options);
     if (!status.ok()) throw scene_json_error(name, text, std::string(status.message()));
   }
-  if (const auto field = find_infinite(scene, nullptr)) {
-    if (encoding == SceneEncoding::json)
-      throw scene_json_error(name, text, fmt::format("({}): not finite", field->path));
-    throw scene_error({name}, fmt::format("{} is not finite", field->path), "a finite number");
+  if (encoding == SceneEncoding::json) {
+    if (const auto fault = find_fault(scene, nullptr)) {
+      throw scene_error(place_in_json(name, text, fault->path),
+                        fmt::format("{} {}", short_path(*fault), fault->found), fault->expected);
+    }
   }
+  check_scene(scene, name);
   return scene;
 }
 
@@ -159,6 +173,13 @@ std::optional<SceneEncoding> scene_encoding_of(std::string_view path) {
   return std::nullopt;
 }
 
+void check_scene(const v1::Scene& scene, const std::string& name) {
+  if (const auto fault = find_fault(scene, nullptr)) {
+    throw scene_error({name}, fmt::format("{} {}", short_path(*fault), fault->found),
+                      fault->expected);
+  }
+}
+
 SceneWithBlobs decode_scene(std::string_view text, SceneEncoding encoding,
                             const std::string& name) {
   SceneWithBlobs read;
@@ -169,6 +190,7 @@ SceneWithBlobs decode_scene(std::string_view text, SceneEncoding encoding,
 
 std::string encode_scene(const v1::Scene& scene, const BlobStore& blobs, SceneEncoding encoding,
                          bool embed) {
+  check_scene(scene, "the scene");
   v1::Scene whole = scene;
   whole.clear_blobs();
   if (embed) {
@@ -190,7 +212,8 @@ std::string encode_scene(const v1::Scene& scene, const BlobStore& blobs, SceneEn
   options.add_whitespace = true;
   options.preserve_proto_field_names = true;
   const auto status = pb::util::MessageToJsonString(whole, &text, options);
-  TESSERA_CHECK(status.ok(), std::string(status.message()));
+  if (!status.ok())
+    throw scene_error(fmt::format("the scene cannot be JSON: {}", std::string(status.message())));
   return with_negative_zeros(text);
 }
 
@@ -234,7 +257,7 @@ std::string serialize_scene(const v1::Scene& scene) {
 std::optional<v1::Scene> parse_scene(std::string_view bytes) {
   v1::Scene scene;
   if (bytes.size() > kMaxSceneFileBytes || !parse_binary(bytes, scene)) return std::nullopt;
-  if (find_infinite(scene, nullptr)) return std::nullopt;
+  if (find_fault(scene, nullptr)) return std::nullopt;
   return scene;
 }
 

@@ -28,17 +28,22 @@ struct SceneWithBlobs {
 inline constexpr uint64_t kMaxEmbeddedBlobBytes = uint64_t{64} << 20;
 /// Longer files are refused unread.
 inline constexpr uint64_t kMaxSceneFileBytes = uint64_t{1} << 30;
-/// Messages inside messages; deeper ones are refused.
-inline constexpr int kMaxSceneDepth = 100;
+/// Messages inside messages below the scene, in every form alike; as many as protobuf can write as
+/// JSON. Deeper ones are refused.
+inline constexpr int kMaxSceneDepth = 64;
 
 /// By the ending of `path`, in any case; nothing for an ending that is not ours.
 std::optional<SceneEncoding> scene_encoding_of(std::string_view path);
 
-/// Reads `text`, which came from the file `name`. Every number in it is finite, every string UTF-8,
+/// Throws scene_error, with `name` for its place, where `scene` holds a number that is not finite,
+/// a number that its enumeration does not have, or messages nested deeper than kMaxSceneDepth.
+void check_scene(const v1::Scene& scene, const std::string& name);
+
+/// Reads `text`, which came from the file `name`. It passes check_scene, every string is UTF-8,
 /// every embedded blob has the digest that it claims. Throws scene_error with the place.
 SceneWithBlobs decode_scene(std::string_view text, SceneEncoding encoding, const std::string& name);
 /// `blobs` that `scene` does not refer to are left out; none are embedded where `embed` is false.
-/// The same scene gives the same bytes.
+/// The same scene gives the same bytes. Throws scene_error as check_scene.
 std::string encode_scene(const v1::Scene& scene, const BlobStore& blobs, SceneEncoding encoding,
                          bool embed = true);
 
@@ -55,8 +60,8 @@ std::optional<std::vector<v1::BlobRef>> referenced_blobs(const v1::Scene& scene)
 
 /// The canonical wire form: equal scenes, equal bytes; its digest names the scene.
 std::string serialize_scene(const v1::Scene& scene);
-/// The scene in bytes that may be hostile; nothing where they are none, are too deep, or hold a
-/// number that is not finite. Never throws.
+/// The scene in bytes that may be hostile; nothing where they are none or check_scene would throw.
+/// Never throws.
 std::optional<v1::Scene> parse_scene(std::string_view bytes);
 
 }  // namespace tessera

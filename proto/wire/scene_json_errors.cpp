@@ -85,11 +85,12 @@ class SceneJson {
 
   void value(const pb::FieldDescriptor* field, const std::string& path, int depth) {
     meet(path);
-    if (depth > kMaxSceneDepth)
-      fail("values nested too deep", fmt::format("at most {} levels", kMaxSceneDepth));
-    if (at_ < text_.size() && text_[at_] == '{')
+    if (at_ < text_.size() && text_[at_] == '{') {
+      if (depth == kMaxSceneDepth)
+        fail("values nested too deep", fmt::format("at most {} levels", kMaxSceneDepth));
       return object(field && !field->is_map() ? field->message_type() : nullptr, path, depth + 1);
-    if (at_ < text_.size() && text_[at_] == '[') return array(field, path, depth + 1);
+    }
+    if (at_ < text_.size() && text_[at_] == '[') return array(field, path, depth);
     const size_t start = at_;
     scalar();
     const std::string_view written = text_.substr(start, at_ - start);
@@ -107,6 +108,8 @@ class SceneJson {
     expect('[', "'['");
     if (take(']')) return;
     for (int i = 0;; ++i) {
+      skip_space();
+      if (at_ < text_.size() && text_[at_] == '[') fail("a list in a list", "a value");
       value(field, fmt::format("{}[{}]", path, i), depth);
       if (take(']')) return;
       expect(',', "',' or ']'");
@@ -151,6 +154,12 @@ void check_scene_json(std::string_view text, const std::string& file) {
   SceneJson(text, file).walk("");
 }
 
+SourcePlace place_in_json(const std::string& file, std::string_view text, const std::string& path) {
+  SceneJson json(text, file);
+  json.walk(path);
+  return place_of(file, text, json.target_offset().value_or(0));
+}
+
 Error scene_json_error(const std::string& file, std::string_view text, const std::string& message) {
   const size_t open = message.find('(');
   const size_t close = message.find(')', open);
@@ -158,8 +167,6 @@ Error scene_json_error(const std::string& file, std::string_view text, const std
   if (open != 0 || close == std::string::npos)
     return scene_error({file}, first_line, "a scene in JSON");
   const std::string path = message.substr(1, close - 1);
-  SceneJson json(text, file);
-  json.walk(path);
   std::string found = message.substr(std::min(message.size(), close + 1));
   if (found.starts_with(": ")) found = found.substr(2);
   std::string expected = "a value of the field's type";
@@ -171,8 +178,7 @@ Error scene_json_error(const std::string& file, std::string_view text, const std
     found = found.substr(found.find("Cannot set '") + 11) + " beside another of its kind";
     expected = "only one of them";
   }
-  return scene_error(place_of(file, text, json.target_offset().value_or(0)),
-                     fmt::format("{}: {}", path, found), expected);
+  return scene_error(place_in_json(file, text, path), fmt::format("{}: {}", path, found), expected);
 }
 
 }  // namespace tessera

@@ -22,6 +22,12 @@ OctreeKind octree_kind(AcceleratorKind kind) {
 
 }  // namespace
 
+const std::vector<std::string>& available_accelerators() {
+  static const std::vector<std::string> names{"bvh", "octree", "nonuniform-octree", "embree",
+                                              "linear"};
+  return names;
+}
+
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
                                                          AcceleratorKind kind, int threads) {
   TESSERA_CHECK(mesh->triangles.size() <= kMaxPrimitives,
@@ -33,8 +39,8 @@ std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const T
     if (auto embree = EmbreeMesh::make(std::move(mesh), threads)) return embree;
     throw usage_error(
         "the accelerator 'embree' is not beside this program (tessera_embree.so, built where "
-        "Embree "
-        "3 is found); expected bvh, octree, nonuniform-octree or linear");
+        "Embree 3 "
+        "is found); expected bvh, octree, nonuniform-octree or linear");
   }
   return std::make_unique<MeshOctree>(*mesh, octree_kind(kind), threads);
 }

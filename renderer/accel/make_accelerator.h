@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "renderer/accel/accelerator.h"
@@ -10,7 +11,10 @@
 namespace tessera {
 
 // `threads` is how many the build may use; it changes nothing in the result. What is too small to
-// be worth a tree gets none. Throws a usage Error for a kind that this program was built without.
+// be worth a tree gets none. Throws a scene Error for a kind that this program was built without.
+
+/// The names of --accel that this program has; the first is the default.
+const std::vector<std::string>& available_accelerators();
 
 /// Every triangle of `mesh` must be legal: see drop_degenerate().
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,

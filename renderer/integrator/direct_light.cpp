@@ -1,6 +1,7 @@
 #include "renderer/integrator/direct_light.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tessera {
 
@@ -19,16 +20,23 @@ namespace {
   return ray;
 }
 
-/// What transparent occluders leave of the light, from the point outwards. Light goes straight
-/// through them: there are no caustics here.
+Color through_medium(const Color& medium, double metres) {
+  return is_black(medium) ? kWhite : transmittance(medium, metres);
+}
+
+/// What transparent occluders, and the `medium` that the ray begins in, leave of the light, from
+/// the point outwards. Light goes straight through them: there are no caustics here.
 template <bool kRich>
-Color clear_transmittance(const Scene& scene, Ray ray, [[maybe_unused]] double width,
+Color clear_transmittance(const Scene& scene, Ray ray, Color medium, [[maybe_unused]] double width,
                           TraceCounters& counters) {
   Color left = kWhite;
   const double metres = length(ray.direction);
   for (uint32_t pass = 0; pass < kMaxPasses && !is_black(left); ++pass) {
     Hit hit;
-    if (!scene.clear_occluders->closest_hit(ray, hit, counters.traversal)) break;
+    if (!scene.clear_occluders->closest_hit(ray, hit, counters.traversal)) {
+      // The light is in that medium too; one without a place is beyond all of it.
+      return std::isfinite(ray.t_max) ? left * through_medium(medium, ray.t_max * metres) : left;
+    }
     SurfacePoint point(scene, scene.clear_instances[hit.instance], ray, hit);
     if constexpr (kRich) look_up_textures(scene, ray, width, point);
     const Coverage coverage = straight_coverage(point);
@@ -38,9 +46,8 @@ Color clear_transmittance(const Scene& scene, Ray ray, [[maybe_unused]] double w
       through += transmission_tint(material) * (coverage.covered * material.transparency);
     }
     left = left * through;
-    if (point.is_back && !point.is_hidden && !is_black(material.absorption)) {
-      left = left * transmittance(material.absorption, hit.t * metres);
-    }
+    left = left * through_medium(medium_before(medium, point), hit.t * metres);
+    medium = medium_beyond(medium, point);
     const double t_max = ray.t_max - hit.t;
     ray = spawn_ray(point.surface, ray.direction);
     ray.t_max = t_max;
@@ -48,16 +55,20 @@ Color clear_transmittance(const Scene& scene, Ray ray, [[maybe_unused]] double w
   return left;
 }
 
+/// `medium` is that on the viewer's side of the point.
 template <bool kRich>
-Color visibility(const Scene& scene, const SurfacePoint& point, const Light& light,
-                 const LightSample& sample, double width, TraceCounters& counters) {
+Color visibility(const Scene& scene, const SurfacePoint& point, const Color& medium,
+                 const Light& light, const LightSample& sample, double width,
+                 TraceCounters& counters) {
   const Ray ray = shadow_ray(point, light, sample);
   ++counters.rays_shadow;
   Color visible = kWhite;
   if (scene.opaque_occluders && scene.opaque_occluders->any_hit(ray, counters.traversal)) {
     visible = kBlack;
   } else if (scene.clear_occluders) {
-    visible = clear_transmittance<kRich>(scene, ray, width, counters);
+    const bool begins_beyond = dot(point.geometric_normal, ray.direction) < 0;
+    visible = clear_transmittance<kRich>(
+        scene, ray, begins_beyond ? medium_beyond(medium, point) : medium, width, counters);
   }
   return kWhite - light.shadow_intensity * (kWhite - visible);
 }
@@ -73,7 +84,7 @@ Color diffuse_color(const SurfacePoint& point) {
 
 template <bool kShadows, bool kRich>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& wo,
-                     double path_length, TraceCounters& counters) {
+                     const Color& medium, double path_length, TraceCounters& counters) {
   const Material& material = *point.material;
   if (material.model == MaterialModel::unlit) {
     return point.surface.has_vertex_color ? material.emission * point.surface.vertex_color
@@ -116,7 +127,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
         continue;
       }
       if (light.casts_shadow)
-        arriving = arriving * visibility<kRich>(scene, point, light, sample,
+        arriving = arriving * visibility<kRich>(scene, point, medium, light, sample,
                                                 cone_width(scene, path_length), counters);
     }
     sum += arriving * share;
@@ -128,13 +139,13 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
                    (material.ambient_times_diffuse ? kept_diffuse : kWhite * kept);
 }
 
-template Color local_radiance<false, false>(const Scene&, const SurfacePoint&, const Vec3&, double,
-                                            TraceCounters&);
-template Color local_radiance<false, true>(const Scene&, const SurfacePoint&, const Vec3&, double,
-                                           TraceCounters&);
-template Color local_radiance<true, false>(const Scene&, const SurfacePoint&, const Vec3&, double,
-                                           TraceCounters&);
-template Color local_radiance<true, true>(const Scene&, const SurfacePoint&, const Vec3&, double,
-                                          TraceCounters&);
+template Color local_radiance<false, false>(const Scene&, const SurfacePoint&, const Vec3&,
+                                            const Color&, double, TraceCounters&);
+template Color local_radiance<false, true>(const Scene&, const SurfacePoint&, const Vec3&,
+                                           const Color&, double, TraceCounters&);
+template Color local_radiance<true, false>(const Scene&, const SurfacePoint&, const Vec3&,
+                                           const Color&, double, TraceCounters&);
+template Color local_radiance<true, true>(const Scene&, const SurfacePoint&, const Vec3&,
+                                          const Color&, double, TraceCounters&);
 
 }  // namespace tessera

@@ -6,11 +6,11 @@
 namespace tessera {
 
 /// Emission, ambient light and the light of every light of the point's set, towards `wo`.
-/// `path_length` is that from the camera to the point. Without kRich the scene must have no rich
-/// materials.
+/// `medium` is the absorption per metre on the viewer's side, `path_length` that from the camera to
+/// the point. Without kRich the scene must have no rich materials.
 template <bool kShadows, bool kRich>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& wo,
-                     double path_length, TraceCounters& counters);
+                     const Color& medium, double path_length, TraceCounters& counters);
 
 /// The width, in metres, of what one sample stands for at the end of a path.
 inline double cone_width(const Scene& scene, double path_length) {

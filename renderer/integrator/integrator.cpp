@@ -15,6 +15,7 @@ void TraceCounters::add_to(CounterMap& map) const {
   map["hits"] += hits;
   map["shadow_rays_skipped"] += shadow_rays_skipped;
   map["samples"] += samples;
+  map["samples_skipped"] += samples_skipped;
   if (paths_cut > 0) map["paths_cut"] += paths_cut;  // told only when it happened
   map["nan_samples"] += nan_samples;
 }

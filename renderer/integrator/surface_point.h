@@ -28,6 +28,18 @@ struct SurfacePoint {
 /// need it. `width`, in metres, is that of the patch across the ray that the point stands for.
 void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfacePoint& point);
 
+/// The absorption per metre along a ray up to the point, in front of which it was in `medium`: a
+/// ray that meets a back face came through that material; else through what it last entered.
+inline Color medium_before(const Color& medium, const SurfacePoint& point) {
+  const bool from_inside = point.is_back && !point.is_hidden && !point.material->thin;
+  return from_inside ? point.material->absorption : medium;
+}
+/// The same behind the point.
+inline Color medium_beyond(const Color& medium, const SurfacePoint& point) {
+  if (point.is_hidden || point.material->thin) return medium;
+  return point.is_back ? kBlack : point.material->absorption;
+}
+
 /// How much of what is behind the surface comes straight through, and the rest. For a refracting
 /// material 0 and 1: what it lets through is bent.
 struct Coverage {

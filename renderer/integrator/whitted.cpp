@@ -55,15 +55,17 @@ class WhittedIntegrator final : public Integrator {
       look_up_textures(*scene_, segment.ray, cone_width(*scene_, path_length), point);
     }
     Color throughput = segment.throughput;
+    Color medium = kBlack;
     Coverage coverage;
     if constexpr (kSecondary) {
-      throughput = throughput * transmittance_along(segment, point, hit.t);
+      medium = medium_before(segment.medium, point);
+      if (!is_black(medium)) throughput = throughput * transmittance(medium, hit.t);
       coverage = straight_coverage(point);
     }
     const double clearness = scene_->fog.clearness(segment.view_distance + hit.t);
     Color result = kBlack;
     if (coverage.covered > 0) {
-      Color seen = local_radiance<kShadows, kRich>(*scene_, point, -segment.ray.direction,
+      Color seen = local_radiance<kShadows, kRich>(*scene_, point, -segment.ray.direction, medium,
                                                    path_length, state.counters);
       if (point.material->grain > 0) seen = seen - kWhite * grain(*point.material, segment, key);
       seen = seen * clearness + scene_->fog.color * (1 - clearness);
@@ -72,7 +74,7 @@ class WhittedIntegrator final : public Integrator {
     if constexpr (kSecondary) {
       const PathSegment end{.ray = segment.ray,
                             .throughput = throughput,
-                            .medium = medium_before(segment, point),
+                            .medium = medium,
                             .path_length = path_length,
                             .view_distance = segment.view_distance + hit.t,
                             .depth = segment.depth,
@@ -81,21 +83,6 @@ class WhittedIntegrator final : public Integrator {
       if (coverage.covered > 0) result += branch(end, point, coverage.covered * clearness, state);
     }
     return result;
-  }
-
-  /// A ray that meets a back face came through that material; else through what it last entered.
-  static Color medium_before(const PathSegment& segment, const SurfacePoint& point) {
-    const bool from_inside = point.is_back && !point.is_hidden && !point.material->thin;
-    return from_inside ? point.material->absorption : segment.medium;
-  }
-  static Color medium_beyond(const PathSegment& end, const SurfacePoint& point) {
-    if (point.is_hidden || point.material->thin) return end.medium;
-    return point.is_back ? kBlack : point.material->absorption;
-  }
-  static Color transmittance_along(const PathSegment& segment, const SurfacePoint& point,
-                                   double distance) {
-    const Color medium = medium_before(segment, point);
-    return is_black(medium) ? kWhite : transmittance(medium, distance);
   }
 
   double grain(const Material& material, const PathSegment& segment, const SampleKey& key) const {
@@ -111,7 +98,7 @@ class WhittedIntegrator final : public Integrator {
     if (max_component(next.throughput) < kNegligible || end.passes >= kMaxPasses) return;
     next.ray = spawn_ray(point.surface, end.ray.direction);
     next.ray.t_max = end.ray.t_max - t;
-    next.medium = medium_beyond(end, point);
+    next.medium = medium_beyond(end.medium, point);
     ++next.passes;
     ++state.counters.rays_refraction;
     state.stack.push_back(next);
@@ -140,7 +127,7 @@ class WhittedIntegrator final : public Integrator {
       if (fresnel < 1 && (material.thin || refract(d, n, eta, beyond))) {
         const double share = weight * material.transparency * (1 - fresnel);
         const Color tint = kRich ? transmission_tint(material) : kWhite;
-        result += bend(end, point, beyond, tint * share, medium_beyond(end, point),
+        result += bend(end, point, beyond, tint * share, medium_beyond(end.medium, point),
                        state.counters.rays_refraction, state);
       }
     }

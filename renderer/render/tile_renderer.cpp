@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -19,10 +20,20 @@ bool is_representable(const Color& c) {
          std::isfinite(static_cast<float>(c.b));
 }
 
+/// Whether nothing tells the samples of a pixel apart: all at its centre, and nothing drawn by lot.
+bool all_coincide(const Scene& scene) {
+  return scene.settings.sampler.pattern == SamplePattern::center &&
+         scene.camera->lens_samples() == 0 &&
+         std::none_of(scene.materials.begin(), scene.materials.end(),
+                      [](const Material& material) { return material.grain > 0; });
+}
+
 class SceneTileRenderer final : public TileRenderer {
  public:
   explicit SceneTileRenderer(std::shared_ptr<const Scene> scene)
-      : scene_(std::move(scene)), integrator_(make_integrator(scene_)) {}
+      : scene_(std::move(scene)),
+        integrator_(make_integrator(scene_)),
+        samples_coincide_(all_coincide(*scene_)) {}
 
   CounterMap build_counters() const override { return scene_->counters; }
 
@@ -101,7 +112,10 @@ class SceneTileRenderer final : public TileRenderer {
   Color mean_of(int x, int y, const RenderTask& task, TraceState& state,
                 SampleFunction sample_function) const {
     Color sum = kBlack;
-    for (uint32_t i = 0; i < task.sample_count; ++i) {
+    // Samples that are all alike are traced once.
+    const uint32_t traced = samples_coincide_ ? 1 : task.sample_count;
+    state.counters.samples_skipped += task.sample_count - traced;
+    for (uint32_t i = 0; i < traced; ++i) {
       const Color color = (this->*sample_function)({x, y, task.first_sample + i}, state);
       ++state.counters.samples;
       if (is_representable(color)) {
@@ -110,11 +124,12 @@ class SceneTileRenderer final : public TileRenderer {
         ++state.counters.nan_samples;
       }
     }
-    return task.sample_count == 1 ? sum : sum * (1.0 / task.sample_count);
+    return traced == 1 ? sum : sum * (1.0 / traced);
   }
 
   std::shared_ptr<const Scene> scene_;
   std::unique_ptr<const Integrator> integrator_;
+  bool samples_coincide_;
 };
 
 }  // namespace

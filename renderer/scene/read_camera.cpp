@@ -12,29 +12,26 @@
 
 namespace tessera {
 
-namespace {
-
-const v1::Camera& choose_camera(const v1::Scene& scene, const std::string& name) {
+const v1::Camera* find_camera(const v1::Scene& scene, const std::string& name) {
   if (name.empty()) {
-    return scene.cameras_size() > 0 ? scene.cameras(0) : v1::Camera::default_instance();
+    return scene.cameras_size() > 0 ? &scene.cameras(0) : &v1::Camera::default_instance();
   }
   for (const v1::Camera& camera : scene.cameras()) {
-    if (camera.name() == name) return camera;
+    if (camera.name() == name) return &camera;
   }
   for (const v1::Camera& camera : scene.cameras()) {
-    if (camera.description() == name) return camera;
+    if (camera.description() == name) return &camera;
   }
   int number = 0;
   const auto end = name.data() + name.size();
   const auto [read_to, error] = std::from_chars(name.data(), end, number);
   if (error == std::errc() && read_to == end && number >= 1 && number <= scene.cameras_size()) {
-    return scene.cameras(number - 1);
+    return &scene.cameras(number - 1);
   }
-  std::vector<std::string> known;
-  for (const v1::Camera& camera : scene.cameras()) known.push_back(camera.name());
-  throw usage_error(fmt::format("there is no camera '{}' among the scene's {}{}", name,
-                                scene.cameras_size(), suggestion(name, known)));
+  return nullptr;
 }
+
+namespace {
 
 void read_perspective(const Where& where, const v1::Perspective& in, CameraSettings& out) {
   if (in.has_field_of_view()) {
@@ -130,7 +127,14 @@ Affine read_frame(const Where& where, const v1::Camera& camera, bool is_default,
 }  // namespace
 
 CameraChoice read_camera(const v1::Scene& scene, const std::string& name, double time) {
-  const v1::Camera& camera = choose_camera(scene, name);
+  const v1::Camera* found = find_camera(scene, name);
+  if (!found) {
+    std::vector<std::string> known;
+    for (const v1::Camera& camera : scene.cameras()) known.push_back(camera.name());
+    throw scene_error(fmt::format("there is no camera '{}' among the scene's {}{}", name,
+                                  scene.cameras_size(), suggestion(name, known)));
+  }
+  const v1::Camera& camera = *found;
   const Where where{.kind = "camera", .name = camera.name()};
   CameraChoice choice;
   CameraSettings& out = choice.settings;

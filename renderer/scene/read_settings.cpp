@@ -19,8 +19,8 @@ IntegratorKind read_integrator(const std::string& name) {
   if (name.empty() || name == "auto" || name == "whitted") return IntegratorKind::whitted;
   if (name == "normals") return IntegratorKind::normals;
   if (name == "depth") return IntegratorKind::depth;
-  const std::vector<std::string> known{"auto", "whitted", "normals", "depth"};
-  throw usage_error(fmt::format("there is no integrator '{}'; expected one of {}{}", name,
+  const std::vector<std::string>& known = integrator_names();
+  throw scene_error(fmt::format("there is no integrator '{}'; expected one of {}{}", name,
                                 fmt::join(known, ", "), suggestion(name, known)));
 }
 
@@ -89,6 +89,11 @@ SamplerSettings read_sampling(const v1::Sampling& in, const v1::FrameSettings& f
 }
 
 }  // namespace
+
+const std::vector<std::string>& integrator_names() {
+  static const std::vector<std::string> names{"auto", "whitted", "normals", "depth"};
+  return names;
+}
 
 RenderSettings read_settings(const v1::Settings& in, const v1::FrameSettings& frame) {
   RenderSettings out;

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
@@ -14,6 +16,9 @@ namespace tessera {
 
 /// What traces a frame.
 enum class IntegratorKind { whitted, normals, depth };
+
+/// The names of --integrator; the first is the default.
+const std::vector<std::string>& integrator_names();
 
 /// The scene's settings with the frame's over them: all that tracing asks.
 struct RenderSettings {
@@ -43,8 +48,11 @@ struct CameraChoice {
 /// The light that a camera at `world_from_camera` carries.
 Light read_headlight(const v1::Light& light, const Affine& world_from_camera);
 
-/// The camera called `name` (or described so, or of that number counting from 1; empty: the first)
-/// at `time`. Throws a usage error for an unknown one.
+/// The camera called `name`, or described so, or of that number counting from 1; empty: the first.
+/// Null where there is none.
+const v1::Camera* find_camera(const v1::Scene& scene, const std::string& name);
+
+/// The camera that find_camera finds, at `time`. Throws a scene error for an unknown one.
 CameraChoice read_camera(const v1::Scene& scene, const std::string& name, double time);
 
 }  // namespace tessera

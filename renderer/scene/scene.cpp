@@ -26,8 +26,8 @@ AcceleratorKind read_accelerator(const v1::Settings& settings, const v1::FrameSe
       frame.accelerator().empty() ? settings.accelerator() : frame.accelerator();
   if (name.empty()) return AcceleratorKind::bvh;
   if (const auto kind = parse_accelerator(name)) return *kind;
-  const std::vector<std::string> known{"bvh", "octree", "nonuniform-octree", "embree", "linear"};
-  throw usage_error(fmt::format("there is no accelerator '{}'; expected one of {}{}", name,
+  const std::vector<std::string>& known = available_accelerators();
+  throw scene_error(fmt::format("there is no accelerator '{}'; expected one of {}{}", name,
                                 fmt::join(known, ", "), suggestion(name, known)));
 }
 

@@ -81,8 +81,8 @@ inline constexpr int kMaxNodeDepth = 200;
 inline constexpr size_t kMaxNodeVisits = size_t{1} << 24;
 inline constexpr size_t kMaxInstances = size_t{1} << 22;
 
-/// Builds the frame's scene. Throws a scene error where the description is wrong and a usage error
-/// for an unknown integrator, camera or accelerator. `threads` do not change the result.
+/// Builds the frame's scene. Throws a scene error where the description is wrong, or names an
+/// integrator, camera or accelerator that there is not. `threads` do not change the result.
 std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
                                          const v1::FrameSettings& frame, int threads);
 

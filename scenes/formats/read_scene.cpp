@@ -111,6 +111,7 @@ LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
   if (format_of(path, options.format) == "obj") add_default_view(loaded);
   if (loaded.scene.metadata().source_file().empty())
     loaded.scene.mutable_metadata()->set_source_file(to_utf8(fs::path(path).filename().string()));
+  check_scene(loaded.scene, path);
   return loaded;
 }
 

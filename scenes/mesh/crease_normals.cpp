@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderer/math/elementary.h"
+
 namespace tessera {
 namespace {
 
@@ -93,7 +95,7 @@ GeneratedNormals crease_normals(const Polygons& polygons, std::span<const Vec3> 
                                 size_t position_count, double crease_angle) {
   const Fans fans = fans_of(polygons, position_count);
   const bool smooth = crease_angle >= 3.14159265;
-  const double cosine = std::cos(std::max(0., crease_angle));
+  const double cosine = portable::cos(std::clamp(crease_angle, 0.0, portable::kPi));
   CreaseNormals normals(polygons, face_areas);
   for (size_t p = 0; p < position_count; ++p) {
     const auto fan =

@@ -132,6 +132,20 @@ def check_file(rooms, root, room, path):
                 yield f"{name}:{number}: {what} outside {', '.join(owners)}"
 
 
+def unused_arrows(root, rooms):
+    for room, uses in rooms.items():
+        included = set()
+        files = [p for p in (root / room).glob("*") if p.suffix in ENDINGS]
+        for path in files:
+            for _, line in source_lines(path.read_text(errors="replace")):
+                if include := INCLUDE.match(line):
+                    included.add(str(pathlib.PurePosixPath(include.group(2)).parent))
+        # A room without files of its own is all generated, or not written yet.
+        for used in uses if files else []:
+            if used in rooms and used not in included:
+                yield f"{room}: USES {used}, of which it includes nothing"
+
+
 def violations(root, rooms):
     yield from check_declarations(rooms)
     for top in TOP_FOLDERS:
@@ -150,7 +164,8 @@ def main():
     parser.add_argument("--rooms", type=pathlib.Path, required=True)
     arguments = parser.parse_args()
     rooms = read_rooms(arguments.rooms)
-    found = list(violations(arguments.root.resolve(), rooms))
+    root = arguments.root.resolve()
+    found = [*violations(root, rooms), *unused_arrows(root, rooms)]
     for line in found:
         print(line)
     print(f"{len(rooms)} rooms, {sum(map(len, rooms.values()))} arrows, {len(found)} violations")

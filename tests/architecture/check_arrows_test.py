@@ -102,6 +102,14 @@ class Arrows(unittest.TestCase):
         self.assert_one("not written from the repository's root", {
             "renderer/math/a.cpp": '#include "vec.h"\n', "renderer/math/vec.h": "\n"})
 
+    def test_an_arrow_that_nothing_uses(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            (root / "renderer/accel").mkdir(parents=True)
+            (root / "renderer/accel/a.cpp").write_text('#include "base/error.h"\n')
+            self.assertEqual(["renderer/accel: USES renderer/math, of which it includes nothing"],
+                             list(check_arrows.unused_arrows(root, ROOMS)))
+
     def test_an_unknown_room_in_an_arrow(self):
         self.assert_one("USES renderer/mth, which is no room", {},
                         {"renderer/accel": ["renderer/mth"]})

@@ -163,5 +163,37 @@ class OtherCommands(TesseraTest):
         self.assert_error(self.run_program("compare", "a.exr", "text.png"), 1, "text.png")
 
 
+class Bench(TesseraTest):
+    def rows(self, *arguments):
+        result = self.run_program("bench", *arguments, "--rounds", "1", "--json", "rows.json",
+                                  seconds=300)
+        self.assertEqual(0, result.code, result.err)
+        return json.loads((self.folder / "rows.json").read_text())["rows"]
+
+    def test_rays(self):
+        mesh = self.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n"
+                          "f 1 3 4\nf 2 3 4\n")
+        rows = self.rows("rays", mesh, "soup:500")
+        self.assertLessEqual({"primary", "shadow", "diffuse", "ao", "shuffled"},
+                             {row["kind"] for row in rows})
+        for row in rows:
+            self.assertEqual({"scene", "accelerator", "kind", "mrays_per_second", "ratio_to_embree",
+                              "mismatches", "build_seconds", "bytes_per_triangle"}, set(row))
+        result = self.run_program("bench", "rays", self.write("s.tessera", "nodes { shape { box {} } }"))
+        self.assert_error(result, 1, "triangles")
+
+    def test_octree(self):
+        rows = self.rows("octree", "teapot", "--size", "32x18", "--compare")
+        self.assertEqual(["bvh", "octree", "nonuniform-octree"], [row["accelerator"] for row in rows])
+        for row in rows:
+            self.assertEqual(0, row["differing_pixels"])
+            self.assertLessEqual({"scene", "depth", "voxels", "object_tests_per_ray",
+                                  "node_visits_per_ray", "seconds"}, set(row))
+
+    def test_unknown_scenes(self):
+        self.assert_error(self.run_program("bench", "octree", "nowhere.obj"), 1, "nowhere.obj")
+        self.assert_error(self.run_program("bench", "rays", "icosfere:3"), 2, "icosfere")
+
+
 if __name__ == "__main__":
     unittest.main()

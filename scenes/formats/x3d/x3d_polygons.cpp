@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "renderer/math/elementary.h"
 #include "scenes/formats/x3d/x3d_faces.h"
 #include "scenes/mesh/mesh_data.h"
 #include "scenes/mesh/triangulate.h"
@@ -206,7 +207,7 @@ X3dMesh build_x3d_mesh(const X3dNode& node, const X3dValues& values, bool linear
 }
 
 double linear_from_srgb(double value) {
-  return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+  return value <= 0.04045 ? value / 12.92 : portable::pow((value + 0.055) / 1.055, 2.4);
 }
 
 }  // namespace tessera

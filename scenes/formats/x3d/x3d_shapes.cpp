@@ -138,12 +138,12 @@ v1::Material X3dTranslator::make_material(const X3dNode* node, bool vertex_color
   const double mirror = values_.share(*node, "mirror", 0);
   v1::Classic& classic = *material.mutable_classic();
   put(diffuse, classic.mutable_diffuse()->mutable_value());
-  v1::Color linear;
-  put(diffuse, &linear);
+  // Of the colour of the point, which textures and vertex colours may give (clause 17.2.2.4).
   v1::Color& met = *classic.mutable_ambient()->mutable_value();
-  met.set_r(linear.r() * ambient);
-  met.set_g(linear.g() * ambient);
-  met.set_b(linear.b() * ambient);
+  met.set_r(ambient);
+  met.set_g(ambient);
+  met.set_b(ambient);
+  classic.set_ambient_times_diffuse(true);
   put(values_.color(*node, "specularColor", kBlack), classic.mutable_specular()->mutable_value());
   put(values_.color(*node, "emissiveColor", kBlack), classic.mutable_emission()->mutable_value());
   classic.mutable_shininess()->set_value(128 * values_.share(*node, "shininess", .2));

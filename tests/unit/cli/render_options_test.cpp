@@ -89,6 +89,26 @@ TEST(RenderOptions, ACameraIsInTheScene) {
   EXPECT_EQ(frame_settings(options, scene, std::nullopt).camera(), "front");
   options.camera = "fornt";
   EXPECT_EQ(code_of([&] { frame_settings(options, scene, std::nullopt); }), ExitCode::bad_usage);
+  scene.mutable_cameras(0)->set_description("from the door");
+  for (const char* other : {"1", "from the door"}) {
+    options.camera = other;
+    EXPECT_EQ(frame_settings(options, scene, std::nullopt).camera(), other);
+  }
+  options.camera = "2";
+  EXPECT_EQ(code_of([&] { frame_settings(options, scene, std::nullopt); }), ExitCode::bad_usage);
+}
+
+TEST(RenderOptions, NamesThatTheSceneGetsWrongAreItsFault) {
+  v1::Scene scene;
+  RenderOptions options;
+  scene.mutable_settings()->set_accelerator("bvhh");
+  EXPECT_EQ(code_of([&] { frame_settings(options, scene, std::nullopt); }), ExitCode::bad_scene);
+  options.accelerator = "nonuniform-octree";
+  EXPECT_EQ(frame_settings(options, scene, std::nullopt).accelerator(), "nonuniform-octree");
+  scene.mutable_settings()->mutable_integrator()->set_kind("pathh");
+  EXPECT_EQ(code_of([&] { frame_settings(options, scene, std::nullopt); }), ExitCode::bad_scene);
+  options.integrator = "depth";
+  EXPECT_EQ(frame_settings(options, scene, std::nullopt).integrator(), "depth");
 }
 
 TEST(RenderOptions, ACropLiesInTheFrame) {

@@ -74,7 +74,8 @@ TEST(SceneCodec, KnowsItsEndings) {
 TEST(SceneCodec, SaysWhereTextIsWrong) {
   EXPECT_EQ(text_error("cameras {\n  lens { radius: 1 } }\n"),
             "s:2:10: 'radius' is no field of Lens; expected one of radius_x, radius_y, "
-            "focal_distance, shape, blades, focal_surface, samples, radius_unit; did you mean 'radius_x'?");
+            "focal_distance, shape, blades, focal_surface, samples, radius_unit; did you mean "
+            "'radius_x'?");
   EXPECT_EQ(text_error("cameras { lens { shape: CIRCEL } }"),
             "s:1:25: 'CIRCEL' is no value of shape; expected one of CIRCLE, POLYGON, "
             "SQUARE_UNIFORM, GAUSSIAN, LINE; did you mean 'CIRCLE'?");
@@ -105,7 +106,7 @@ TEST(SceneCodec, SaysWhereJsonIsWrong) {
   EXPECT_EQ(json_error("{\"settings\":{\"time\":1e999}}"),
             "s:1:21: 1e999; expected a number that double precision can hold");
   EXPECT_EQ(json_error("{\"settings\":{\"time\":\"NaN\"}}").substr(0, 35),
-            "s:1:21: settings.time: not finite; ");
+            "s:1:21: settings.time is not finite");
   EXPECT_EQ(json_error("{} {}"), "s:1:4: text after the scene's end; expected nothing more");
 }
 
@@ -119,6 +120,48 @@ TEST(SceneCodec, BoundsNesting) {
   v1::Node* node = deep.add_nodes();
   for (int i = 0; i < 200; ++i) node = node->add_children();
   EXPECT_EQ(parse_scene(serialize_scene(deep)), std::nullopt);
+}
+
+v1::Scene nested(int nodes) {
+  v1::Scene scene;
+  v1::Node* node = scene.add_nodes();
+  for (int i = 1; i < nodes; ++i) node = node->add_children();
+  node->set_name("innermost");
+  return scene;
+}
+
+TEST(SceneCodec, HasTheSameDepthInEveryEncoding) {
+  for (const SceneEncoding encoding : kEncodings) {
+    const v1::Scene deepest = nested(kMaxSceneDepth);
+    const SceneWithBlobs back = decode_scene(encode_scene(deepest, {}, encoding), encoding, "s");
+    EXPECT_TRUE(MessageDifferencer::Equals(back.scene, deepest));
+    const std::string found =
+        error_of([&] { encode_scene(nested(kMaxSceneDepth + 1), {}, encoding); });
+    EXPECT_NE(found.find("nested too deep; expected at most 64 levels"), std::string::npos);
+    EXPECT_LT(found.size(), 200u);
+  }
+  EXPECT_EQ(parse_scene(serialize_scene(nested(kMaxSceneDepth + 1))), std::nullopt);
+  EXPECT_TRUE(parse_scene(serialize_scene(nested(kMaxSceneDepth))).has_value());
+  std::string text = "nodes {", json = "{\"nodes\": [{";
+  for (int i = 1; i <= kMaxSceneDepth; ++i) text += "children {", json += "\"children\": [{";
+  for (int i = 0; i <= kMaxSceneDepth; ++i) text += "}", json += "}]";
+  EXPECT_NE(text_error(text).find("nested too deep"), std::string::npos) << text_error(text);
+  EXPECT_NE(json_error(json + "}").find("nested too deep"), std::string::npos);
+  EXPECT_EQ(json_error("{\"nodes\": [[[]]]}"), "s:1:12: a list in a list; expected a value");
+}
+
+TEST(SceneCodec, RefusesNumbersThatAnEnumerationDoesNotHave) {
+  const std::string expected =
+      "settings.integrator.shadows is 7; expected one of SHADOWS_ON, SHADOWS_BY_LIGHT, SHADOWS_OFF";
+  EXPECT_EQ(text_error("settings {\n integrator { shadows: 7 } }"), "s:2:15: " + expected);
+  EXPECT_EQ(json_error("{\"settings\":\n{\"integrator\":{\"shadows\":7}}}"), "s:2:26: " + expected);
+  v1::Scene scene;
+  scene.mutable_settings()->mutable_integrator()->set_shadows(
+      static_cast<v1::IntegratorSettings::Shadows>(7));
+  EXPECT_EQ(error(serialize_scene(scene), SceneEncoding::binary), "s: " + expected);
+  EXPECT_EQ(parse_scene(serialize_scene(scene)), std::nullopt);
+  EXPECT_EQ(error_of([&] { encode_scene(scene, {}, SceneEncoding::text); }),
+            "the scene: " + expected);
 }
 
 TEST(SceneCodec, RefusesHostileBytesWithoutThrowing) {

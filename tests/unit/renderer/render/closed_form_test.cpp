@@ -185,6 +185,17 @@ TEST(ClosedForm, shadows) {
                std::exp(-1), std::exp(-2), 1);
 }
 
+// Of the way of the light only its first half metre lies in the glass around it.
+TEST(ClosedForm, a_light_inside_an_absorbing_ball_is_absorbed) {
+  expect_pixel(
+      wall("diffuse { value { r: 1 g: 1 b: 1 } }") +
+          light("point { position { x: 4 z: 4 } } attenuation { scale: 1.4142135623730951 "
+                "constant: 1 } ") +
+          "materials { name: 'b' classic { transparency { value: 1 } absorption { r: 1 g: 2 } } } "
+          "nodes { shape { materials: 'b' sphere { center { x: 4 z: 4 } radius: .5 } } }",
+      std::exp(-.5), std::exp(-1), 1);
+}
+
 TEST(ClosedForm, what_lies_behind_the_light_throws_no_shadow) {
   expect_grey(wall("diffuse { value { r: 1 g: 1 b: 1 } }") + light("point { position { z: 2 } }") +
                   "nodes { shape { sphere { center { z: 20 } } } }" +

@@ -100,6 +100,22 @@ TEST(TileRenderer, a_sample_alone_is_the_sample_among_others) {
   EXPECT_NE(first.values, second.values);
 }
 
+TEST(TileRenderer, traces_samples_that_coincide_once) {
+  const auto render = [](uint32_t samples, const std::string& more) {
+    v1::FrameSettings frame = frame_of(8, 8);
+    frame.set_samples_per_pixel(samples);
+    const auto renderer =
+        make_tile_renderer(parse_scene(std::string(kSphere) + more), {}, frame, 1);
+    return render_rect(*renderer, {0, 0, 8, 8}, samples);
+  };
+  const std::string center = "settings { sampling { pattern: CENTER } }";
+  const TilePixels one = render(1, center), many = render(7, center);
+  EXPECT_EQ(many.values, one.values);
+  EXPECT_EQ(many.counters.at("rays_primary"), one.counters.at("rays_primary"));
+  EXPECT_EQ(many.counters.at("samples_skipped"), 6u * 64);
+  EXPECT_EQ(render(7, "").counters.at("samples_skipped"), 0u);
+}
+
 TEST(TileRenderer, the_seed_moves_samples) {
   v1::FrameSettings frame = frame_of(4, 4);
   frame.set_samples_per_pixel(2);
@@ -224,7 +240,7 @@ TEST(TileRenderer, refuses_an_unknown_integrator_with_the_nearest_name) {
     make_tile_renderer({}, {}, frame, 1);
     FAIL();
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::bad_usage);
+    EXPECT_EQ(error.code(), ExitCode::bad_scene);
     EXPECT_NE(std::string(error.what()).find("did you mean 'whitted'"), std::string::npos);
   }
 }

@@ -105,8 +105,9 @@ TEST(X3d, MapsTheMaterialToTheClassicTerms) {
                  "emissiveColor='0 0 .125' shininess='.5' transparency='.25'/>"));
   const v1::Material& material = loaded.scene.materials(0);
   const v1::Classic& c = material.classic();
-  EXPECT_EQ(c.ambient().value().r(), .25);
+  EXPECT_EQ(c.ambient().value().r(), .5);
   EXPECT_EQ(c.ambient().value().b(), .5);
+  EXPECT_TRUE(c.ambient_times_diffuse());  // also where a texture or vertex colours give it
   EXPECT_EQ(c.diffuse().value().g(), .25);
   EXPECT_EQ(c.specular().value().r(), 1);
   EXPECT_EQ(c.emission().value().b(), .125);

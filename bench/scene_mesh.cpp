@@ -1,0 +1,42 @@
+#include "bench/scene_mesh.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "renderer/scene/read_mesh.h"
+#include "renderer/scene/scene_graph.h"
+
+namespace tessera {
+namespace {
+
+void append(const TriangleMesh& mesh, const Affine& world_from_mesh, TriangleMesh& out) {
+  if (out.positions.size() + mesh.positions.size() > UINT32_MAX)
+    throw scene_error("the scene has more vertices than one mesh can number");
+  const auto first = static_cast<uint32_t>(out.positions.size());
+  for (uint32_t i = 0; i < mesh.positions.size(); ++i) {
+    const Point3 p = world_from_mesh(mesh.vertex(i));
+    out.positions.push_back(
+        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+  }
+  for (const auto& [a, b, c] : mesh.triangles)
+    out.triangles.push_back({first + a, first + b, first + c});
+}
+
+}  // namespace
+
+TriangleMesh mesh_of_scene(const v1::Scene& scene, const BlobStore& blobs) {
+  const SceneGraph graph = unfold_graph(scene, scene.settings().time(), Affine{});
+  TriangleMesh whole;
+  for (const GraphInstance& instance : graph.instances) {
+    const GraphShape& shape = graph.shapes[instance.shape];
+    if (!shape.shape->has_mesh()) continue;
+    const size_t materials = static_cast<size_t>(std::max(1, shape.shape->materials_size()));
+    append(read_mesh({.kind = shape.path.c_str()}, shape.shape->mesh(), blobs, materials),
+           instance.world_from_object, whole);
+  }
+  drop_degenerate(whole);
+  if (whole.triangles.empty()) throw scene_error("the scene has no triangles to trace");
+  return whole;
+}
+
+}  // namespace tessera
