@@ -275,7 +275,7 @@ void Coordinator::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& f
   if (!job() || failed.job() != job()->id()) return;
   const std::string text = failed.text().substr(0, kMaxText);
   if (!job()->scene_failed_at(worker.id)) {
-    spdlog::warn("worker {} could not build the scene: {}", worker.name(), text);
+    spdlog::info("worker {} could not build the scene: {}", worker.name(), text);
   }
   std::vector<WorkerId> present;
   for (const WorkerRecord* other : workers_.present()) present.push_back(other->id);
