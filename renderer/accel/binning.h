@@ -17,12 +17,8 @@ using Lanes = BuildBox::Lanes;
 inline constexpr float kInf = std::numeric_limits<float>::infinity();
 inline constexpr int kMaxBins = 48;
 
-inline Lanes lane_min(Lanes a, Lanes b) {
-  return a < b ? a : b;
-}
-inline Lanes lane_max(Lanes a, Lanes b) {
-  return a > b ? a : b;
-}
+inline Lanes lane_min(Lanes a, Lanes b) { return a < b ? a : b; }
+inline Lanes lane_max(Lanes a, Lanes b) { return a > b ? a : b; }
 
 struct Box {
   Lanes low, high;  // left open: most bins are set just before their use

@@ -24,9 +24,7 @@ constexpr double kPi2A = 0x1.921fb544p+0, kPi2B = 0x1.0b4611a6p-34, kPi2C = 0x1.
 constexpr DoubleDouble kLn2{0x1.62e42fefa39efp-1, 0x1.abc9e3b39803fp-56};
 constexpr double kLn2A = 0x1.62e42feep-1, kLn2B = 0x1.a39ef35793c76p-33;
 
-DoubleDouble normalized(double high, double low) {
-  return fast_two_sum(high, low);
-}
+DoubleDouble normalized(double high, double low) { return fast_two_sum(high, low); }
 DoubleDouble add(DoubleDouble a, DoubleDouble b) {
   const DoubleDouble s = two_sum(a.high, b.high);
   return normalized(s.high, s.low + (a.low + b.low));
@@ -41,12 +39,8 @@ DoubleDouble divide(DoubleDouble a, DoubleDouble b) {
   const double rest = ((a.high - back.high) - back.low) + (a.low - q * b.low);
   return normalized(q, rest / b.high);
 }
-DoubleDouble negated(DoubleDouble a) {
-  return {-a.high, -a.low};
-}
-double rounded(DoubleDouble a) {
-  return a.high + a.low;
-}
+DoubleDouble negated(DoubleDouble a) { return {-a.high, -a.low}; }
+double rounded(DoubleDouble a) { return a.high + a.low; }
 
 /// x - quarter * pi/2 in [-pi/4, pi/4].
 DoubleDouble reduce(double x, int& quarter) {
@@ -246,9 +240,7 @@ double atan2(double y, double x) {
   return std::copysign(angle_of({std::abs(y), 0}, {x, 0}), y);
 }
 
-double exp(double x) {
-  return std::isnan(x) ? kNan : exponential({x, 0});
-}
+double exp(double x) { return std::isnan(x) ? kNan : exponential({x, 0}); }
 
 double log(double x) {
   if (!(x >= 0)) return kNan;

@@ -7,16 +7,16 @@ namespace tessera::portable {
 // the processor, so whatever reaches a pixel uses these; square root and division are exact
 // everywhere and need no twin. Thread-safe, never allocate.
 
-double sin(double x);             ///< |x| <= 1e6
-double cos(double x);             ///< |x| <= 1e6
-double tan(double x);             ///< |x| <= 1e6
-double asin(double x);            ///< |x| <= 1; NaN outside
-double acos(double x);            ///< |x| <= 1; NaN outside
+double sin(double x);   ///< |x| <= 1e6
+double cos(double x);   ///< |x| <= 1e6
+double tan(double x);   ///< |x| <= 1e6
+double asin(double x);  ///< |x| <= 1; NaN outside
+double acos(double x);  ///< |x| <= 1; NaN outside
 double atan(double x);
 double atan2(double y, double x);
 double exp(double x);
-double log(double x);             ///< x >= 0
-double pow(double x, double y);   ///< x >= 0; pow(x, 0) is 1
+double log(double x);            ///< x >= 0
+double pow(double x, double y);  ///< x >= 0; pow(x, 0) is 1
 
 inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double radians(double degrees) { return degrees * (kPi / 180); }

@@ -16,9 +16,7 @@ inline constexpr double kUnitRoundoff = std::numeric_limits<double>::epsilon() *
 inline constexpr double kFloatUnitRoundoff = std::numeric_limits<float>::epsilon() * 0.5;
 
 /// Bound on the relative error of n roundings in a row.
-inline constexpr double gamma(int n) {
-  return n * kUnitRoundoff / (1 - n * kUnitRoundoff);
-}
+inline constexpr double gamma(int n) { return n * kUnitRoundoff / (1 - n * kUnitRoundoff); }
 
 /// The next larger value; +infinity and NaN stay as they are.
 inline double next_up(double x) {
@@ -27,18 +25,14 @@ inline double next_up(double x) {
   const auto bits = std::bit_cast<int64_t>(x);
   return std::bit_cast<double>(bits + (x > 0 ? 1 : -1));
 }
-inline double next_down(double x) {
-  return -next_up(-x);
-}
+inline double next_down(double x) { return -next_up(-x); }
 inline float next_up(float x) {
   if (!(x < std::numeric_limits<float>::infinity())) return x;
   if (x == 0) return std::numeric_limits<float>::denorm_min();
   const auto bits = std::bit_cast<int32_t>(x);
   return std::bit_cast<float>(bits + (x > 0 ? 1 : -1));
 }
-inline float next_down(float x) {
-  return -next_up(-x);
-}
+inline float next_down(float x) { return -next_up(-x); }
 
 /// The largest float at most x; NaN stays NaN.
 inline float float_down(double x) {
@@ -46,9 +40,7 @@ inline float float_down(double x) {
   return f > x ? next_down(f) : f;
 }
 /// The smallest float at least x; NaN stays NaN.
-inline float float_up(double x) {
-  return -float_down(-x);
-}
+inline float float_up(double x) { return -float_down(-x); }
 
 /// A sum high + low of two doubles that do not overlap: about 106 bits.
 struct DoubleDouble {

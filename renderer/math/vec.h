@@ -41,9 +41,15 @@ inline Vec3 operator*(const Vec3& a, double s) { return {a.x * s, a.y * s, a.z *
 inline Vec3 operator*(double s, const Vec3& a) { return a * s; }
 inline Vec3 operator/(const Vec3& a, double s) { return {a.x / s, a.y / s, a.z / s}; }
 
-inline Point3 operator+(const Point3& p, const Vec3& v) { return {p.x + v.x, p.y + v.y, p.z + v.z}; }
-inline Point3 operator-(const Point3& p, const Vec3& v) { return {p.x - v.x, p.y - v.y, p.z - v.z}; }
-inline Vec3 operator-(const Point3& a, const Point3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Point3 operator+(const Point3& p, const Vec3& v) {
+  return {p.x + v.x, p.y + v.y, p.z + v.z};
+}
+inline Point3 operator-(const Point3& p, const Vec3& v) {
+  return {p.x - v.x, p.y - v.y, p.z - v.z};
+}
+inline Vec3 operator-(const Point3& a, const Point3& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
 
 inline Normal3 operator-(const Normal3& n) { return {-n.x, -n.y, -n.z}; }
 inline Normal3 to_normal(const Vec3& v) { return {v.x, v.y, v.z}; }

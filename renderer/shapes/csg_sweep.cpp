@@ -38,9 +38,7 @@ CsgSweep::Lease::Lease() {
   sweep_ = pool.sweeps[pool.used++].get();
 }
 
-CsgSweep::Lease::~Lease() {
-  --pool.used;
-}
+CsgSweep::Lease::~Lease() { --pool.used; }
 
 CsgSweep::State& CsgSweep::state(const CsgGates& gates, uint32_t gate) {
   State& s = states_[gate];

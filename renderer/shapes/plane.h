@@ -4,8 +4,9 @@
 
 namespace tessera {
 
-/// The endless plane normal . p = offset; as a solid, the half-space below it. Its bounds are endless on every axis. No texture
-/// coordinates of its own: uv are metres along two unit tangents from the foot of the origin.
+/// The endless plane normal . p = offset; as a solid, the half-space below it. Its bounds are
+/// endless on every axis. No texture coordinates of its own: uv are metres along two unit tangents
+/// from the foot of the origin.
 class Plane final : public Solid {
  public:
   /// `normal` of any length but 0; `offset` is along the unit normal.

@@ -10,8 +10,8 @@ namespace tessera {
 /// Which sides of a surface a ray can hit.
 enum class Cull : uint8_t { none, back, front };
 
-/// Points origin + t * direction for t_min < t < t_max. The direction need not be of unit length, so
-/// that a transformed ray keeps its t.
+/// Points origin + t * direction for t_min < t < t_max. The direction need not be of unit length,
+/// so that a transformed ray keeps its t.
 struct Ray {
   Point3 origin;
   Vec3 direction;
@@ -26,10 +26,10 @@ struct Ray {
 /// (instance, primitive) counts, whatever the accelerator.
 struct Hit {
   double t = std::numeric_limits<double>::infinity();
-  double u = 0;               ///< surface parameters; barycentric weights of vertices 1 and 2 of a
-  double v = 0;               ///< triangle
+  double u = 0;  ///< surface parameters; barycentric weights of vertices 1 and 2 of a
+  double v = 0;  ///< triangle
   uint32_t instance = 0;
-  uint32_t primitive = 0;     ///< within the shape: a triangle's number, a box's face
+  uint32_t primitive = 0;  ///< within the shape: a triangle's number, a box's face
 
   friend bool operator==(const Hit&, const Hit&) = default;
 };

@@ -17,14 +17,14 @@ struct TraversalCounters {
 struct LocalSurface {
   Point3 point;
   Vec3 point_error;
-  Normal3 geometric_normal;   ///< unit; out of a solid, or by counter-clockwise winding
-  Normal3 shading_normal;     ///< unit; equals geometric_normal where nothing smooths it
+  Normal3 geometric_normal;  ///< unit; out of a solid, or by counter-clockwise winding
+  Normal3 shading_normal;    ///< unit; equals geometric_normal where nothing smooths it
   Vec2 uv;
-  Vec3 dpdu, dpdv;            ///< derivatives of the point by uv; zero where there is no uv
+  Vec3 dpdu, dpdv;  ///< derivatives of the point by uv; zero where there is no uv
   Color vertex_color = kWhite;
   double vertex_alpha = 1;
   bool has_vertex_color = false;
-  uint32_t material = 0;      ///< index into the shape's materials
+  uint32_t material = 0;  ///< index into the shape's materials
 };
 
 /// A surface in its own frame. Immutable after construction; all calls may run on many threads.

@@ -27,9 +27,7 @@ bool finite(const Float3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-Vec3 to_vec(const Float3& v) {
-  return {v.x, v.y, v.z};
-}
+Vec3 to_vec(const Float3& v) { return {v.x, v.y, v.z}; }
 
 void add_uv(const TriangleMesh& mesh, const TriangleIndices& index,
             const std::array<Point3, 3>& corner, const std::array<double, 3>& weight,

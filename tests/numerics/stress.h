@@ -21,9 +21,7 @@ inline bool full() {
   }();
   return value;
 }
-inline int64_t count(int64_t full_count) {
-  return full() ? full_count : (full_count + 99) / 100;
-}
+inline int64_t count(int64_t full_count) { return full() ? full_count : (full_count + 99) / 100; }
 
 /// PCG32 (O'Neill 2014): stream = test id, seed 1 to 8.
 class Random {
@@ -79,22 +77,14 @@ inline QuadVec operator+(const QuadVec& a, const QuadVec& b) {
 inline QuadVec operator-(const QuadVec& a, const QuadVec& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-inline QuadVec operator*(const QuadVec& a, Quad s) {
-  return {a.x * s, a.y * s, a.z * s};
-}
-inline Quad dot(const QuadVec& a, const QuadVec& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
+inline QuadVec operator*(const QuadVec& a, Quad s) { return {a.x * s, a.y * s, a.z * s}; }
+inline Quad dot(const QuadVec& a, const QuadVec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline QuadVec cross(const QuadVec& a, const QuadVec& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline Quad length(const QuadVec& v) {
-  return sqrtq(dot(v, v));
-}
+inline Quad length(const QuadVec& v) { return sqrtq(dot(v, v)); }
 
-inline double size_of(const Point3& p) {
-  return tessera::length(p - Point3{});
-}
+inline double size_of(const Point3& p) { return tessera::length(p - Point3{}); }
 /// Some vector across `v`.
 inline Vec3 across(const Vec3& v, Random& random) {
   Vec3 a;

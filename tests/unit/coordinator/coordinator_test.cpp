@@ -161,7 +161,7 @@ TEST_F(CoordinatorTest, CountsWhatBuildingCountedOnce) {
     say(peer, message);
   }
   say("p", band(heard(v1::Envelope::kAssign).at(0).assign(), 1));
-  EXPECT_EQ(coordinator.take_result(id)->report.counters.at("left_out"), 5u);
+  EXPECT_EQ(coordinator.take_result(id)->report.build_counters.at("left_out"), 5u);
 }
 
 TEST_F(CoordinatorTest, TakesPixelsOnlyUnderALeaseOfTheirWorker) {

@@ -24,9 +24,7 @@ Hit closest(const Shape& shape, const Ray& ray) {
   return hit;
 }
 
-bool hits(const Shape& shape, const Ray& ray) {
-  return closest(shape, ray).t < Bounds3::kInfinity;
-}
+bool hits(const Shape& shape, const Ray& ray) { return closest(shape, ray).t < Bounds3::kInfinity; }
 
 LocalSurface seen(const Shape& shape, const Ray& ray) {
   const Hit hit = closest(shape, ray);
