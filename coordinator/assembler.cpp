@@ -104,7 +104,7 @@ BandResult Assembler::add(const v1::TileBand& band, WorkerId from) {
     const float* values = scratch_.data() + row_values * static_cast<size_t>(i);
     WorkerId& owner =
         partial ? partial->row_from[static_cast<size_t>(row - tile.y0)] : done_by_[index];
-    if (owner == 0) {
+    if (partial && owner == 0) {
       owner = from;
       --partial->rows_missing;
       film_.write(tile, row, 1, std::span(values, row_values));

@@ -122,9 +122,9 @@ inline BoxRay<Real> make_box_ray(const RayFrame& f) {
   FourFloats d = __builtin_convertvector(direction, FourFloats);
   const FourFloats far = absolute(o), steep = absolute(d);
   const auto largest_lane = [](FourFloats v) {
-    FourFloats w = __builtin_shuffle(v, FourInts{1, 0, 3, 2});
+    FourFloats w = __builtin_shufflevector(v, v, 1, 0, 3, 2);
     v = v > w ? v : w;
-    w = __builtin_shuffle(v, FourInts{2, 3, 0, 1});
+    w = __builtin_shufflevector(v, v, 2, 3, 0, 1);
     return v > w ? v : w;
   };
   const FourFloats whole = FourFloats{} + extent;

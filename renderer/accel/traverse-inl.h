@@ -176,7 +176,7 @@ HWY_INLINE bool closest_in_tree(const TraversalTree& tree, const Lanes& lanes, c
       Entry* const base = top;
       top[0] = d, top[1] = c, top[2] = b, top[3] = a;
       top += 4;
-      while (mask != 0) {
+      while (mask != 0) {  // NOLINT(bugprone-infinite-loop): next() takes a bit off
         const Entry e = next();
         Entry* at = top++;
         for (; at > base && at[-1] < e; --at) *at = at[-1];

@@ -45,7 +45,7 @@ struct TriangleHit {
 inline TriangleRay::TriangleRay(const Ray& r) : t_min(r.t_min), t_max(r.t_max), ray(r) {
   // By tables, not by branches: directions are random, and each wrong guess costs as much as a
   // node.
-  static constexpr int8_t kAxes[6][2] = {{1, 2}, {2, 1}, {2, 0}, {0, 2}, {0, 1}, {1, 0}};
+  static constexpr uint8_t kAxes[6][2] = {{1, 2}, {2, 1}, {2, 0}, {0, 2}, {0, 1}, {1, 0}};
   const double d[3] = {r.direction.x, r.direction.y, r.direction.z};
   const double o[3] = {r.origin.x, r.origin.y, r.origin.z};
   const double x = std::abs(d[0]), y = std::abs(d[1]), z = std::abs(d[2]);
