@@ -360,15 +360,14 @@ void Coordinator::on_tick(Time now) {
     if (job()) job()->scheduler().set_suspect(worker->id, true);
   }
   for (WorkerRecord* worker : silence.lost) {
+    // A process of ours that is stopped would never come back by itself.
+    note_stuck(*worker);
     lose(*worker, LossCause::vanished, "no word from it for too long", now);
   }
   if (job()) {
     const SchedulerEvents events = job()->scheduler().expire(now);
     for (const WorkerId id : events.blamed) {
-      const WorkerRecord* worker = workers_.by_id(id);
-      if (worker && worker->hello.host() == options_.host) {
-        stuck_.push_back(static_cast<pid_t>(worker->hello.process_id()));
-      }
+      if (const WorkerRecord* worker = workers_.by_id(id)) note_stuck(*worker);
     }
     act(events, now);
     fill(now);
@@ -377,6 +376,11 @@ void Coordinator::on_tick(Time now) {
   jobs_.clients().on_tick(now);
   attend_clients(now);
   next_tick_ = now + (job() ? kTick : options_.heartbeat);
+}
+
+void Coordinator::note_stuck(const WorkerRecord& worker) {
+  if (worker.hello.host() != options_.host) return;
+  stuck_.push_back(static_cast<pid_t>(worker.hello.process_id()));
 }
 
 std::vector<pid_t> Coordinator::take_stuck_processes() { return std::exchange(stuck_, {}); }

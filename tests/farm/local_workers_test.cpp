@@ -36,8 +36,8 @@ bool alive(pid_t process) { return kill(process, 0) == 0; }
 struct Farm {
   LocalWorkers workers;
   RenderLoop loop;
-  explicit Farm(const LocalWorkerOptions& options)
-      : workers(options), loop(bind_server(workers.endpoint()), {}) {
+  explicit Farm(const LocalWorkerOptions& options, const CoordinatorOptions& times = {})
+      : workers(options), loop(bind_server(workers.endpoint()), times) {
     loop.watch(&workers);
     workers.start();
   }
@@ -109,6 +109,26 @@ TEST(LocalWorkers, AStoppedOneHoldsNothingUpAndIsEnded) {
     farm.workers.stop(milliseconds(100));
   }
   EXPECT_FALSE(alive(stopped));
+}
+
+TEST(LocalWorkers, WhenAllAreStoppedTheyAreReplaced) {
+  CoordinatorOptions times;
+  times.heartbeat = milliseconds(100);
+  times.suspect_after = milliseconds(300);
+  times.lost_after = milliseconds(500);
+  Farm farm(fake_workers(2, 10), times);
+  const JobSpec job = make_job(160, 160, 16);
+  std::vector<pid_t> stopped;
+  const JobResult result = farm.render(job, [&](const JobProgress& progress) {
+    if (!stopped.empty() || progress.tiles_done == 0) return;
+    stopped = farm.workers.processes();
+    for (const pid_t process : stopped) kill(process, SIGSTOP);
+  });
+  EXPECT_EQ(stopped.size(), 2u);
+  EXPECT_EQ(result.report.end, JobReport::End::done);
+  EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+  EXPECT_GE(result.report.workers_lost, 2u);
+  for (const pid_t process : stopped) EXPECT_FALSE(alive(process));
 }
 
 TEST(LocalWorkers, ATileThatCrashesThreeIsGivenUpAndTheRestIsRendered) {
