@@ -170,8 +170,14 @@ std::vector<EndedProcess> LocalWorkers::collect() {
   std::vector<EndedProcess> ended;
   std::erase_if(running_, [&](pid_t pid) {
     int status = 0;
-    if (waitpid(pid, &status, WNOHANG) != pid) return false;
-    ended.push_back(describe(pid, status));
+    const pid_t changed = waitpid(pid, &status, WNOHANG);
+    if (changed == pid) {
+      ended.push_back(describe(pid, status));
+      return true;
+    }
+    // Where SIGCHLD is ignored, the kernel forgets who ends.
+    if (changed >= 0 || errno != ECHILD) return false;
+    ended.push_back({pid, false, fmt::format("process {} ended, nobody knows how", pid)});
     return true;
   });
   return ended;

@@ -131,6 +131,25 @@ TEST(LocalWorkers, WhenAllAreStoppedTheyAreReplaced) {
   for (const pid_t process : stopped) EXPECT_FALSE(alive(process));
 }
 
+TEST(LocalWorkers, AreReplacedAndEndedWhereSigchldIsIgnored) {
+  const auto before = signal(SIGCHLD, SIG_IGN);
+  {
+    Farm farm(fake_workers(2, 10));
+    const JobSpec job = make_job(96, 96, 16);
+    pid_t killed = 0;
+    const JobResult result = farm.render(job, [&](const JobProgress& progress) {
+      if (killed != 0 || progress.tiles_done == 0) return;
+      killed = farm.workers.processes()[0];
+      kill(killed, SIGKILL);
+    });
+    EXPECT_NE(killed, 0);
+    EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+    farm.workers.stop(milliseconds(100));
+    EXPECT_THAT(farm.workers.processes(), ::testing::IsEmpty());
+  }
+  signal(SIGCHLD, before);
+}
+
 TEST(LocalWorkers, ATileThatCrashesThreeIsGivenUpAndTheRestIsRendered) {
   LocalWorkerOptions options = fake_workers(2, 2);
   options.extra_arguments.insert(options.extra_arguments.end(), {"--deadly", "yes"});
