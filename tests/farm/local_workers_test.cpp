@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 
 #include <filesystem>
@@ -175,6 +176,22 @@ TEST(LocalWorkers, AProgramThatIsNotThereIsAnError) {
   options.program = "/nonexistent/worker";
   LocalWorkers workers(options);
   EXPECT_THROW(workers.start(), Error);
+}
+
+TEST(LocalWorkers, TooManyForTheLimitOfOpenFilesIsAnError) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const auto too_many = static_cast<int>(std::min<rlim_t>(before.rlim_max / 2, 1'000'000'000));
+  EXPECT_THROW(LocalWorkers(fake_workers(too_many, 0)), Error);
+  // Up to the hard limit it helps itself.
+  rlimit low = before;
+  low.rlim_cur = 64;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &low), 0);
+  const LocalWorkers some(fake_workers(64, 0));
+  rlimit raised{};
+  getrlimit(RLIMIT_NOFILE, &raised);
+  EXPECT_GE(raised.rlim_cur, 128u);
+  setrlimit(RLIMIT_NOFILE, &before);
 }
 
 TEST(LocalWorkers, DieWithTheirParent) {
