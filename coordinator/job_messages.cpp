@@ -3,6 +3,8 @@
 #include <array>
 #include <utility>
 
+#include "proto/wire/printable.h"
+
 namespace tessera {
 namespace {
 
@@ -67,7 +69,7 @@ JobReport from_message(const v1::JobEnd& end) {
   if (report.exit_code != ExitCode::done && report.end == JobReport::End::done) {
     report.end = JobReport::End::failed;
   }
-  report.failure = end.failure();
+  report.failure = printable(end.failure());
   for (const v1::PixelRect& rect : end.holes()) {
     report.holes.push_back({rect.x0(), rect.y0(), rect.x1(), rect.y1()});
   }

@@ -42,6 +42,17 @@ TEST(JobClient, WhatCannotBeFetchedIsNotDone) {
   EXPECT_EQ(result.report.tiles_done, 0u);
 }
 
+TEST(JobClient, WhatTheOtherSideSaysIsPrintable) {
+  v1::JobEnd end;
+  end.set_how(v1::JobEnd::FAILED);
+  end.set_failure(
+      "a\x1b[31m\nb\x7f\xc2\x9b"
+      "c\xc3\xa9");
+  EXPECT_EQ(end_of_job(end).report.failure, "a [31m b   c\xc3\xa9");
+  end.set_failure(std::string(999, 'a') + "\xc3\xa9");
+  EXPECT_EQ(end_of_job(end).report.failure, std::string(999, 'a'));
+}
+
 TEST(JobClient, OnlyWhatIsDoneHasExitCodeZero) {
   const auto exit_code = [](v1::JobEnd::How how, uint32_t code) {
     v1::JobEnd end;
