@@ -1,7 +1,9 @@
 #include "coordinator/assembler.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -16,6 +18,11 @@ namespace {
 // Of all tiles of a job together, so that its report fits a message.
 constexpr size_t kMaxCounters = 256;
 constexpr size_t kMaxCounterName = 64;
+
+uint64_t saturating_sum(uint64_t a, uint64_t b) {
+  return a > std::numeric_limits<uint64_t>::max() - b ? std::numeric_limits<uint64_t>::max()
+                                                      : a + b;
+}
 
 }  // namespace
 
@@ -48,7 +55,7 @@ std::optional<std::vector<uint64_t>> Assembler::counts_of(const v1::Counters& co
 CounterMap Assembler::counters() const {
   std::vector<uint64_t> sums(names_.size());
   for (const auto& counts : counts_) {
-    for (size_t i = 0; i < counts.size(); ++i) sums[i] += counts[i];
+    for (size_t i = 0; i < counts.size(); ++i) sums[i] = saturating_sum(sums[i], counts[i]);
   }
   CounterMap result;
   for (const auto& [name, place] : names_) result[name] = sums[place];
@@ -88,6 +95,9 @@ BandResult Assembler::add(const v1::TileBand& band, WorkerId from) {
   auto counts = band.last() ? counts_of(band.counters()) : std::nullopt;
   if (band.last() && !counts) return result;
   if (!decode_band(band, tile.width(), scratch_)) return result;
+  // A TileRenderer gives none.
+  const auto finite = [](float value) { return std::isfinite(value); };
+  if (!std::all_of(scratch_.begin(), scratch_.end(), finite)) return result;
   result.valid = true;
 
   const bool was_complete = complete(index);

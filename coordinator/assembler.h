@@ -24,7 +24,7 @@ struct Mismatch {
 
 /// What became of a band.
 struct BandResult {
-  bool valid = false;  ///< false: it is damaged, or not of this job's tiles or counters
+  bool valid = false;  ///< false: damaged, not finite, or not of this job's tiles or counters
   bool completed_tile = false;
   bool duplicate_tile = false;  ///< the last band of a tile that was complete already
   std::optional<Mismatch> mismatch;
@@ -43,7 +43,8 @@ class Assembler {
   const std::vector<PixelRect>& tiles() const { return tiles_; }
   bool complete(uint32_t tile) const { return done_by_[tile] != 0; }
   uint64_t tiles_done() const { return tiles_done_; }
-  /// Sums over complete tiles, and what building the scene counted.
+  /// Sums over complete tiles, which stop at the largest number, and what building the scene
+  /// counted.
   CounterMap counters() const;
   /// What a worker counted when it built the scene. The first word counts: they are all the same.
   void note_build_counters(const v1::Counters& counters);
@@ -68,8 +69,8 @@ class Assembler {
   std::unordered_map<uint32_t, Partial> partial_;
   Film film_;
   std::vector<float> scratch_;
-  std::map<std::string, size_t> names_;         ///< of counters: their places in counts
-  std::vector<std::vector<uint64_t>> counts_;   ///< by complete tile
+  std::map<std::string, size_t> names_;        ///< of counters: their places in counts
+  std::vector<std::vector<uint64_t>> counts_;  ///< by complete tile
   CounterMap build_counters_;
   uint64_t tiles_done_ = 0;
 };

@@ -7,13 +7,13 @@
 
 #include "base/log.h"
 #include "proto/wire/blob_transfer.h"
+#include "proto/wire/printable.h"
 
 namespace tessera {
 namespace {
 
 constexpr Time kTick = std::chrono::milliseconds(100);
 constexpr int kMaxFailuresOfWorker = 3;
-constexpr size_t kMaxText = 2000;
 
 }  // namespace
 
@@ -120,7 +120,7 @@ void Coordinator::on_blob_request(const PeerId& peer, const v1::BlobRequest& req
 void Coordinator::on_worker_message(WorkerRecord& worker, const v1::Envelope& message, Time now) {
   if (message.has_bye()) {
     if (message.bye().session() == worker.hello.session()) {
-      lose(worker, LossCause::left, message.bye().reason().substr(0, kMaxText), now);
+      lose(worker, LossCause::left, printable(message.bye().reason()), now);
     }
     return;
   }
@@ -265,7 +265,7 @@ void Coordinator::fail_undecided(Time now) {
 
 void Coordinator::on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now) {
   if (!job() || failed.job() != job()->id()) return;
-  const std::string text = failed.text().substr(0, kMaxText);
+  const std::string text = printable(failed.text());
   spdlog::warn("worker {} failed tile {}: {}", worker.name(), failed.tile(), text);
   job()->report().failure = text;
   act(job()->scheduler().fail(failed.lease(), worker.id, now), now);
@@ -273,7 +273,7 @@ void Coordinator::on_tile_failed(WorkerRecord& worker, const v1::TileFailed& fai
 
 void Coordinator::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed) {
   if (!job() || failed.job() != job()->id()) return;
-  const std::string text = failed.text().substr(0, kMaxText);
+  const std::string text = printable(failed.text());
   if (!job()->scene_failed_at(worker.id)) {
     spdlog::info("worker {} could not build the scene: {}", worker.name(), text);
   }
@@ -360,15 +360,14 @@ void Coordinator::on_tick(Time now) {
     if (job()) job()->scheduler().set_suspect(worker->id, true);
   }
   for (WorkerRecord* worker : silence.lost) {
+    // A process of ours that is stopped would never come back by itself.
+    note_stuck(*worker);
     lose(*worker, LossCause::vanished, "no word from it for too long", now);
   }
   if (job()) {
     const SchedulerEvents events = job()->scheduler().expire(now);
     for (const WorkerId id : events.blamed) {
-      const WorkerRecord* worker = workers_.by_id(id);
-      if (worker && worker->hello.host() == options_.host) {
-        stuck_.push_back(static_cast<pid_t>(worker->hello.process_id()));
-      }
+      if (const WorkerRecord* worker = workers_.by_id(id)) note_stuck(*worker);
     }
     act(events, now);
     fill(now);
@@ -377,6 +376,11 @@ void Coordinator::on_tick(Time now) {
   jobs_.clients().on_tick(now);
   attend_clients(now);
   next_tick_ = now + (job() ? kTick : options_.heartbeat);
+}
+
+void Coordinator::note_stuck(const WorkerRecord& worker) {
+  if (worker.hello.host() != options_.host) return;
+  stuck_.push_back(static_cast<pid_t>(worker.hello.process_id()));
 }
 
 std::vector<pid_t> Coordinator::take_stuck_processes() { return std::exchange(stuck_, {}); }

@@ -52,7 +52,8 @@ class Coordinator {
   std::vector<OutgoingMessage> take_outgoing();
   /// Tells every worker to end.
   void shut_down(const std::string& reason);
-  /// Processes of this host that hold a tile without progress: better killed and replaced.
+  /// Processes of this host that hold a tile without progress, or are lost though they did not end:
+  /// better killed and replaced.
   std::vector<pid_t> take_stuck_processes();
   /// Adds to the running job's report.
   void note_assembling(double seconds);
@@ -76,6 +77,7 @@ class Coordinator {
   void advance_jobs(Time now);
   void attend_clients(Time now);
   void lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now);
+  void note_stuck(const WorkerRecord& worker);
   void act(const SchedulerEvents& events, Time now);
   void judge_failures(WorkerRecord& worker, Time now);
   void fill(Time now);

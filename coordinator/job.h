@@ -33,7 +33,8 @@ struct JobReport {
 
   CounterMap counters;        ///< sums over accepted tiles: rays_primary ...
   CounterMap build_counters;  ///< of the scene that was built: textures_used ...
-  uint64_t tiles_total = 0, tiles_done = 0;
+  uint64_t tiles_total = 0;
+  uint64_t tiles_done = 0;   ///< of those in the film; 0: the film is one hole, not a picture
   uint64_t retries = 0;      ///< assignments beyond the first that replaced a lost one
   uint64_t speculative = 0;  ///< second copies issued at the end of the queue
   uint64_t duplicates = 0;   ///< results that came for a tile already done

@@ -135,6 +135,7 @@ void JobClient::finish(JobReport report) {
   } else {
     result.film.mark_hole(crop_);
     result.report.holes = {crop_};
+    result.report.tiles_done = 0;
     if (result.report.end == JobReport::End::done) {
       result.report.end = JobReport::End::failed;
       result.report.exit_code = ExitCode::render_failed;

@@ -3,6 +3,8 @@
 #include <array>
 #include <utility>
 
+#include "proto/wire/printable.h"
+
 namespace tessera {
 namespace {
 
@@ -59,7 +61,15 @@ JobReport from_message(const v1::JobEnd& end) {
                                                       : JobReport::End::failed;
   const bool known = end.exit_code() <= static_cast<uint32_t>(ExitCode::interrupted);
   report.exit_code = known ? static_cast<ExitCode>(end.exit_code()) : ExitCode::render_failed;
-  report.failure = end.failure();
+  // A message may say what cannot be: only what is done has exit code 0.
+  if (report.end == JobReport::End::interrupted) report.exit_code = ExitCode::interrupted;
+  if (report.end == JobReport::End::failed && report.exit_code == ExitCode::done) {
+    report.exit_code = ExitCode::render_failed;
+  }
+  if (report.exit_code != ExitCode::done && report.end == JobReport::End::done) {
+    report.end = JobReport::End::failed;
+  }
+  report.failure = printable(end.failure());
   for (const v1::PixelRect& rect : end.holes()) {
     report.holes.push_back({rect.x0(), rect.y0(), rect.x1(), rect.y1()});
   }

@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sys/file.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -78,6 +79,26 @@ std::pair<std::string, int> make_private_folder() {
   throw render_error(fmt::format("cannot lock a folder in '{}'", parent.string()));
 }
 
+/// The transport cannot stand to run out of descriptors: whether there are enough is found out
+/// before. Raises this process's own limit as far as it may.
+void provide_descriptors(int workers) {
+  constexpr rlim_t kPerWorker = 2;  // control and bulk
+  constexpr rlim_t kOurOwn = 40;    // the transport's, standard streams, files of the scene
+  const rlim_t needed = kOurOwn + kPerWorker * static_cast<rlim_t>(std::max(workers, 0));
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= needed) return;
+  if (limit.rlim_max < needed) {
+    throw render_error(
+        fmt::format("at most {} files may be open; expected at least {} for {} workers (ulimit -n)",
+                    limit.rlim_max, needed, workers));
+  }
+  limit.rlim_cur = needed;
+  if (setrlimit(RLIMIT_NOFILE, &limit) != 0) {
+    throw render_error(fmt::format("cannot raise the number of open files to {}: {}", needed,
+                                   std::strerror(errno)));
+  }
+}
+
 EndedProcess describe(pid_t pid, int status) {
   EndedProcess ended{.pid = pid, .crashed = false, .how = {}};
   if (WIFSIGNALED(status)) {
@@ -125,6 +146,7 @@ class SpawnSettings {
 }  // namespace
 
 LocalWorkers::LocalWorkers(LocalWorkerOptions options) : options_(std::move(options)) {
+  provide_descriptors(options_.count);
   std::tie(folder_, folder_lock_) = make_private_folder();
   endpoint_ = "ipc://" + folder_ + "/farm";
   note_progress();
@@ -170,8 +192,14 @@ std::vector<EndedProcess> LocalWorkers::collect() {
   std::vector<EndedProcess> ended;
   std::erase_if(running_, [&](pid_t pid) {
     int status = 0;
-    if (waitpid(pid, &status, WNOHANG) != pid) return false;
-    ended.push_back(describe(pid, status));
+    const pid_t changed = waitpid(pid, &status, WNOHANG);
+    if (changed == pid) {
+      ended.push_back(describe(pid, status));
+      return true;
+    }
+    // Where SIGCHLD is ignored, the kernel forgets who ends.
+    if (changed >= 0 || errno != ECHILD) return false;
+    ended.push_back({pid, false, fmt::format("process {} ended, nobody knows how", pid)});
     return true;
   });
   return ended;

@@ -33,7 +33,7 @@ struct EndedProcess {
 class LocalWorkers {
  public:
   /// Makes the folder, and removes those that killed processes left; throws render_error if it
-  /// cannot.
+  /// cannot, or if this process may not open enough files for so many workers.
   explicit LocalWorkers(LocalWorkerOptions options);
   /// Ends what still runs, as stop() does, and removes the folder.
   ~LocalWorkers();

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "proto/wire/printable.h"
+
 namespace tessera {
 namespace {
 
@@ -22,7 +24,8 @@ v1::Reject rejected(v1::Reject::Reason reason, std::string text) {
 }  // namespace
 
 std::string WorkerRecord::name() const {
-  return fmt::format("{}:{}", hello.host().empty() ? "worker" : hello.host(), hello.process_id());
+  return fmt::format("{}:{}", hello.host().empty() ? "worker" : printable(hello.host()),
+                     hello.process_id());
 }
 
 std::optional<v1::Reject> WorkerRegistry::judge(const v1::Hello& hello) const {
@@ -30,13 +33,13 @@ std::optional<v1::Reject> WorkerRegistry::judge(const v1::Hello& hello) const {
     return rejected(
         v1::Reject::PROTOCOL,
         fmt::format("the worker ({}) speaks protocol {}.{}; the coordinator expected {}.x",
-                    hello.build().substr(0, kMaxText), hello.protocol_major(),
-                    hello.protocol_minor(), options_.protocol_major));
+                    printable(hello.build()), hello.protocol_major(), hello.protocol_minor(),
+                    options_.protocol_major));
   }
   if (hello.numerics_id() != options_.numerics_id) {
     return rejected(v1::Reject::NUMERICS,
                     fmt::format("the worker computes by '{}'; the coordinator expected '{}'",
-                                hello.numerics_id().substr(0, kMaxText), options_.numerics_id));
+                                printable(hello.numerics_id()), options_.numerics_id));
   }
   const auto aside = set_aside_.find(hello.worker_id());
   if (aside != set_aside_.end()) return rejected(v1::Reject::QUARANTINED, aside->second);

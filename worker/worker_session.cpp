@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "proto/wire/printable.h"
+
 namespace tessera {
 namespace {
 
@@ -81,7 +83,7 @@ void WorkerSession::on_message(Channel channel, const v1::Envelope& message, Tim
       actions_.push_back(Quit{message.reject().reason() == v1::Reject::QUARANTINED
                                   ? ExitCode::render_failed
                                   : ExitCode::bad_usage,
-                              "refused by the coordinator: " + message.reject().text()});
+                              "refused by the coordinator: " + printable(message.reject().text())});
       return;
     case v1::Envelope::kHelloRequest:
       // Requests answer every message that crossed the hello; one hello answers them all.
@@ -106,7 +108,7 @@ void WorkerSession::on_message(Channel channel, const v1::Envelope& message, Tim
       if (message.cancel_job().job() == job_) forget_job();
       return;
     case v1::Envelope::kShutdown:
-      actions_.push_back(Quit{ExitCode::done, message.shutdown().reason()});
+      actions_.push_back(Quit{ExitCode::done, printable(message.shutdown().reason())});
       return;
     default:
       return;  // a ping, which only shows life, or of a newer minor version

@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "proto/transport/endpoint.h"
+#include "proto/transport/socket_file.h"
 
 namespace tessera {
 namespace {
@@ -105,11 +106,15 @@ class ZmqServer final : public ServerTransport {
       socket->set(zmq::sockopt::router_mandatory, 1);
       if (endpoint.host.starts_with("[")) socket->set(zmq::sockopt::ipv6, 1);
     }
-    endpoint_ = bind(control_, endpoint);
     Endpoint bulk = endpoint;
     if (!endpoint.tcp) bulk.path += ".bulk";
     if (endpoint.tcp && endpoint.port != 0) ++bulk.port;
-    bulk = parse_endpoint(bind(bulk_, bulk));
+    // Both, before anything is bound: a bound socket takes the place of what is at its path.
+    for (const Endpoint& each : {endpoint, bulk}) {
+      if (has_file(each)) SocketFile::check_free(each.path);
+    }
+    endpoint_ = bind(control_, endpoint, control_file_);
+    bulk = parse_endpoint(bind(bulk_, bulk, bulk_file_));
     bulk_endpoint_ = bulk.tcp ? fmt::format("tcp://:{}", bulk.port) : bulk.str();
   }
 
@@ -155,7 +160,12 @@ class ZmqServer final : public ServerTransport {
   void wake() override { wake_.wake(); }
 
  private:
-  static std::string bind(zmq::socket_t& socket, const Endpoint& endpoint) {
+  /// Not those in the abstract name space.
+  static bool has_file(const Endpoint& endpoint) {
+    return !endpoint.tcp && !endpoint.path.starts_with("@");
+  }
+
+  static std::string bind(zmq::socket_t& socket, const Endpoint& endpoint, SocketFile& file) {
     try {
       socket.bind(endpoint.str());
     } catch (const zmq::error_t& error) {
@@ -164,11 +174,13 @@ class ZmqServer final : public ServerTransport {
                       "on this machine",
                       endpoint.str(), error.what()));
     }
+    if (has_file(endpoint)) file.own(endpoint.path);
     return socket.get(zmq::sockopt::last_endpoint);
   }
 
   zmq::context_t context_{1};
   zmq::socket_t control_, bulk_;
+  SocketFile control_file_, bulk_file_;
   WakeUp wake_;
   std::string endpoint_, bulk_endpoint_;
 };

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 
 #include <filesystem>
@@ -36,8 +37,8 @@ bool alive(pid_t process) { return kill(process, 0) == 0; }
 struct Farm {
   LocalWorkers workers;
   RenderLoop loop;
-  explicit Farm(const LocalWorkerOptions& options)
-      : workers(options), loop(bind_server(workers.endpoint()), {}) {
+  explicit Farm(const LocalWorkerOptions& options, const CoordinatorOptions& times = {})
+      : workers(options), loop(bind_server(workers.endpoint()), times) {
     loop.watch(&workers);
     workers.start();
   }
@@ -111,6 +112,45 @@ TEST(LocalWorkers, AStoppedOneHoldsNothingUpAndIsEnded) {
   EXPECT_FALSE(alive(stopped));
 }
 
+TEST(LocalWorkers, WhenAllAreStoppedTheyAreReplaced) {
+  CoordinatorOptions times;
+  times.heartbeat = milliseconds(100);
+  times.suspect_after = milliseconds(300);
+  times.lost_after = milliseconds(500);
+  Farm farm(fake_workers(2, 10), times);
+  const JobSpec job = make_job(160, 160, 16);
+  std::vector<pid_t> stopped;
+  const JobResult result = farm.render(job, [&](const JobProgress& progress) {
+    if (!stopped.empty() || progress.tiles_done == 0) return;
+    stopped = farm.workers.processes();
+    for (const pid_t process : stopped) kill(process, SIGSTOP);
+  });
+  EXPECT_EQ(stopped.size(), 2u);
+  EXPECT_EQ(result.report.end, JobReport::End::done);
+  EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+  EXPECT_GE(result.report.workers_lost, 2u);
+  for (const pid_t process : stopped) EXPECT_FALSE(alive(process));
+}
+
+TEST(LocalWorkers, AreReplacedAndEndedWhereSigchldIsIgnored) {
+  const auto before = signal(SIGCHLD, SIG_IGN);
+  {
+    Farm farm(fake_workers(2, 10));
+    const JobSpec job = make_job(96, 96, 16);
+    pid_t killed = 0;
+    const JobResult result = farm.render(job, [&](const JobProgress& progress) {
+      if (killed != 0 || progress.tiles_done == 0) return;
+      killed = farm.workers.processes()[0];
+      kill(killed, SIGKILL);
+    });
+    EXPECT_NE(killed, 0);
+    EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+    farm.workers.stop(milliseconds(100));
+    EXPECT_THAT(farm.workers.processes(), ::testing::IsEmpty());
+  }
+  signal(SIGCHLD, before);
+}
+
 TEST(LocalWorkers, ATileThatCrashesThreeIsGivenUpAndTheRestIsRendered) {
   LocalWorkerOptions options = fake_workers(2, 2);
   options.extra_arguments.insert(options.extra_arguments.end(), {"--deadly", "yes"});
@@ -136,6 +176,22 @@ TEST(LocalWorkers, AProgramThatIsNotThereIsAnError) {
   options.program = "/nonexistent/worker";
   LocalWorkers workers(options);
   EXPECT_THROW(workers.start(), Error);
+}
+
+TEST(LocalWorkers, TooManyForTheLimitOfOpenFilesIsAnError) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const auto too_many = static_cast<int>(std::min<rlim_t>(before.rlim_max / 2, 1'000'000'000));
+  EXPECT_THROW(LocalWorkers(fake_workers(too_many, 0)), Error);
+  // Up to the hard limit it helps itself.
+  rlimit low = before;
+  low.rlim_cur = 64;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &low), 0);
+  const LocalWorkers some(fake_workers(64, 0));
+  rlimit raised{};
+  getrlimit(RLIMIT_NOFILE, &raised);
+  EXPECT_GE(raised.rlim_cur, 128u);
+  setrlimit(RLIMIT_NOFILE, &before);
 }
 
 TEST(LocalWorkers, DieWithTheirParent) {

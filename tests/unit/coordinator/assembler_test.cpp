@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <limits>
 #include <numeric>
 
 #include "proto/wire/pixels.h"
@@ -60,6 +61,38 @@ TEST(Assembler, CountsACompleteTileOnce) {
   }
   EXPECT_EQ(assembler.tiles_done(), 1u);
   EXPECT_EQ(assembler.counters().at("rays_primary"), 12u);
+}
+
+TEST(Assembler, TakesNoValuesThatAreNotFinite) {
+  for (const float value :
+       {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+        -std::numeric_limits<float>::infinity()}) {
+    Assembler assembler(kCrop, kTiles);
+    std::vector<float> values(4 * 3, 1.0f);
+    values[7] = value;
+    v1::TileBand band = encode_bands(values, 4, 20, false)[0];
+    band.set_lease(uint64_t{7} << 32);
+    band.set_last(false);
+    EXPECT_FALSE(assembler.add(band, 1).valid);
+    // Nothing of it stays.
+    EXPECT_FALSE(assembler.add(rows_of_first_tile()[0], 2).mismatch);
+    EXPECT_EQ(assembler.film().values()[0], 0);
+  }
+}
+
+TEST(Assembler, SumsOfCountersSaturate) {
+  Assembler assembler(kCrop, kTiles);
+  constexpr uint64_t kMost = std::numeric_limits<uint64_t>::max();
+  for (uint32_t tile = 0; tile < 2; ++tile) {
+    const int width = kTiles[tile].width();
+    const std::vector<float> values(static_cast<size_t>(width) * 9, 1.0f);
+    v1::TileBand band = encode_bands(values, width, 20, false)[0];
+    band.set_tile(tile);
+    band.set_lease(uint64_t{7} << 32 | tile);
+    (*band.mutable_counters()->mutable_values())["rays_primary"] = kMost - 5;
+    EXPECT_TRUE(assembler.add(band, 1).completed_tile);
+  }
+  EXPECT_EQ(assembler.counters().at("rays_primary"), kMost);
 }
 
 TEST(Assembler, MendsOneWorkersRowsWithAnothers) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "base/log.h"
 #include "proto/wire/blob_transfer.h"
 #include "proto/wire/pixels.h"
@@ -444,6 +446,27 @@ TEST_F(CoordinatorTest, ThreeFailedTilesSetAWorkerAsideAsLongAsThereIsAnother) {
   EXPECT_EQ(heard(v1::Envelope::kReject).size(), 4u);
   EXPECT_EQ(heard(v1::Envelope::kAssign).size(), assigns);
   EXPECT_EQ(coordinator.progress({}).workers, 1);
+}
+
+TEST_F(CoordinatorTest, PixelsThatAreNotFiniteCountAgainstTheirWorker) {
+  const uint64_t id = coordinator.submit(job(64), {});
+  for (const WorkerId worker : {1, 2}) {
+    const PeerId peer = worker == 1 ? "p" : "q";
+    say(peer, hello(worker));
+    ready(peer, id);
+    if (worker == 1) continue;
+    // The first two that each was given are its own; all bad ones count.
+    for (int i = 0; i < 3; ++i) {
+      const auto assigns = heard(v1::Envelope::kAssign);
+      for (const auto& assign : assigns) {
+        say("p", band(assign.assign(), std::numeric_limits<float>::quiet_NaN()));
+      }
+    }
+  }
+  const auto rejects = heard(v1::Envelope::kReject);
+  ASSERT_FALSE(rejects.empty());
+  EXPECT_EQ(rejects.front().reject().reason(), v1::Reject::QUARANTINED);
+  EXPECT_EQ(coordinator.progress({}).tiles_done, 0u);
 }
 
 TEST_F(CoordinatorTest, JobsThatCannotBeAreRefused) {

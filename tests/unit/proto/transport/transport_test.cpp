@@ -3,7 +3,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <span>
 #include <thread>
 
@@ -163,6 +169,46 @@ TEST(ZmqTransport, AnEndpointInUseIsNamed) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr(server->endpoint()));
     EXPECT_THAT(error.what(), ::testing::HasSubstr("in use"));
   }
+}
+
+TEST(ZmqTransport, TakesNoPathButOfASocketThatNobodyServes) {
+  namespace fs = std::filesystem;
+  std::string folder = (fs::temp_directory_path() / "tessera-test-XXXXXX").string();
+  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  const std::string path = folder + "/socket", endpoint = "ipc://" + path;
+  const auto expect_refused = [&](const char* why) {
+    try {
+      bind_server(endpoint);
+      ADD_FAILURE() << why;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::bad_usage);
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(why));
+    }
+  };
+  for (const char* suffix : {"", ".bulk"}) {
+    std::ofstream(path + suffix) << "precious";
+    expect_refused("no socket");
+    EXPECT_EQ(fs::file_size(path + suffix), 8u);
+    fs::remove(path + suffix);
+    EXPECT_TRUE(fs::is_empty(folder));
+  }
+  {
+    const auto server = bind_server(endpoint);
+    expect_refused("in use");
+    EXPECT_TRUE(fs::is_socket(path));
+    EXPECT_TRUE(fs::is_socket(path + ".bulk"));
+  }
+  EXPECT_TRUE(fs::is_empty(folder));
+  // One that was left by a process that was killed.
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  const int left = socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(bind(left, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  close(left);
+  EXPECT_NO_THROW(bind_server(endpoint));
+  EXPECT_TRUE(fs::is_empty(folder));
+  fs::remove_all(folder);
 }
 
 TEST(ZmqTransport, OnlyLoopbackIsBoundUnlessAllowed) {
