@@ -8,7 +8,6 @@
 #include "cli/bench_farm.h"
 #include "cli/command_line.h"
 #include "cli/option_values.h"
-#include "cli/output_file.h"
 
 namespace tessera {
 namespace {
@@ -33,7 +32,7 @@ void print_table(const nlohmann::json& rows) {
 }
 
 ExitCode bench(const BenchOptions& options) {
-  if (!options.json_file.empty()) check_output_file("--json", options.json_file);
+  if (!options.json_file.empty()) check_output_file(options.json_file, "--json");
   const nlohmann::json rows = bench_farm(options.farm);
   print_table(rows);
   if (!options.json_file.empty()) {

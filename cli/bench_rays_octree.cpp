@@ -11,7 +11,6 @@
 #include "bench/scene_mesh.h"
 #include "cli/command_line.h"
 #include "cli/option_values.h"
-#include "cli/output_file.h"
 #include "scenes/formats/read_scene.h"
 #include "scenes/generate/generate_scene.h"
 
@@ -34,7 +33,7 @@ TriangleMesh mesh_named(const std::string& name) {
 }
 
 ExitCode rays(const TracingBenchOptions& options) {
-  if (!options.json_file.empty()) check_output_file("--json", options.json_file);
+  if (!options.json_file.empty()) check_output_file(options.json_file, "--json");
   std::vector<BenchMesh> meshes;
   for (const std::string& name : options.scenes) meshes.push_back({name, mesh_named(name)});
   fmt::print("{:24} {:16} {:9} {:>8} {:>7} {:>10} {:>9} {:>8}\n", "scene", "accelerator", "kind",
@@ -73,7 +72,7 @@ OctreeScene octree_scene(const std::string& name) {
 }
 
 ExitCode octree(const TracingBenchOptions& options) {
-  if (!options.json_file.empty()) check_output_file("--json", options.json_file);
+  if (!options.json_file.empty()) check_output_file(options.json_file, "--json");
   OctreeBenchOptions bench = options.octree;
   if (options.compare) {
     bench.accelerators = {"bvh", "octree", "nonuniform-octree"};

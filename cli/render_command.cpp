@@ -12,7 +12,6 @@
 #include "base/log.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
-#include "cli/output_file.h"
 #include "cli/output_settings.h"
 #include "cli/progress_display.h"
 #include "cli/render_options.h"
@@ -75,7 +74,7 @@ class RenderRun {
     }
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
     for (const auto& path : picture_paths(options_)) check_writable(path_for(path, first));
-    if (options_.stats) check_output_file("--stats", path_for(*options_.stats, first));
+    if (options_.stats) check_output_file(path_for(*options_.stats, first), "--stats");
     check_input_file(options_.scene, UINT64_MAX);
   }
 
