@@ -8,6 +8,7 @@
 #include "cli/bench_farm.h"
 #include "cli/command_line.h"
 #include "cli/option_values.h"
+#include "cli/say.h"
 
 namespace tessera {
 namespace {
@@ -19,15 +20,14 @@ struct BenchOptions {
 
 /// The rows as a table: a column a key, in the order of the first row that has it.
 void print_table(const nlohmann::json& rows) {
-  fmt::print("{:<60} {:>10} {:>10} {:>7} {:>7}\n", "measure", "seconds", "reference", "ratio",
-             "limit");
+  say("{:<60} {:>10} {:>10} {:>7} {:>7}\n", "measure", "seconds", "reference", "ratio", "limit");
   const auto cell = [](const nlohmann::json& row, const char* key, int precision) {
     return row.contains(key) ? fmt::format("{:.{}f}", row[key].get<double>(), precision) : "";
   };
   for (const auto& row : rows) {
-    fmt::print("{:<60} {:>10} {:>10} {:>7} {:>7}\n", row["measure"].get<std::string>(),
-               cell(row, "seconds", 4), cell(row, "reference_seconds", 4), cell(row, "ratio", 3),
-               cell(row, "limit", 2));
+    say("{:<60} {:>10} {:>10} {:>7} {:>7}\n", row["measure"].get<std::string>(),
+        cell(row, "seconds", 4), cell(row, "reference_seconds", 4), cell(row, "ratio", 3),
+        cell(row, "limit", 2));
   }
 }
 

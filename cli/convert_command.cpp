@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "cli/command_line.h"
+#include "cli/say.h"
 #include "cli/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
 #include "scenes/formats/read_scene.h"
@@ -25,7 +26,7 @@ ExitCode convert(const ConvertOptions& options) {
   check_output_file(options.output, "OUT");
   const LoadedScene loaded = read_scene(options.input, {.decode_texture = decode_texture});
   for (const std::string& warning : loaded.warnings) {
-    fmt::print(stderr, "tessera: warning: {}\n", warning);
+    say(stderr, "tessera: warning: {}\n", warning);
   }
   write_scene_file(options.output, loaded.scene, loaded.blobs);
   return ExitCode::done;
