@@ -60,15 +60,24 @@ std::string read_input_file(const std::string& path, uint64_t max_bytes) {
 
 namespace {
 
-/// Where the file will really lie, links followed.
-fs::path output_place(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_symlink(path, ignored) ? fs::weakly_canonical(path, ignored) : path;
-}
-
 fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
+
+}  // namespace
+
+fs::path output_place(const fs::path& path) {
+  constexpr int kMostLinks = 40;  // as the kernel
+  std::error_code failure;
+  fs::path place = path;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(place, failure); ++i) {
+    place = folder_of(place) / fs::read_symlink(place, failure);
+  }
+  const fs::path whole = fs::weakly_canonical(fs::absolute(place, failure), failure);
+  return failure ? place : whole;
+}
+
+namespace {
 
 /// Why nothing can be written at `path`; empty where something can.
 std::string output_refusal(const fs::path& path) {

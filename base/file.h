@@ -14,6 +14,8 @@ namespace tessera {
 uint64_t check_input_file(const std::string& path, uint64_t max_bytes);
 /// The whole file, under the same conditions.
 std::string read_input_file(const std::string& path, uint64_t max_bytes);
+/// Where a file written to `path` will lie: links followed, even those that lead to nothing yet.
+std::filesystem::path output_place(const std::filesystem::path& path);
 /// Throws usage_error, with `option` before it, for what write_output_file could not do later: a
 /// folder that is missing or not writable, and a path that is neither new nor a regular file (a
 /// link counts as what it leads to). Creates nothing.

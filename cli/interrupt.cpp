@@ -51,6 +51,16 @@ void remove_when_interrupted(const std::string& folder, const std::vector<std::s
   leftover_count = count;
 }
 
+HeldInterrupts::HeldInterrupts() {
+  sigset_t held;
+  sigemptyset(&held);
+  sigaddset(&held, SIGINT);
+  sigaddset(&held, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &held, &before_);
+}
+
+HeldInterrupts::~HeldInterrupts() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
 const std::atomic<bool>& interrupted() { return interrupt_flag; }
 
 }  // namespace tessera

@@ -3,10 +3,11 @@
 import os
 import resource
 import stat
+import time
 import unittest
 
 import scenes
-from tessera_process import Result, TesseraTest
+from tessera_process import Result, TesseraTest, wait_until
 
 SMALL = ["--size", "96x96", "--workers", "0", "--threads", "1"]
 ENDINGS = ["png", "exr", "jpg", "bmp", "tif", "tga", "ppm", "webp", "hdr", "pfm", "sgi"]
@@ -47,6 +48,12 @@ class OutputFiles(TesseraTest):
                     self.assertTrue((self.folder / f"link-{name}").is_symlink())
                     self.assertNotEqual(b"old", (self.folder / f"sub/{name}").read_bytes())
 
+    def test_a_link_to_nothing_yet(self):
+        os.symlink("new.png", self.folder / "link.png")
+        self.assertEqual(0, self.run_program("render", self.scene, *SMALL, "-o", "link.png").code)
+        self.assertTrue((self.folder / "link.png").is_symlink())
+        self.assertTrue((self.folder / "new.png").read_bytes().startswith(b"\x89PNG"))
+
     def test_a_link_to_itself(self):
         os.symlink("loop.png", self.folder / "loop.png")
         for command in self.commands("loop.png"):
@@ -65,6 +72,37 @@ class OutputFiles(TesseraTest):
                 self.assert_error(Result(process.returncode, out, err), 3, f"old.{ending}",
                                   "File too large")
                 self.assertEqual(b"old", (self.folder / f"old.{ending}").read_bytes())
+
+    def test_readers_that_leave_early(self):
+        for stream in ("stderr", "stdout"):
+            with self.subTest(stream=stream):
+                (self.folder / "picture.png").unlink(missing_ok=True)
+                reader, writer = os.pipe()
+                os.close(reader)
+                process = self.start("render", self.scene, "--size", "640x480", "--spp", "400",
+                                     "--tile", "16", "--workers", "2", "-o", "picture.png",
+                                     **{stream: writer})
+                os.close(writer)
+                process.communicate(timeout=100)
+                self.assertEqual(0, process.returncode)
+                self.assertTrue((self.folder / "picture.png").exists())
+
+    def test_the_same_file_twice(self):
+        os.symlink("a.png", self.folder / "b.png")
+        for files in (["-o", "a.png", "-o", "./a.png"], ["-o", "a.png", "-o", "b.png"],
+                      ["-o", "a.png", "--stats", "a.png"]):
+            with self.subTest(files=files):
+                self.assert_error(self.run_program("render", self.scene, *SMALL, *files), 2, "twice")
+
+    def test_an_interrupted_animation_tells_how_far_it_came(self):
+        process = self.start("render", self.scene, "--size", "64x64", "--spp", "64", "--frames",
+                             "1-5000", "-o", "anim.png", "--workers", "1")
+        wait_until(lambda: (self.folder / "anim.0002.png").exists(), 20, "two frames")
+        process.terminate()
+        _, err = process.communicate(timeout=30)
+        self.assertEqual(4, process.returncode)
+        frames = len(list(self.folder.glob("anim.*.png")))
+        self.assertIn(f"{frames} of 5000 frames", err)
 
 
 if __name__ == "__main__":
