@@ -1,13 +1,19 @@
 #include "base/file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
+#include <climits>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <system_error>
+#include <utility>
 
 #include "base/error.h"
 
@@ -52,19 +58,118 @@ std::string read_input_file(const std::string& path, uint64_t max_bytes) {
   return bytes;
 }
 
+namespace {
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+}  // namespace
+
+fs::path output_place(const fs::path& path) {
+  constexpr int kMostLinks = 40;  // as the kernel
+  std::error_code failure;
+  fs::path place = path;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(place, failure); ++i) {
+    place = folder_of(place) / fs::read_symlink(place, failure);
+  }
+  const fs::path whole = fs::weakly_canonical(fs::absolute(place, failure), failure);
+  return failure ? place : whole;
+}
+
+namespace {
+
+/// Why nothing can be written at `path`; empty where something can.
+std::string output_refusal(const fs::path& path) {
+  std::error_code failure;
+  const fs::file_status status = fs::status(path, failure);
+  if (path.filename().empty() || fs::is_directory(status)) return "it is a folder";
+  if (failure && status.type() == fs::file_type::none) return failure.message();
+  if (fs::exists(status) && !fs::is_regular_file(status)) return "it is no regular file";
+  const fs::path place = output_place(path);
+  const fs::path folder = folder_of(place);
+  if (!fs::is_directory(folder, failure)) {
+    return fmt::format("there is no folder '{}'", folder.string());
+  }
+  if (access(folder.c_str(), W_OK | X_OK) != 0) return std::strerror(errno);
+  if (fs::exists(status) && access(place.c_str(), W_OK) != 0) return std::strerror(errno);
+  return {};
+}
+
+/// The file under way, where a signal handler may read it: written while the flag is down.
+std::array<char, PATH_MAX> unfinished_path;
+std::atomic<bool> unfinished{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "it is read in a signal handler");
+
+/// A new file in `folder` that goes away unless it is renamed. Every step tells whether it was
+/// done; errno tells why not.
+class UnfinishedFile {
+ public:
+  explicit UnfinishedFile(const fs::path& folder)
+      : path_(folder / fmt::format(".tessera-{}.part", ::getpid())) {}
+  UnfinishedFile(const UnfinishedFile&) = delete;
+  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
+  ~UnfinishedFile() {
+    if (file_ >= 0) ::close(file_);
+    if (unfinished) ::unlink(path_.c_str());
+    unfinished = false;
+  }
+
+  bool create() {
+    if (path_.native().size() >= unfinished_path.size()) return errno = ENAMETOOLONG, false;
+    ::unlink(path_.c_str());  // of an earlier process of this number that was killed
+    unfinished_path[path_.native().copy(unfinished_path.data(), PATH_MAX - 1)] = '\0';
+    unfinished = true;
+    file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    return file_ >= 0;
+  }
+
+  bool write(std::string_view bytes) {
+    while (!bytes.empty()) {
+      const ssize_t done = ::write(file_, bytes.data(), bytes.size());
+      if (done < 0 && errno == EINTR) continue;
+      if (done <= 0) return false;
+      bytes.remove_prefix(static_cast<size_t>(done));
+    }
+    return ::fsync(file_) == 0 && ::close(std::exchange(file_, -1)) == 0;
+  }
+
+  bool rename_to(const fs::path& place) {
+    if (std::rename(path_.c_str(), place.c_str()) != 0) return false;
+    unfinished = false;
+    // The name itself is durable once its folder is; some file systems can not sync one.
+    const int folder = ::open(folder_of(place).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder >= 0) ::fsync(folder), ::close(folder);
+    return true;
+  }
+
+ private:
+  fs::path path_;
+  int file_ = -1;
+};
+
+}  // namespace
+
+void check_output_file(const std::string& path, std::string_view option) {
+  const std::string why = output_refusal(path);
+  if (why.empty()) return;
+  throw usage_error(fmt::format("{}'{}' cannot be written: {}",
+                                option.empty() ? "" : fmt::format("{}: ", option), path, why));
+}
+
 void write_output_file(const std::string& path, std::string_view bytes) {
-  const std::string part = fmt::format("{}.{}.part", path, ::getpid());
-  const auto fail = [&] {
-    const std::string why = std::strerror(errno);
-    std::remove(part.c_str());
-    throw render_error(fmt::format("{}: cannot write: {}", path, why));
-  };
-  FileHandle file(std::fopen(part.c_str(), "wb"));
-  if (!file) fail();
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size()) fail();
-  if (std::fflush(file.get()) != 0 || ::fsync(::fileno(file.get())) != 0) fail();
-  if (std::fclose(file.release()) != 0) fail();
-  if (std::rename(part.c_str(), path.c_str()) != 0) fail();
+  std::string why = output_refusal(path);
+  if (why.empty()) {
+    const fs::path place = output_place(path);
+    UnfinishedFile file(folder_of(place));
+    if (file.create() && file.write(bytes) && file.rename_to(place)) return;
+    why = std::strerror(errno);
+  }
+  throw render_error(fmt::format("'{}' cannot be written: {}", path, why));
+}
+
+void remove_unfinished_output() {
+  if (unfinished) ::unlink(unfinished_path.data());
 }
 
 std::optional<fs::path> resolve_inside(const fs::path& folder, const std::string& reference) {
@@ -102,6 +207,11 @@ size_t utf8_sequence(std::string_view text, size_t at) {
 }
 
 }  // namespace
+
+std::string_view skip_byte_order_mark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
 
 size_t find_invalid_utf8(std::string_view text) {
   for (size_t at = 0; at < text.size();) {

@@ -7,7 +7,7 @@
 namespace tessera {
 
 /// Logging goes to standard error through spdlog's default logger. `level` is one of
-/// trace, debug, info, warn, error, off. Call once, before any thread starts.
+/// trace, debug, info, warn, error, off. Call before any thread starts; the last call counts.
 void configure_logging(std::string_view level, std::string_view process_name);
 
 }  // namespace tessera

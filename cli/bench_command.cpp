@@ -8,7 +8,7 @@
 #include "cli/bench_farm.h"
 #include "cli/command_line.h"
 #include "cli/option_values.h"
-#include "cli/output_file.h"
+#include "cli/say.h"
 
 namespace tessera {
 namespace {
@@ -20,20 +20,19 @@ struct BenchOptions {
 
 /// The rows as a table: a column a key, in the order of the first row that has it.
 void print_table(const nlohmann::json& rows) {
-  fmt::print("{:<60} {:>10} {:>10} {:>7} {:>7}\n", "measure", "seconds", "reference", "ratio",
-             "limit");
+  say("{:<60} {:>10} {:>10} {:>7} {:>7}\n", "measure", "seconds", "reference", "ratio", "limit");
   const auto cell = [](const nlohmann::json& row, const char* key, int precision) {
     return row.contains(key) ? fmt::format("{:.{}f}", row[key].get<double>(), precision) : "";
   };
   for (const auto& row : rows) {
-    fmt::print("{:<60} {:>10} {:>10} {:>7} {:>7}\n", row["measure"].get<std::string>(),
-               cell(row, "seconds", 4), cell(row, "reference_seconds", 4), cell(row, "ratio", 3),
-               cell(row, "limit", 2));
+    say("{:<60} {:>10} {:>10} {:>7} {:>7}\n", row["measure"].get<std::string>(),
+        cell(row, "seconds", 4), cell(row, "reference_seconds", 4), cell(row, "ratio", 3),
+        cell(row, "limit", 2));
   }
 }
 
 ExitCode bench(const BenchOptions& options) {
-  if (!options.json_file.empty()) check_output_file("--json", options.json_file);
+  if (!options.json_file.empty()) check_output_file(options.json_file, "--json");
   const nlohmann::json rows = bench_farm(options.farm);
   print_table(rows);
   if (!options.json_file.empty()) {

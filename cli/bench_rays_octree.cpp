@@ -11,7 +11,7 @@
 #include "bench/scene_mesh.h"
 #include "cli/command_line.h"
 #include "cli/option_values.h"
-#include "cli/output_file.h"
+#include "cli/say.h"
 #include "scenes/formats/read_scene.h"
 #include "scenes/generate/generate_scene.h"
 
@@ -34,16 +34,16 @@ TriangleMesh mesh_named(const std::string& name) {
 }
 
 ExitCode rays(const TracingBenchOptions& options) {
-  if (!options.json_file.empty()) check_output_file("--json", options.json_file);
+  if (!options.json_file.empty()) check_output_file(options.json_file, "--json");
   std::vector<BenchMesh> meshes;
   for (const std::string& name : options.scenes) meshes.push_back({name, mesh_named(name)});
-  fmt::print("{:24} {:16} {:9} {:>8} {:>7} {:>10} {:>9} {:>8}\n", "scene", "accelerator", "kind",
-             "Mrays/s", "ratio", "mismatches", "build s", "B/tri");
+  say("{:24} {:16} {:9} {:>8} {:>7} {:>10} {:>9} {:>8}\n", "scene", "accelerator", "kind",
+      "Mrays/s", "ratio", "mismatches", "build s", "B/tri");
   auto rows = nlohmann::ordered_json::array();
   for (const RayBenchRow& row : bench_rays(meshes, options.rays)) {
-    fmt::print("{:24} {:16} {:9} {:8.2f} {:7.3f} {:10} {:9.4f} {:8.1f}\n", row.scene,
-               row.accelerator, row.kind, row.mrays_per_second, row.ratio_to_embree, row.mismatches,
-               row.build_seconds, row.bytes_per_triangle);
+    say("{:24} {:16} {:9} {:8.2f} {:7.3f} {:10} {:9.4f} {:8.1f}\n", row.scene, row.accelerator,
+        row.kind, row.mrays_per_second, row.ratio_to_embree, row.mismatches, row.build_seconds,
+        row.bytes_per_triangle);
     rows.push_back({{"scene", row.scene},
                     {"accelerator", row.accelerator},
                     {"kind", row.kind},
@@ -73,7 +73,7 @@ OctreeScene octree_scene(const std::string& name) {
 }
 
 ExitCode octree(const TracingBenchOptions& options) {
-  if (!options.json_file.empty()) check_output_file("--json", options.json_file);
+  if (!options.json_file.empty()) check_output_file(options.json_file, "--json");
   OctreeBenchOptions bench = options.octree;
   if (options.compare) {
     bench.accelerators = {"bvh", "octree", "nonuniform-octree"};
@@ -87,7 +87,7 @@ ExitCode octree(const TracingBenchOptions& options) {
       rows.push_back(std::move(row));
     }
   }
-  fmt::print("{}", octree_table(rows));
+  say("{}", octree_table(rows));
   if (!options.json_file.empty()) write_output_file(options.json_file, octree_json(rows));
   if (options.compare && differing > 0)
     throw render_error(fmt::format("{} pixels differ between accelerators", differing));

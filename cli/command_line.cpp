@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "base/log.h"
 #include "base/version.h"
+#include "cli/say.h"
 
 namespace tessera {
 namespace {
@@ -98,6 +100,7 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     throw usage_error_from(app, error);
   }
+  configure_logging("warn", "tessera");
   return action();
 }
 
@@ -107,13 +110,13 @@ ExitCode run_command_line(int argc, const char* const* argv) {
   try {
     return parse_and_run(argc, argv);
   } catch (const Error& error) {
-    fmt::print(stderr, "tessera: {}\n", error.what());
+    say(stderr, "tessera: {}\n", error.what());
     return error.code();
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "tessera: out of memory\n");
+    say(stderr, "tessera: out of memory\n");
     return ExitCode::render_failed;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "tessera: {}\n", error.what());
+    say(stderr, "tessera: {}\n", error.what());
     return ExitCode::render_failed;
   }
 }

@@ -7,6 +7,7 @@
 
 #include "cli/command_line.h"
 #include "cli/option_values.h"
+#include "cli/say.h"
 #include "renderer/image/image_file.h"
 
 namespace tessera {
@@ -58,13 +59,13 @@ ExitCode compare(const CompareOptions& options) {
   const Difference d = difference_of(a, b, options.max_difference);
   const auto values = static_cast<double>(d.values);
   const size_t pixels = d.values / kFilmChannels;
-  fmt::print("size              {}x{}\n", a.width, a.height);
-  fmt::print("max difference    {:.9g}\n", d.greatest);
-  fmt::print("mean difference   {:.9g}\n", d.sum / values);
-  fmt::print("rmse              {:.9g}\n", std::sqrt(d.sum_of_squares / values));
-  fmt::print("differing pixels  {} of {}\n", d.pixels_unequal, pixels);
+  say("size              {}x{}\n", a.width, a.height);
+  say("max difference    {:.9g}\n", d.greatest);
+  say("mean difference   {:.9g}\n", d.sum / values);
+  say("rmse              {:.9g}\n", std::sqrt(d.sum_of_squares / values));
+  say("differing pixels  {} of {}\n", d.pixels_unequal, pixels);
   if (d.pixels_beyond == 0) return ExitCode::done;
-  fmt::print("{} pixels differ by more than {}\n", d.pixels_beyond, options.max_difference);
+  say("{} pixels differ by more than {}\n", d.pixels_beyond, options.max_difference);
   return ExitCode::bad_scene;
 }
 

@@ -3,8 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "base/file.h"
 #include "cli/command_line.h"
-#include "cli/output_file.h"
+#include "cli/say.h"
 #include "cli/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
 #include "scenes/formats/read_scene.h"
@@ -22,10 +23,10 @@ ExitCode convert(const ConvertOptions& options) {
         fmt::format("'{}': no format to write; expected an ending of .tessera, .tesserab or .json",
                     options.output));
   }
-  check_output_file("OUT", options.output);
+  check_output_file(options.output, "OUT");
   const LoadedScene loaded = read_scene(options.input, {.decode_texture = decode_texture});
   for (const std::string& warning : loaded.warnings) {
-    fmt::print(stderr, "tessera: warning: {}\n", warning);
+    say(stderr, "tessera: warning: {}\n", warning);
   }
   write_scene_file(options.output, loaded.scene, loaded.blobs);
   return ExitCode::done;

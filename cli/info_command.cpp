@@ -9,6 +9,7 @@
 #include "base/digest.h"
 #include "cli/command_line.h"
 #include "cli/render_options.h"
+#include "cli/say.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/render/tile_renderer.h"
 #include "scenes/formats/read_scene.h"
@@ -70,21 +71,21 @@ void print_json(const SceneInfo& info) {
                               {"unused", info.summary.unused},
                               {"undefined", info.summary.undefined},
                               {"warnings", info.warnings}};
-  fmt::print("{}\n", result.dump(2));
+  say("{}\n", result.dump(2));
 }
 
 void print_list(const char* title, const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) fmt::print("{:<20} {}\n", title, line);
+  for (const std::string& line : lines) say("{:<20} {}\n", title, line);
 }
 
 void print_text(const SceneInfo& info) {
-  fmt::print("{:<20} {}\n", "digest", info.digest);
-  fmt::print("{:<20} {}x{}, {} samples per pixel\n", "picture", info.frame.width(),
-             info.frame.height(), info.frame.samples_per_pixel());
-  fmt::print("{:<20} {}\n", "bytes of blobs", info.blob_bytes);
-  for (const auto& [what, count] : info.summary.counts) fmt::print("{:<20} {}\n", what, count);
+  say("{:<20} {}\n", "digest", info.digest);
+  say("{:<20} {}x{}, {} samples per pixel\n", "picture", info.frame.width(), info.frame.height(),
+      info.frame.samples_per_pixel());
+  say("{:<20} {}\n", "bytes of blobs", info.blob_bytes);
+  for (const auto& [what, count] : info.summary.counts) say("{:<20} {}\n", what, count);
   for (size_t i = 0; i < info.cameras.size(); ++i) {
-    fmt::print("{:<20} '{}'{}\n", "camera", info.cameras[i], i == 0 ? " (the default)" : "");
+    say("{:<20} '{}'{}\n", "camera", info.cameras[i], i == 0 ? " (the default)" : "");
   }
   print_list("unused", info.summary.unused);
   print_list("undefined", info.summary.undefined);

@@ -6,6 +6,7 @@
 #include <csignal>
 
 #include "base/error.h"
+#include "base/file.h"
 
 namespace tessera {
 namespace {
@@ -20,6 +21,7 @@ std::atomic<size_t> leftover_count{0};
 
 void on_interrupt(int) {
   if (!interrupt_flag.exchange(true)) return;
+  remove_unfinished_output();
   const size_t count = leftover_count;
   for (size_t i = 0; i < count; ++i) {
     if (unlink(leftovers[i].data()) != 0) rmdir(leftovers[i].data());
@@ -35,8 +37,6 @@ void catch_interrupts() {
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-  // A reader of our output that leaves early is an error of that write, not our death.
-  std::signal(SIGPIPE, SIG_IGN);
 }
 
 void remove_when_interrupted(const std::string& folder, const std::vector<std::string>& files) {
@@ -50,6 +50,16 @@ void remove_when_interrupted(const std::string& folder, const std::vector<std::s
   keep(folder);
   leftover_count = count;
 }
+
+HeldInterrupts::HeldInterrupts() {
+  sigset_t held;
+  sigemptyset(&held);
+  sigaddset(&held, SIGINT);
+  sigaddset(&held, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &held, &before_);
+}
+
+HeldInterrupts::~HeldInterrupts() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
 
 const std::atomic<bool>& interrupted() { return interrupt_flag; }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,19 @@ void catch_interrupts();
 /// What a second interrupt removes on its way out: these files, then their folder. Paths longer
 /// than any socket's are left alone.
 void remove_when_interrupted(const std::string& folder, const std::vector<std::string>& files);
+
+/// While it lives, interrupts of this thread wait: between making a file and telling the above of
+/// it.
+class HeldInterrupts {
+ public:
+  HeldInterrupts();
+  ~HeldInterrupts();
+  HeldInterrupts(const HeldInterrupts&) = delete;
+  HeldInterrupts& operator=(const HeldInterrupts&) = delete;
+
+ private:
+  sigset_t before_{};
+};
 
 /// Whether one has come. Safe from any thread.
 const std::atomic<bool>& interrupted();

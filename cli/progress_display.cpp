@@ -1,4 +1,5 @@
 #include "cli/progress_display.h"
+#include "cli/say.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -56,7 +57,7 @@ ProgressDisplay::ProgressDisplay(ProgressStyle style, std::FILE* stream, std::st
     : style_(style), stream_(stream), label_(std::move(label)), last_shown_(Clock::now()) {}
 
 ProgressDisplay::~ProgressDisplay() {
-  if (bar_is_drawn_) fmt::print(stream_, "\r\x1b[K");
+  if (bar_is_drawn_) say(stream_, "\r\x1b[K");
 }
 
 bool ProgressDisplay::is_due(const JobProgress& progress) {
@@ -74,10 +75,10 @@ void ProgressDisplay::show(const JobProgress& progress) {
   const bool bar = style_ == ProgressStyle::bar;
   const std::string text = label_ + progress_text(progress, bar);
   if (bar) {
-    fmt::print(stream_, "\r\x1b[K{}", text);
+    say(stream_, "\r\x1b[K{}", text);
     bar_is_drawn_ = true;
   } else {
-    fmt::print(stream_, "{}\n", text);
+    say(stream_, "{}\n", text);
   }
   std::fflush(stream_);
 }

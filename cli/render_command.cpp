@@ -5,6 +5,7 @@
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
 #include "base/digest.h"
@@ -12,10 +13,10 @@
 #include "base/log.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
-#include "cli/output_file.h"
 #include "cli/output_settings.h"
 #include "cli/progress_display.h"
 #include "cli/render_options.h"
+#include "cli/say.h"
 #include "cli/statistics.h"
 #include "cli/texture_decoder.h"
 #include "cli/tracing_farm.h"
@@ -49,14 +50,15 @@ class RenderRun {
 
   ExitCode run() {
     check_outputs();
-    preload_image_module();
     farm_ = start_farm();
+    preload_image_module();
     read(options_.frames ? options_.frames->first : 0);
     if (!options_.frames) return render_frame(std::nullopt, true);
     for (int frame = options_.frames->first; frame <= options_.frames->last; ++frame) {
       if (loaded_.depends_on_frame && frame > options_.frames->first) read(frame);
       const bool last = frame == options_.frames->last;
       if (const ExitCode code = render_frame(frame, last); code != ExitCode::done) return code;
+      ++frames_written_;
     }
     return ExitCode::done;
   }
@@ -75,8 +77,20 @@ class RenderRun {
     }
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
     for (const auto& path : picture_paths(options_)) check_writable(path_for(path, first));
-    if (options_.stats) check_output_file("--stats", path_for(*options_.stats, first));
+    if (options_.stats) check_output_file(path_for(*options_.stats, first), "--stats");
+    check_distinct();
     check_input_file(options_.scene, UINT64_MAX);
+  }
+
+  /// Each file would silently replace the one before it.
+  void check_distinct() const {
+    std::set<std::filesystem::path> taken;
+    const auto take = [&taken](const char* option, const std::filesystem::path& path) {
+      if (taken.insert(output_place(path)).second) return;
+      throw usage_error(fmt::format("{}: '{}' is given twice", option, path.string()));
+    };
+    for (const auto& path : picture_paths(options_)) take("--output", path);
+    if (options_.stats) take("--stats", *options_.stats);
   }
 
   std::unique_ptr<TracingFarm> start_farm() const {
@@ -97,7 +111,7 @@ class RenderRun {
     scene_digest_ = Digest::of(serialize_scene(loaded_.scene)).hex();
     if (options_.quiet) return;
     for (const std::string& warning : loaded_.warnings) {
-      fmt::print(stderr, "tessera: warning: {}\n", warning);
+      say(stderr, "tessera: warning: {}\n", warning);
     }
   }
 
@@ -107,15 +121,23 @@ class RenderRun {
     const JobResult result = trace(settings, frame, last);
     const JobReport& report = result.report;
     if (report.end == JobReport::End::interrupted) {
-      throw Error(ExitCode::interrupted,
-                  "interrupted; no picture was written and no tile was kept");
+      throw Error(ExitCode::interrupted, fmt::format("interrupted; {}", what_was_written()));
     }
     if (report.exit_code == ExitCode::bad_scene) {
       throw scene_error({options_.scene}, report.failure, "");
     }
+    if (report.end == JobReport::End::failed && report.tiles_done == 0) {
+      throw Error(report.exit_code, fmt::format("{}; {}", report.failure, what_was_written()));
+    }
     write(result, settings, output, frame);
     if (report.end == JobReport::End::failed) throw Error(report.exit_code, report.failure);
     return ExitCode::done;
+  }
+
+  std::string what_was_written() const {
+    if (!options_.frames) return "no picture was written and no tile was kept";
+    return fmt::format("{} of {} frames were written; no tile of another was kept", frames_written_,
+                       options_.frames->last - options_.frames->first + 1);
   }
 
   JobResult trace(const v1::FrameSettings& settings, std::optional<int> frame, bool last) {
@@ -166,10 +188,10 @@ class RenderRun {
   void print_end(const JobResult& result, const FrameStatistics& statistics,
                  std::optional<int> frame) const {
     for (const auto& path : picture_paths(options_)) {
-      fmt::print("{}  {}x{}, {} tiles by {} workers, {} retries, {}\n",
-                 path_for(path, frame).string(), result.film.width(), result.film.height(),
-                 result.report.tiles_done, result.report.workers_seen, result.report.retries,
-                 duration_text(statistics.seconds.total));
+      say("{}  {}x{}, {} tiles by {} workers, {} retries, {}\n", path_for(path, frame).string(),
+          result.film.width(), result.film.height(), result.report.tiles_done,
+          result.report.workers_seen, result.report.retries,
+          duration_text(statistics.seconds.total));
     }
     std::fflush(stdout);
   }
@@ -181,6 +203,7 @@ class RenderRun {
   std::string scene_digest_;
   double parse_seconds_ = 0;
   uint64_t peak_worker_bytes_ = 0;
+  int frames_written_ = 0;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
+#include "cli/say.h"
 #include "coordinator/render_loop.h"
 #include "proto/transport/zmq_transport.h"
 
@@ -26,7 +27,7 @@ ExitCode serve(const ServeOptions& options) {
   catch_interrupts();
   configure_logging("info", "serve");
   RenderLoop loop(bind_server(options.endpoint), CoordinatorOptions{});
-  fmt::print("serving at {}\n", loop.endpoint());
+  say("serving at {}\n", loop.endpoint());
   std::fflush(stdout);
   loop.serve(interrupted());
   loop.shut_down("the coordinator was told to end");

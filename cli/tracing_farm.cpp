@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -55,10 +56,12 @@ uint64_t peak_bytes_of(pid_t process) {
 class LocalFarm : public TracingFarm {
  public:
   LocalFarm(int workers, int threads, bool quiet)
-      : workers_(worker_options(workers, threads, quiet)),
+      : held_(std::in_place),
+        workers_(worker_options(workers, threads, quiet)),
         loop_(bind_server(workers_.endpoint()), coordinator_options(workers * threads)) {
     const std::filesystem::path socket = workers_.endpoint().substr(std::strlen("ipc://"));
     remove_when_interrupted(socket.parent_path(), {socket.string(), socket.string() + ".bulk"});
+    held_.reset();
     loop_.watch(&workers_);
     workers_.start();
   }
@@ -84,6 +87,7 @@ class LocalFarm : public TracingFarm {
   }
 
  private:
+  std::optional<HeldInterrupts> held_;  ///< until the sockets' folder is known to the handler
   LocalWorkers workers_;
   RenderLoop loop_;
   bool dismissed_ = false;

@@ -73,6 +73,7 @@ v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const st
     throw scene_error({name}, fmt::format("{} bytes", text.size()),
                       fmt::format("at most {}", kMaxSceneFileBytes));
   if (encoding != SceneEncoding::binary) {
+    text = skip_byte_order_mark(text);
     const size_t bad = find_invalid_utf8(text);
     if (bad != std::string_view::npos)
       throw scene_error(place_of(name, text, bad), "a byte that is not UTF-8", "text");

@@ -1,20 +1,21 @@
 #include "renderer/image/image_file.h"
 
 #include <dlfcn.h>
-#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <future>
 #include <mutex>
 #include <optional>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/version.h"
 #include "renderer/image/image_module.h"
 
@@ -86,51 +87,45 @@ std::shared_future<const ImageModule*> module_future() {
   return future;
 }
 
-// -------------------------------------------------------------------------------- safe appearance
+// ----------------------------------------------------------------------------------- the encoding
 
-std::string system_cause() { return std::strerror(errno); }
-
-/// Where the file will really lie: a link is written through, not replaced.
-fs::path destination(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_symlink(path, ignored) ? fs::weakly_canonical(path) : path;
-}
-
-fs::path temporary_beside(const fs::path& path) {
-  return path.parent_path() /
-         fmt::format(".{}.{}.tmp{}", path.stem().string(), getpid(), path.extension().string());
-}
-
-/// Removes its file unless it was renamed.
-class TemporaryFile {
+/// A file in memory for the encoders, which write files only: several of them take a full disk for
+/// success, and one ends the process.
+class MemoryFile {
  public:
-  explicit TemporaryFile(fs::path path) : path_(std::move(path)) {}
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    if (!kept_) unlink(path_.c_str());
+  /// `most_bytes` is never exceeded: a limit on file sizes, which holds here too, shows now.
+  explicit MemoryFile(uint64_t most_bytes) : file_(memfd_create("picture", MFD_CLOEXEC)) {
+    if (file_ < 0 || ftruncate(file_, static_cast<off_t>(most_bytes)) != 0 ||
+        ftruncate(file_, 0) != 0) {
+      const std::string why = std::strerror(errno);
+      if (file_ >= 0) close(file_);
+      throw render_error(why);
+    }
   }
-  const fs::path& path() const { return path_; }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  ~MemoryFile() {
+    if (mapped_ != MAP_FAILED) munmap(mapped_, size_);
+    close(file_);
+  }
 
-  bool sync_and_rename(const fs::path& to) {
-    if (!sync(path_, O_RDONLY) || std::rename(path_.c_str(), to.c_str()) != 0) return false;
-    kept_ = true;
-    // The name itself is durable once its folder is; some file systems can not sync one.
-    sync(to.has_parent_path() ? to.parent_path() : fs::path("."), O_RDONLY | O_DIRECTORY);
-    return true;
+  std::string path() const { return fmt::format("/proc/self/fd/{}", file_); }
+
+  /// What was written; lives as long as this.
+  std::string_view bytes() {
+    struct stat status {};
+    if (fstat(file_, &status) != 0) throw render_error(std::strerror(errno));
+    size_ = static_cast<size_t>(status.st_size);
+    if (size_ == 0) throw render_error("the encoder wrote nothing");
+    mapped_ = mmap(nullptr, size_, PROT_READ, MAP_SHARED, file_, 0);
+    if (mapped_ == MAP_FAILED) throw render_error(std::strerror(errno));
+    return {static_cast<const char*>(mapped_), size_};
   }
 
  private:
-  static bool sync(const fs::path& path, int flags) {
-    const int file = open(path.c_str(), flags | O_CLOEXEC);
-    if (file < 0) return false;
-    const bool done = fsync(file) == 0;
-    close(file);
-    return done;
-  }
-
-  fs::path path_;
-  bool kept_ = false;
+  int file_;
+  size_t size_ = 0;
+  void* mapped_ = MAP_FAILED;
 };
 
 std::vector<ImageModule::Attribute> attributes_of(const ImageMetadata& metadata,
@@ -146,21 +141,25 @@ std::vector<ImageModule::Attribute> attributes_of(const ImageMetadata& metadata,
 }
 
 /// Portable float map: little-endian floats, rows from the bottom.
-bool write_pfm(const fs::path& path, const Film& film) {
-  std::ofstream file(path, std::ios::binary);
-  file << fmt::format("PF\n{} {}\n-1.0\n", film.width(), film.height());
+std::string encode_pfm(const Film& film) {
+  std::string bytes = fmt::format("PF\n{} {}\n-1.0\n", film.width(), film.height());
+  bytes.reserve(bytes.size() + film.values().size_bytes());
   const auto row_size = static_cast<size_t>(film.width()) * kFilmChannels;
   for (int y = film.height() - 1; y >= 0; --y) {
     const auto row = film.values().subspan(static_cast<size_t>(y) * row_size, row_size);
-    file.write(reinterpret_cast<const char*>(row.data()),
-               static_cast<std::streamsize>(row.size_bytes()));
+    bytes.append(reinterpret_cast<const char*>(row.data()), row.size_bytes());
   }
-  file.close();
-  return !file.fail();
+  return bytes;
 }
 
-void write_by_module(const fs::path& path, const Format& format, const Film& film,
-                     const OutputSettings& settings, const ImageMetadata& metadata) {
+/// No encoder makes more of incompressible values, headers and metadata included.
+uint64_t most_encoded_bytes(const Film& film, bool is_float) {
+  const uint64_t raw = film.values().size() * (is_float ? sizeof(float) : 1);
+  return 2 * raw + 64 * 1024;
+}
+
+void encode_by_module(const std::string& path, const Format& format, const Film& film,
+                      const OutputSettings& settings, const ImageMetadata& metadata) {
   // The module is perhaps still being loaded: first do what does not need it.
   std::vector<uint8_t> bytes;
   if (!format.is_float) bytes = to_8_bit(film, settings);
@@ -211,42 +210,23 @@ void preload_image_module() { module_future(); }
 
 void check_writable(const fs::path& path) {
   format_of(path);
-  const fs::path place = destination(path);
-  std::error_code ignored;
-  const fs::file_status status = fs::status(place, ignored);
-  if (fs::exists(status) && !fs::is_regular_file(status)) {
-    throw usage_error(fmt::format("{}: can not be written: it is no regular file", path.string()));
-  }
-  if (fs::exists(status) && access(place.c_str(), W_OK) != 0) {
-    throw usage_error(fmt::format("{}: can not be written: {}", path.string(), system_cause()));
-  }
-  const TemporaryFile probe(temporary_beside(place));
-  const int file = open(probe.path().c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (file < 0) {
-    throw usage_error(fmt::format("{}: can not be written: {}", path.string(), system_cause()));
-  }
-  close(file);
+  check_output_file(path.string());
 }
 
 void write_image(const fs::path& path, const Film& film, const OutputSettings& settings,
                  const ImageMetadata& metadata) {
   const Format& format = format_of(path);
-  const fs::path place = destination(path);
-  TemporaryFile temporary(temporary_beside(place));
-  std::string cause;
+  if (!format.name) return write_output_file(path.string(), encode_pfm(film));
+  std::optional<MemoryFile> encoded;
+  std::string_view bytes;
   try {
-    if (format.name) {
-      write_by_module(temporary.path(), format, film, settings, metadata);
-    } else if (!write_pfm(temporary.path(), film)) {
-      cause = system_cause();
-    }
-    if (cause.empty() && !temporary.sync_and_rename(place)) cause = system_cause();
+    encoded.emplace(most_encoded_bytes(film, format.is_float));
+    encode_by_module(encoded->path(), format, film, settings, metadata);
+    bytes = encoded->bytes();
   } catch (const Error& error) {
-    cause = error.what();
+    throw render_error(fmt::format("'{}' cannot be written: {}", path.string(), error.what()));
   }
-  if (!cause.empty()) {
-    throw render_error(fmt::format("{}: can not be written: {}", path.string(), cause));
-  }
+  write_output_file(path.string(), bytes);
 }
 
 RgbImage read_image(const fs::path& path) {

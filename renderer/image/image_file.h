@@ -43,8 +43,8 @@ void preload_image_module();
 void check_writable(const std::filesystem::path& path);
 
 /// Writes the format that the ending names: exr, hdr and pfm take the linear values, every other
-/// one is tone-mapped to 8 bits by `settings`. The file appears whole or not at all: it is written
-/// beside its place, synced and renamed. Throws a render error where that fails.
+/// one is tone-mapped to 8 bits by `settings`. It is encoded in memory, then goes through
+/// write_output_file. Throws a render error where either fails.
 void write_image(const std::filesystem::path& path, const Film& film,
                  const OutputSettings& settings, const ImageMetadata& metadata);
 

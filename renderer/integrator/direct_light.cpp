@@ -97,13 +97,13 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
   const Color kept_diffuse = diffuse * kept;
   Color ambient = scene.settings.ambient;
   Color sum = material.emission;
-  for (const uint32_t index : scene.lights_of(point.surface.instance)) {
+  scene.for_each_light(point.surface.instance, [&](uint32_t index) {
     const Light& light = scene.lights[index];
     if (!light.ambient_attenuated) ambient += light.ambient;
     LightSample sample;
     if (!sample_light(light, point.surface.point, path_length, sample)) {
       ++counters.shadow_rays_skipped;
-      continue;
+      return;
     }
     if (light.ambient_attenuated) ambient += light.ambient * sample.factor;
     Color arriving = light.intensity * sample.factor;
@@ -115,7 +115,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
     }
     if (is_black(arriving) || is_black(share)) {
       ++counters.shadow_rays_skipped;
-      continue;
+      return;
     }
     if constexpr (kShadows) {
       // Light behind a surface that subtracts it is in the shadow of that surface.
@@ -124,14 +124,14 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
                                  dot(point.geometric_normal, sample.wi) < 0;
       if (light.casts_shadow && shades_itself) {
         ++counters.shadow_rays_skipped;
-        continue;
+        return;
       }
       if (light.casts_shadow)
         arriving = arriving * visibility<kRich>(scene, point, medium, light, sample,
                                                 cone_width(scene, path_length), counters);
     }
     sum += arriving * share;
-  }
+  });
   if (kRich && material.model != MaterialModel::classic) {
     return sum + ambient * ambient_share(material, diffuse) * kept;
   }

@@ -166,15 +166,17 @@ class SceneBuilder {
       graph_.lights.push_back(read_headlight(*choice.headlight, choice.settings.world_from_camera));
     }
     scene_->lights = graph_.lights;
-    for (const std::vector<uint32_t>& scope : graph_.scopes) {
-      std::vector<uint32_t> set = graph_.global_lights;
-      set.insert(set.end(), scope.begin(), scope.end());
-      // A glowing background looks at every light, but a black one lights no surface.
-      std::erase_if(set, [&](uint32_t i) {
-        return is_black(scene_->lights[i].intensity) && is_black(scene_->lights[i].ambient);
-      });
-      std::sort(set.begin(), set.end());
-      scene_->light_sets.push_back(std::move(set));
+    // A glowing background looks at every light, but a black one lights no surface.
+    const auto is_dark = [&](uint32_t i) {
+      return is_black(scene_->lights[i].intensity) && is_black(scene_->lights[i].ambient);
+    };
+    scene_->global_lights = std::move(graph_.global_lights);
+    scene_->scoped_lights = std::move(graph_.scopes);
+    std::erase_if(scene_->global_lights, is_dark);
+    std::sort(scene_->global_lights.begin(), scene_->global_lights.end());
+    for (std::vector<uint32_t>& scope : scene_->scoped_lights) {
+      std::erase_if(scope, is_dark);
+      std::sort(scope.begin(), scope.end());
     }
   }
 

@@ -53,7 +53,8 @@ struct Scene {
   std::vector<Instance> instances;
   std::vector<InstanceShading> shading;  ///< one an instance
   std::vector<Light> lights;
-  std::vector<std::vector<uint32_t>> light_sets;  ///< ascending indices into lights
+  std::vector<uint32_t> global_lights;               ///< ascending indices into lights
+  std::vector<std::vector<uint32_t>> scoped_lights;  ///< the others of each scope, ascending
 
   std::shared_ptr<const Accelerator> surfaces;  ///< every instance
   /// What throws shadows: instances that let nothing through, and the others. Null: there are none.
@@ -71,14 +72,24 @@ struct Scene {
     const uint32_t slot = index < s.material_count ? index : s.material_count - 1;
     return materials[material_slots[s.first_material + slot]];
   }
-  const std::vector<uint32_t>& lights_of(uint32_t instance) const {
-    return light_sets[shading[instance].light_set];
+  /// Calls `visit` with the index of each light that reaches the instance, in ascending order.
+  template <typename Visit>
+  void for_each_light(uint32_t instance, const Visit& visit) const {
+    auto scoped = scoped_lights[shading[instance].light_set].begin();
+    const auto end = scoped_lights[shading[instance].light_set].end();
+    for (const uint32_t global : global_lights) {
+      for (; scoped != end && *scoped < global; ++scoped) visit(*scoped);
+      visit(global);
+    }
+    for (; scoped != end; ++scoped) visit(*scoped);
   }
 };
 
 /// Bounds on what a description may unfold to.
 inline constexpr int kMaxNodeDepth = 200;
 inline constexpr size_t kMaxNodeVisits = size_t{1} << 24;
+inline constexpr size_t kMaxLights = 100000;
+inline constexpr size_t kMaxScopedLights = 10'000'000;  ///< summed over the scopes
 inline constexpr size_t kMaxInstances = size_t{1} << 22;
 
 /// Builds the frame's scene. Throws a scene error where the description is wrong, or names an

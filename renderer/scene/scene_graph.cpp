@@ -167,6 +167,9 @@ class Walker {
         ++graph_.lights_off;
         continue;
       }
+      if (graph_.lights.size() >= kMaxLights) {
+        fail_value(where, "the scene", fmt::format("more than {} lights", kMaxLights), "fewer");
+      }
       const auto index = static_cast<uint32_t>(graph_.lights.size());
       graph_.lights.push_back(read_light(where, node.light(), frame));
       (node.light().scoped() ? scoped : graph_.global_lights).push_back(index);
@@ -174,6 +177,13 @@ class Walker {
     if (scoped.empty()) return inherited.scope;
     std::vector<uint32_t> scope = graph_.scopes[inherited.scope];
     scope.insert(scope.end(), scoped.begin(), scoped.end());
+    scoped_lights_ += scope.size();
+    if (scoped_lights_ > kMaxScopedLights) {
+      throw scene_error(
+          fmt::format("more than {} scoped lights, each counted in every group that "
+                      "it reaches; expected fewer",
+                      kMaxScopedLights));
+    }
     graph_.scopes.push_back(std::move(scope));
     return static_cast<uint32_t>(graph_.scopes.size() - 1);
   }
@@ -182,6 +192,7 @@ class Walker {
   const double time_;
   const Affine viewer_;
   SceneGraph graph_;
+  size_t scoped_lights_ = 0;
   std::unordered_map<std::string_view, const v1::Object*> objects_;
   std::unordered_map<const v1::Shape*, uint32_t> shapes_;
   std::unordered_map<const v1::Object*, bool> used_objects_;

@@ -3,11 +3,6 @@
 #include <fmt/format.h>
 
 namespace tessera {
-namespace {
-
-constexpr size_t kMostEntries = 50;
-
-}  // namespace
 
 uint64_t& Warnings::entry(std::string_view what) {
   const auto known = index_.find(what);

@@ -11,11 +11,13 @@ namespace tessera {
 /// Collects what an importer has to say, each thing once with the number of times it happened.
 class Warnings {
  public:
+  static constexpr size_t kMostEntries = 50;
+
   /// `what` is a phrase such as "map_Kd: textures are not read yet".
   void add(std::string_view what) { ++entry(what); }
   void add(std::string_view what, uint64_t times) { entry(what) += times; }
 
-  /// "FILE: what (3 times)" for each, in the order of their first appearance, at most 50.
+  /// "FILE: what (3 times)" for each, in the order of their first appearance, at most kMostEntries.
   std::vector<std::string> list(std::string_view file) const;
 
  private:

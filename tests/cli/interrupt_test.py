@@ -59,6 +59,19 @@ class Interrupt(TesseraTest):
         wait_until(lambda: not marked_processes(self.mark), 5, "no process is left")
         self.assertFalse((self.folder / "picture.png").exists())
 
+    def test_twice_at_any_moment_leaves_no_file(self):
+        for i in range(24):
+            process = self.start("render", self.scene, "-o", "picture.png", "-o", "picture.exr",
+                                 "--size", "64x64", "--workers", 1 + i % 2)
+            time.sleep(0.02 + 0.012 * i)
+            process.send_signal(signal.SIGINT)
+            time.sleep(0.001 * (i % 4))
+            process.send_signal(signal.SIGTERM)
+            process.communicate(timeout=60)
+            wait_until(lambda: not marked_processes(self.mark), 5, "no process is left")
+            self.assertEqual([], list(self.temporary.iterdir()), i)
+            self.assertEqual([], list(self.folder.glob(".tessera*")), i)
+
     def test_while_it_waits_for_workers(self):
         serve = self.start("serve", "--bind", "tcp://127.0.0.1:*")
         endpoint = serve.stdout.readline().split()[-1]

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "base/file.h"
 
@@ -81,8 +82,10 @@ bool LineReader::refill() {
   }
   pending_.assign(buffer_, cut);
   buffer_.resize(cut);
-  at_ = word_ = buffer_.data();
-  end_ = at_ + buffer_.size();
+  const bool first = std::exchange(at_start_, false);
+  const size_t mark = first ? cut - skip_byte_order_mark(buffer_).size() : 0;
+  at_ = word_ = buffer_.data() + mark;
+  end_ = buffer_.data() + buffer_.size();
   return at_ != end_;
 }
 

@@ -66,6 +66,7 @@ class LineReader {
   const char* end_ = nullptr;
   const char* word_ = nullptr;
   bool in_line_ = false;
+  bool at_start_ = true;
   int64_t lines_before_ = 0;  ///< lines of the text before buffer_
 };
 

@@ -17,10 +17,10 @@ class ObjMesh {
   /// More of anything than this is refused, so that indices fit.
   static constexpr size_t kMaxElements = 0x7FFFFFFF;
 
-  std::vector<float> positions;   ///< x y z each
-  std::vector<float> colors;      ///< r g b a each; empty while no position has one
-  std::vector<float> uvs;         ///< u v each
-  std::vector<float> normals;     ///< x y z each
+  std::vector<float> positions;  ///< x y z each
+  std::vector<float> colors;     ///< r g b a each; empty while no position has one
+  std::vector<float> uvs;        ///< u v each
+  std::vector<float> normals;    ///< x y z each
   std::vector<uint32_t> face_materials;
 
   size_t position_count() const { return positions.size() / 3; }

@@ -172,9 +172,8 @@ void ObjParser::face() {
   const bool complete = std::none_of(polygon_.begin(), polygon_.end(),
                                      [](const auto& c) { return c.normal == kNoIndex; });
   if (!complete) {
-    const uint32_t generated = smoothing_group_ == 0
-                                   ? kNoIndex
-                                   : ObjMesh::kFirstSmoothingGroup + (smoothing_group_ - 1);
+    const uint32_t generated =
+        smoothing_group_ == 0 ? kNoIndex : ObjMesh::kFirstSmoothingGroup + (smoothing_group_ - 1);
     for (MeshCorner& c : polygon_) c.normal = generated;
   }
   add_polygon();

@@ -42,11 +42,18 @@ std::string X3dTranslator::unique(std::set<std::string>& taken, const std::strin
 
 /// Says of every node and field that we do not know that it is left out.
 void X3dTranslator::check_names() {
+  // Once a name, and only while the list of warnings takes more: finding the nearest takes time.
+  std::map<std::string_view, std::string> unknown;
   for (const X3dNode& node : document_.nodes()) {
     const X3dNodeType* type = find_x3d_node_type(node.type);
     if (!type && &node != &document_.scene()) {
-      warnings_.add(fmt::format("unknown node '{}' is left out{}", node.type,
-                                suggestion(node.type, x3d_node_names())));
+      std::string& warning = unknown[node.type];
+      if (warning.empty()) {
+        const bool listed = unknown.size() <= Warnings::kMostEntries;
+        warning = fmt::format("unknown node '{}' is left out{}", node.type,
+                              listed ? suggestion(node.type, x3d_node_names()) : "");
+      }
+      warnings_.add(warning);
       continue;
     }
     if (!type) continue;

@@ -35,6 +35,15 @@ SceneWithBlobs with_blob(const std::string& bytes) {
   return made;
 }
 
+TEST(SceneCodec, SkipsAByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  for (const SceneEncoding encoding : {SceneEncoding::text, SceneEncoding::json}) {
+    const std::string text =
+        encoding == SceneEncoding::text ? "settings { width: 7 }" : R"({"settings": {"width": 7}})";
+    EXPECT_EQ(decode_scene(mark + text, encoding, "s").scene.settings().width(), 7u);
+  }
+}
+
 RC_GTEST_PROP(SceneCodec, GivesBackEveryBitInEveryEncoding, ()) {
   v1::Scene scene;
   const auto finite =

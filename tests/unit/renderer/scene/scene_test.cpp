@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
+#include "base/error.h"
 #include "renderer/scene/read_transform.h"
 #include "tests/unit/renderer/scene_text.h"
 
@@ -36,6 +38,38 @@ TEST(Scene, keeps_only_what_the_picture_needs) {
   EXPECT_EQ(scene->counters.at("lights_used"), 1u);
   EXPECT_EQ(scene->counters.at("lights_off"), 1u);
   EXPECT_EQ(scene->instances[0].shape, scene->instances[1].shape);
+}
+
+TEST(Scene, scopes_hold_their_own_lights_only) {
+  std::string text = "nodes { light { point {} } } nodes { shape { sphere {} } } ";
+  for (int i = 0; i < 3; ++i) {
+    text += "nodes { children { light { scoped: true point {} } } children { shape { box {} } } } ";
+    text += "nodes { light { point {} } } ";
+  }
+  const auto scene = build(text);
+  EXPECT_EQ(scene->global_lights.size(), 4u);
+  ASSERT_EQ(scene->scoped_lights.size(), 4u);
+  for (size_t i = 0; i < 4; ++i) EXPECT_EQ(scene->scoped_lights[i].size(), i == 0 ? 0u : 1u);
+  for (uint32_t instance = 0; instance < 4; ++instance) {
+    std::vector<uint32_t> seen;
+    scene->for_each_light(instance, [&](uint32_t light) { seen.push_back(light); });
+    EXPECT_EQ(seen.size(), instance == 0 ? 4u : 5u);
+    EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+  }
+}
+
+TEST(Scene, too_many_lights_are_refused) {
+  std::string text = "objects { name: 'o' ";
+  for (int i = 0; i < 400; ++i) text += "nodes { light { point {} } } ";
+  text += "} ";
+  for (int i = 0; i < 251; ++i) text += "nodes { instance_of: 'o' } ";
+  try {
+    build(text);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::bad_scene);
+    EXPECT_NE(std::string(error.what()).find("100000 lights"), std::string::npos);
+  }
 }
 
 TEST(Scene, knows_what_tracing_may_leave_out) {

@@ -24,6 +24,11 @@ std::string error(const std::string& text) {
   return error_of([&] { read(text, warnings); });
 }
 
+TEST(Mtl, AByteOrderMarkIsNoPartOfTheFirstWord) {
+  Warnings warnings;
+  EXPECT_EQ(read("\xEF\xBB\xBFnewmtl m\nKd 1 1 1\n", warnings).count("m"), 1u);
+}
+
 TEST(Mtl, ReadsTheClassicTerms) {
   const v1::Classic c =
       classic("Ka .1 .2 .3\nKd .4 .5 .6\nKs .7 .8 .9\nKe 1 2 3\nNs 50\nillum 2\n");

@@ -57,6 +57,12 @@ TEST(Obj, ReadsEveryFormOfAFaceCorner) {
   EXPECT_EQ(full.triangles, (Indices{0, 1, 2}));
 }
 
+TEST(Obj, AByteOrderMarkIsNoPartOfTheFirstWord) {
+  const Mesh mesh = read("\xEF\xBB\xBFv 5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3");
+  EXPECT_EQ(mesh.positions, (Floats{5, 0, 0, 1, 0, 0, 0, 1, 0}));
+  EXPECT_TRUE(mesh.warnings.empty());
+}
+
 TEST(Obj, CountsNegativeIndicesFromTheEnd) {
   const Mesh mesh = read(std::string(kSquareUvNormal) + "f -3/-1/-1 -2/-2/-1 -1/-3/-1\nv 9 9 9\n");
   EXPECT_EQ(mesh.positions, (Floats{0, 0, 0, 1, 0, 0, 1, 1, 0}));

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "renderer/math/transform.h"
+#include "scenes/import/warnings.h"
 #include "tests/unit/scenes/scene_testing.h"
 
 namespace tessera {
@@ -55,6 +56,15 @@ std::string cube(const std::string& fields) {
 
 std::vector<float> normals(const LoadedScene& loaded) {
   return blob_values<float>(loaded.scene.nodes(0).shape().mesh().normals(), loaded.blobs);
+}
+
+TEST(X3d, ListsTheFirstOfManyUnknownNodes) {
+  std::string nodes;
+  for (int i = 0; i < 20000; ++i) nodes += "<Shap" + std::to_string(i) + "/><Strange/>";
+  const std::vector<std::string> warnings = read(nodes).warnings;
+  ASSERT_EQ(warnings.size(), Warnings::kMostEntries + 1);
+  EXPECT_EQ(warnings[0], "t.x3d: unknown node 'Shap0' is left out; did you mean 'Shape'?");
+  EXPECT_EQ(warnings[1], "t.x3d: unknown node 'Strange' is left out (20000 times)");
 }
 
 TEST(X3d, HasAViewpointAndAHeadlightWithoutSayingSo) {
