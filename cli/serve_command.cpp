@@ -30,7 +30,7 @@ ExitCode serve(const ServeOptions& options) {
   say("serving at {}\n", loop.endpoint());
   std::fflush(stdout);
   loop.serve(interrupted());
-  loop.shut_down("the coordinator was told to end");
+  loop.bid_farewell("the coordinator was told to end");
   return ExitCode::done;
 }
 

@@ -14,6 +14,9 @@
 namespace tessera {
 namespace {
 
+/// How long a coordinator that ends keeps telling so.
+constexpr Time kFarewell = std::chrono::milliseconds(300);
+constexpr std::chrono::milliseconds kBetweenFarewells{20};
 constexpr Time kLongestWait = std::chrono::milliseconds(50);
 constexpr Time kLookAtProcesses = std::chrono::milliseconds(20);
 constexpr Time kTellProgress = std::chrono::milliseconds(100);
@@ -73,6 +76,14 @@ void RenderLoop::shut_down(const std::string& reason) {
   receive();
   coordinator_->shut_down(reason);
   deliver();
+}
+
+void RenderLoop::bid_farewell(const std::string& reason) {
+  const Time end = monotonic_now() + kFarewell;
+  while (monotonic_now() < end) {
+    shut_down(reason);
+    transport_->wait(kBetweenFarewells);
+  }
 }
 
 void RenderLoop::step(Time pause) {

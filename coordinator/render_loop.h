@@ -37,6 +37,9 @@ class RenderLoop {
   /// Tells every worker to end. The message leaves while this object or, for up to 500 ms, its
   /// destructor lives.
   void shut_down(const std::string& reason);
+  /// The same for workers on other hosts, and goes on for a moment: a TCP connection that is closed
+  /// with messages unread takes back what was just sent, and some worker may be about to say hello.
+  void bid_farewell(const std::string& reason);
 
  private:
   /// Waits for messages for at most `pause`, and handles what came and what is due.

@@ -105,6 +105,8 @@ class LostWorkers(TesseraTest):
 
     def test_a_late_worker_joins(self):
         """A coordinator without workers waits for one; a second one comes while it works."""
+        self.spp = 64  # long enough for the second one to be in time
+        self.reference = self.render(self.scene, "--workers", "0", *LOAD, self.spp)["pixels_sha256"]
         serve = self.start("serve", "--bind", "tcp://127.0.0.1:*")
         endpoint = serve.stdout.readline().split()[-1]
         process = self.start("render", self.scene, "-o", "picture.png", "--stats", "stats.json",
@@ -114,7 +116,7 @@ class LostWorkers(TesseraTest):
         workers = [self.start("worker", "--connect", endpoint, "--threads", 1)]
         time.sleep(0.3)
         workers.append(self.start("worker", "--connect", endpoint, "--threads", 2))
-        self.assert_same_picture(process)
+        self.assertEqual(2, self.assert_same_picture(process)["workers"]["seen"])
         serve.send_signal(signal.SIGTERM)
         self.assertEqual(0, serve.wait(10))
         for worker in workers:
