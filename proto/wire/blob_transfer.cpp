@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <span>
 
 namespace tessera {
 namespace {
@@ -97,7 +98,8 @@ void BlobFetch::on_chunk(const v1::BlobChunk& chunk, BlobStore& store) {
   in_flight_.erase(asked);
   const size_t end = static_cast<size_t>(chunk.offset()) + chunk.data().size();
   if (part.data.size() < end) part.data.resize(end);
-  std::memcpy(part.data.data() + chunk.offset(), chunk.data().data(), chunk.data().size());
+  const auto bytes = std::as_bytes(std::span(chunk.data()));
+  std::copy(bytes.begin(), bytes.end(), part.data.begin() + static_cast<ptrdiff_t>(chunk.offset()));
   if (++part.received == chunk_count(part.size)) complete(it, store);
 }
 
