@@ -98,7 +98,7 @@ int Torus::find_ends(const CentredLine& line, const Stretch& near, std::array<En
     turn.distance = slope_at(line, turn.x).distance;
     // Near a tangent the quartic turns where the distance does, but not as exactly.
     if (std::abs(turn.distance) < 0.01 * minor_) {
-      const double next = i + 1 < turn_count ? turns[static_cast<size_t>(i + 1)] : near.high;
+      const double next = i + 1 < turn_count ? turns[static_cast<size_t>(i) + 1] : near.high;
       const bool is_minimum = slope[1] + 6 * turn.x * turn.x > 0;
       sharpen_turn(line, is_minimum, {ends[static_cast<size_t>(count - 1)].x, next}, turn);
     }

@@ -87,7 +87,7 @@ class Texels {
   }
 
   int code_of(float value, uint32_t channel) const {
-    if (!is_srgb_ || channel >= colors_) return static_cast<int>(value * 255 + 0.5f);
+    if (!is_srgb_ || channel >= colors_) return static_cast<int>(std::lround(value * 255));
     const auto above = std::upper_bound(from_.begin(), from_.end(), value);
     return std::max(static_cast<int>(above - from_.begin()) - 1, 0);
   }
