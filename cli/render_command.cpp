@@ -49,9 +49,9 @@ class RenderRun {
   explicit RenderRun(const RenderOptions& options) : options_(options) {}
 
   ExitCode run() {
+    for (const auto& path : picture_paths(options_)) prepare_to_write(path);
     check_outputs();
     farm_ = start_farm();
-    preload_image_module();
     read(options_.frames ? options_.frames->first : 0);
     if (!options_.frames) return render_frame(std::nullopt, true);
     for (int frame = options_.frames->first; frame <= options_.frames->last; ++frame) {
