@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -48,8 +49,8 @@ pid_t spawn(const fs::path& program, int socket) {
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &all);
   posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setflags(
-      &attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setflags(&attributes,
+                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   std::string name = kProgram;
   char* const arguments[] = {name.data(), nullptr};
   pid_t process = 0;
@@ -95,6 +96,9 @@ void ImageCodec::start_locked() {
   }
   close(ends[1]);
   socket_ = ends[0];
+  const timeval patience{.tv_sec = 0, .tv_usec = 250'000};
+  setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
 }
 
 std::string ImageCodec::end_locked() {
@@ -112,7 +116,12 @@ std::string ImageCodec::end_locked() {
 std::optional<ImageCodec::Answer> ImageCodec::try_call(const ImageRequest& request,
                                                        std::string_view payload) {
   start_locked();
-  ImageChannel channel(socket_);
+  // A process that something has stopped would keep a finished picture waiting for good.
+  ImageChannel channel(socket_, [this] {
+    siginfo_t news{};
+    constexpr int kAsk = WEXITED | WSTOPPED | WNOHANG | WNOWAIT;
+    return waitid(P_PID, static_cast<id_t>(process_), &news, kAsk) == 0 && news.si_pid == 0;
+  });
   ImageReply reply;
   if (!channel.send(request, payload) || !channel.receive(reply)) return std::nullopt;
   Answer answer{reply.layout, std::vector<std::byte>(reply.payload_bytes)};

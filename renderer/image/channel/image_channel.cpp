@@ -21,7 +21,7 @@ bool ImageChannel::send_bytes(const void* bytes, size_t size) {
   const char* next = static_cast<const char*>(bytes);
   while (size > 0) {
     const ssize_t sent = ::send(socket_, next, size, MSG_NOSIGNAL);
-    if (sent < 0 && errno == EINTR) continue;
+    if (sent < 0 && may_go_on()) continue;
     if (sent <= 0) return false;
     next += sent;
     size -= static_cast<size_t>(sent);
@@ -33,12 +33,14 @@ bool ImageChannel::receive_bytes(void* bytes, size_t size) {
   char* next = static_cast<char*>(bytes);
   while (size > 0) {
     const ssize_t received = ::recv(socket_, next, size, 0);
-    if (received < 0 && errno == EINTR) continue;
+    if (received < 0 && may_go_on()) continue;
     if (received <= 0) return false;
     next += received;
     size -= static_cast<size_t>(received);
   }
   return true;
 }
+
+bool ImageChannel::may_go_on() const { return errno == EINTR || (errno == EAGAIN && is_alive_()); }
 
 }  // namespace tessera

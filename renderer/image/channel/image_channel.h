@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace tessera {
 
@@ -58,10 +60,13 @@ struct ImageReply {
 };
 
 /// One end of the socket pair between a program and its image codec. Blocking; one thread at a
-/// time. False: the other end is gone.
+/// time. False: the other end is gone, or `is_alive`, asked whenever the socket's own time limit
+/// has passed, says so.
 class ImageChannel {
  public:
-  explicit ImageChannel(int socket) : socket_(socket) {}
+  explicit ImageChannel(
+      int socket, std::function<bool()> is_alive = [] { return true; })
+      : socket_(socket), is_alive_(std::move(is_alive)) {}
 
   template <typename Message>
   bool send(const Message& message, std::string_view payload) {
@@ -76,7 +81,10 @@ class ImageChannel {
  private:
   bool send_bytes(const void* bytes, size_t size);
 
+  bool may_go_on() const;
+
   int socket_;
+  std::function<bool()> is_alive_;
 };
 
 }  // namespace tessera

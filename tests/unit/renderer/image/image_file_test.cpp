@@ -184,13 +184,13 @@ pid_t codec_process() {
   return child;
 }
 
-TEST_F(ImageFile, a_codec_that_is_killed_is_replaced) {
+TEST_F(ImageFile, a_codec_that_is_killed_or_stopped_is_replaced) {
   prepare_to_write(folder_ / "a.png");
   prepare_to_write(folder_ / "a.png");
-  for (int i = 0; i < 3; ++i) {
+  for (const int signal : {SIGKILL, SIGSTOP, SIGTERM}) {
     const pid_t process = codec_process();
     ASSERT_GT(process, 0);
-    ASSERT_EQ(kill(process, SIGKILL), 0);
+    ASSERT_EQ(kill(process, signal), 0);
     write_image(folder_ / "a.png", ramp(), display_, {});
     EXPECT_EQ(read_image(folder_ / "a.png").width, 16);
     EXPECT_NE(codec_process(), process);
