@@ -1,8 +1,6 @@
 #include "renderer/image/image_codec.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/wait.h>
@@ -13,8 +11,10 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "base/error.h"
+#include "base/process.h"
 
 namespace tessera {
 
@@ -34,35 +34,14 @@ fs::path find_program() {
                                  folder.string()));
 }
 
-/// Starts `program` with `socket` for its standard input, out of the terminal's Ctrl-C: whether a
-/// picture is still written is for us to decide.
-pid_t spawn(const fs::path& program, int socket) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, socket, STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t none, all;
-  sigemptyset(&none);
-  sigfillset(&all);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &all);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setflags(&attributes,
-                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  std::string name = kProgram;
-  char* const arguments[] = {name.data(), nullptr};
-  pid_t process = 0;
-  const int error =
-      posix_spawn(&process, program.c_str(), &actions, &attributes, arguments, environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) {
-    throw render_error(fmt::format("cannot start the image codec '{}': {}", program.string(),
-                                   std::strerror(error)));
+/// Whether the reply is of a size that such an answer may have.
+bool is_plausible(const ImageRequest& request, const ImageReply& reply) {
+  constexpr uint64_t kLongestCause = 64 * 1024;
+  if (!reply.done) return reply.payload_bytes <= kLongestCause;
+  if (request.call == ImageRequest::encode) {
+    return reply.payload_bytes <= most_encoded_bytes(request.layout.bytes());
   }
-  return process;
+  return reply.layout.is_legal() && reply.layout.bytes() == reply.payload_bytes;
 }
 
 }  // namespace
@@ -76,6 +55,8 @@ ImageCodec::~ImageCodec() {
   if (process_) end_locked();
 }
 
+void ImageCodec::check_installed() { find_program(); }
+
 void ImageCodec::start() {
   const std::lock_guard lock(mutex_);
   start_locked();
@@ -88,7 +69,8 @@ void ImageCodec::start_locked() {
     throw render_error(fmt::format("cannot start the image codec: {}", std::strerror(errno)));
   }
   try {
-    process_ = spawn(find_program(), ends[1]);
+    process_ = start_process(find_program().string(), {kProgram},
+                             {.standard_input = ends[1], .discards_output = true});
   } catch (...) {
     close(ends[0]);
     close(ends[1]);
@@ -101,16 +83,11 @@ void ImageCodec::start_locked() {
   setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
 }
 
-std::string ImageCodec::end_locked() {
+int ImageCodec::end_locked() {
   // It has nothing of its own to lose, and may still be loading.
   close(socket_);
   kill(process_, SIGKILL);
-  int status = 0;
-  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
-  }
-  process_ = 0;
-  return WIFSIGNALED(status) ? fmt::format("signal {}", WTERMSIG(status))
-                             : fmt::format("exit code {}", WEXITSTATUS(status));
+  return wait_for_process(std::exchange(process_, 0));
 }
 
 std::optional<ImageCodec::Answer> ImageCodec::try_call(const ImageRequest& request,
@@ -124,6 +101,7 @@ std::optional<ImageCodec::Answer> ImageCodec::try_call(const ImageRequest& reque
   });
   ImageReply reply;
   if (!channel.send(request, payload) || !channel.receive(reply)) return std::nullopt;
+  if (!is_plausible(request, reply)) return std::nullopt;
   Answer answer{reply.layout, std::vector<std::byte>(reply.payload_bytes)};
   if (!channel.receive_bytes(answer.payload.data(), answer.payload.size())) return std::nullopt;
   if (!reply.done) {
@@ -136,13 +114,14 @@ std::optional<ImageCodec::Answer> ImageCodec::try_call(const ImageRequest& reque
 ImageCodec::Answer ImageCodec::call(ImageRequest request, std::string_view payload) {
   const std::lock_guard lock(mutex_);
   request.payload_bytes = payload.size();
-  // Who ended the process the first time may not have meant this file.
-  std::string how;
-  for (int attempt = 0; attempt < 2; ++attempt) {
+  if (auto answer = try_call(request, payload)) return *std::move(answer);
+  int status = end_locked();
+  // Who ended it from outside did not mean this file.
+  if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGKILL || WTERMSIG(status) == SIGTERM)) {
     if (auto answer = try_call(request, payload)) return *std::move(answer);
-    how = end_locked();
+    status = end_locked();
   }
-  throw render_error(fmt::format("the image codec ended over it with {}", how));
+  throw render_error(fmt::format("the image codec ended over it with {}", how_it_ended(status)));
 }
 
 }  // namespace tessera

@@ -12,12 +12,14 @@
 namespace tessera {
 
 /// Our end of the image codec: starts its process when it is first needed, and again after it has
-/// crashed over a file. Lives as long as the program, and the process no longer. Any thread; calls
-/// wait for one another.
+/// crashed over a file. One for the whole program, since its libraries take so long to load; the
+/// process lives no longer. Any thread; calls wait for one another.
 class ImageCodec {
  public:
   static ImageCodec& shared();
 
+  /// Throws a render error where its program is missing.
+  static void check_installed();
   /// Starts the process, whose libraries take 0.2 s to load, without waiting for it.
   void start();
 
@@ -37,8 +39,8 @@ class ImageCodec {
   void start_locked();
   /// Nothing: the process is gone.
   std::optional<Answer> try_call(const ImageRequest& request, std::string_view payload);
-  /// Waits for the process, which is ending or made to, and returns how it ended.
-  std::string end_locked();
+  /// Waits for the process, which is ending or made to; its status as waitpid() tells it.
+  int end_locked();
 
   std::mutex mutex_;
   pid_t process_ = 0;  ///< 0: not running

@@ -65,6 +65,9 @@ std::string encode_pfm(const Film& film) {
   return bytes;
 }
 
+static_assert(PixelLayout::kMostSide == kMaxFrameSide &&
+              PixelLayout::kMostPixels == kMaxFramePixels);
+
 template <size_t size>
 void copy_text(std::string_view text, char (&out)[size]) {
   out[text.copy(out, size - 1)] = 0;
@@ -82,9 +85,9 @@ std::vector<std::byte> encode(const Format& format, const Film& film,
   request.layout = {film.width(), film.height(), kFilmChannels, format.is_float ? 32 : 8};
   copy_text(fmt::format("tessera {}", kVersion), request.attributes.software);
   copy_text(metadata.scene_digest, request.attributes.scene_digest);
-  request.attributes.seed = static_cast<int32_t>(metadata.seed);
-  request.attributes.samples_per_pixel = static_cast<int32_t>(metadata.samples_per_pixel);
-  request.attributes.render_seconds = static_cast<float>(metadata.render_seconds);
+  request.attributes.seed = metadata.seed;
+  request.attributes.samples_per_pixel = metadata.samples_per_pixel;
+  request.attributes.render_seconds = metadata.render_seconds;
   if (format.is_float) {
     return ImageCodec::shared().call(request, as_text(std::as_bytes(film.values()))).payload;
   }
@@ -119,7 +122,7 @@ void prepare_to_write(const fs::path& path) {
 }
 
 void check_writable(const fs::path& path) {
-  format_of(path);
+  if (format_of(path).name) ImageCodec::check_installed();
   check_output_file(path.string());
 }
 

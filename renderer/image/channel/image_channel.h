@@ -16,21 +16,24 @@ struct PixelLayout {
   int32_t bits = 0;  ///< of a channel: 8 unsigned, 16 half float, 32 float
 
   uint64_t bytes() const;
-  /// Whether the sides are in 1..`most_side`, the pixels at most `most_pixels`, the channels in
-  /// 1..4 and the bits one of the three.
+  /// Whether the sides are in 1..kMostSide, the pixels at most kMostPixels, the channels in 1..4
+  /// and the bits one of the three.
   bool is_legal() const;
 
   static constexpr int32_t kMostSide = 65536;
   static constexpr int64_t kMostPixels = int64_t{1} << 28;
 };
 
+/// No encoder makes more of so many bytes of incompressible pixels, headers included.
+constexpr uint64_t most_encoded_bytes(uint64_t pixel_bytes) { return 2 * pixel_bytes + 64 * 1024; }
+
 /// What an image tells of its making. Texts end with a zero.
 struct ImageAttributes {
   char software[32] = {};
   char scene_digest[72] = {};
-  int32_t seed = 0;
-  int32_t samples_per_pixel = 0;
-  float render_seconds = 0;
+  uint32_t seed = 0;
+  uint32_t samples_per_pixel = 0;
+  double render_seconds = 0;
 };
 
 /// Asks the image codec, a process of its own, for one thing. Both ends are of one build and of one

@@ -3,7 +3,9 @@
 // whose hundreds of libraries load beside the rendering here, in an address space that nothing else
 // waits for, and whose decoders cannot take the renderer down with them.
 #include <OpenImageIO/imageio.h>
+#include <OpenImageIO/strutil.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -16,6 +18,7 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "renderer/image/channel/image_channel.h"
@@ -83,11 +86,19 @@ OIIO::ImageSpec make_spec(const ImageRequest& request) {
                        is_float ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", is_float ? "Linear" : "sRGB");
   const ImageAttributes& attributes = request.attributes;
+  const std::pair<const char*, std::string> texts[] = {
+      {"tessera:SceneDigest", attributes.scene_digest},
+      {"tessera:Seed", std::to_string(attributes.seed)},
+      {"tessera:Samples", std::to_string(attributes.samples_per_pixel)},
+      {"tessera:RenderSeconds", OIIO::Strutil::sprintf("%.3f", attributes.render_seconds)}};
+  // Not every format has room for names of ours, and PNG for texts only.
+  std::string description;
+  for (const auto& [name, text] : texts) {
+    spec.attribute(name, text);
+    description += (description.empty() ? "" : " ") + std::string(name) + "=" + text;
+  }
   spec.attribute("Software", attributes.software);
-  spec.attribute("tessera:SceneDigest", attributes.scene_digest);
-  spec.attribute("tessera:Seed", attributes.seed);
-  spec.attribute("tessera:Samples", attributes.samples_per_pixel);
-  spec.attribute("tessera:RenderSeconds", attributes.render_seconds);
+  spec.attribute("ImageDescription", description);
   return spec;
 }
 
@@ -96,8 +107,7 @@ Answer encode(const ImageRequest& request, const std::vector<char>& pixels) {
     fail("the pixels do not fit their layout");
   }
   const MemoryFile file;
-  // No encoder makes more of incompressible values, headers and metadata included.
-  file.check_room(2 * pixels.size() + 64 * 1024);
+  file.check_room(most_encoded_bytes(pixels.size()));
   const auto output = OIIO::ImageOutput::create(request.format);
   if (!output) fail(OIIO::geterror());
   const OIIO::ImageSpec spec = make_spec(request);
@@ -173,9 +183,21 @@ Answer answer_to(const ImageRequest& request, const std::vector<char>& payload) 
   fail("the image codec does not know what it is asked for");
 }
 
+/// A file over which a decoder would work for ever ends this process.
+void limit_processor_time() {
+  constexpr rlim_t kSecondsPerPicture = 120;
+  rusage used{};
+  rlimit limit{};
+  if (getrusage(RUSAGE_SELF, &used) != 0 || getrlimit(RLIMIT_CPU, &limit) != 0) return;
+  const auto so_far = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec);
+  limit.rlim_cur = std::min(limit.rlim_max, so_far + kSecondsPerPicture);
+  setrlimit(RLIMIT_CPU, &limit);
+}
+
 bool serve_one(ImageChannel& channel) {
   ImageRequest request;
   if (!channel.receive(request)) return false;
+  limit_processor_time();
   std::vector<char> payload(request.payload_bytes);
   if (!channel.receive_bytes(payload.data(), payload.size())) return false;
   Answer answer;
