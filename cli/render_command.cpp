@@ -57,6 +57,7 @@ class RenderRun {
   explicit RenderRun(const RenderOptions& options) : options_(options) {}
 
   ExitCode run() {
+    check_options();
     check_outputs();
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
     // What reads in no time tells first whether its picture will be there in no time too.
@@ -80,12 +81,19 @@ class RenderRun {
     return frame ? numbered_path(path, *frame) : path;
   }
 
-  /// What cannot be written in the end is better known before.
-  void check_outputs() const {
+  void check_options() const {
+    if (options_.connect && (options_.workers || options_.threads)) {
+      throw usage_error(fmt::format("{}: cannot be chosen with --connect, whose farm has its own",
+                                    options_.workers ? "--workers" : "--threads"));
+    }
     if (options_.resume) {
       throw usage_error(
           "--resume: does not exist yet in this version, which keeps no finished tiles");
     }
+  }
+
+  /// What cannot be written in the end is better known before.
+  void check_outputs() const {
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
     for (const auto& path : picture_paths(options_)) check_writable(path_for(path, first));
     if (options_.stats) check_output_file(path_for(*options_.stats, first), "--stats");
@@ -128,7 +136,8 @@ class RenderRun {
 
   ExitCode render_frame(std::optional<int> frame, bool last) {
     const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
-    const OutputSettings output = output_settings(loaded_.scene.settings().output());
+    const OutputSettings output =
+        output_settings(options_.scene, loaded_.scene.settings().output());
     const JobResult result = trace(settings, frame, last);
     const JobReport& report = result.report;
     if (report.end == JobReport::End::interrupted) {
