@@ -59,6 +59,7 @@ void Coordinator::advance_jobs(Time now) {
     jobs_.end_active(workers_.seen(), workers_.lost());
   }
   if (!jobs_.start_next(now)) return;
+  workers_.start_counting();
   next_tick_ = now;
   for (WorkerRecord* worker : workers_.present()) {
     worker->foreign = 0;
