@@ -47,8 +47,8 @@ JobProgress Coordinator::progress(Time now) const {
   return progress;
 }
 
-void Coordinator::note_assembling(double seconds) {
-  if (job()) job()->report().assemble_seconds += seconds;
+void Coordinator::note_assembling(Time spent) {
+  if (job()) job()->report().assemble_seconds += to_seconds(spent);
 }
 
 void Coordinator::advance_jobs(Time now) {
