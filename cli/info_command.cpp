@@ -8,8 +8,10 @@
 
 #include "base/digest.h"
 #include "cli/command_line.h"
+#include "cli/output_settings.h"
 #include "cli/render_options.h"
 #include "cli/say.h"
+#include "cli/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/render/tile_renderer.h"
 #include "scenes/formats/read_scene.h"
@@ -32,9 +34,11 @@ struct SceneInfo {
   std::vector<std::string> warnings;
 };
 
-/// Builds what a render would trace: whatever is wrong with the scene beyond its syntax shows here.
-void check_builds(const std::string& path, const LoadedScene& loaded,
-                  const v1::FrameSettings& frame) {
+/// Reads and builds all that a render without options would trace and write: what is wrong with the
+/// scene beyond its syntax shows here.
+void check_renders(const std::string& path, const LoadedScene& loaded,
+                   const v1::FrameSettings& frame) {
+  output_settings(path, loaded.scene.settings().output());
   try {
     const int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     make_tile_renderer(loaded.scene, loaded.blobs, frame, threads);
@@ -46,13 +50,13 @@ void check_builds(const std::string& path, const LoadedScene& loaded,
 SceneInfo inspect(const std::string& path) {
   RenderOptions options;
   options.scene = path;
-  const LoadedScene loaded = read_scene(path);
+  const LoadedScene loaded = read_scene(path, {.decode_texture = decode_texture});
   SceneInfo info{.digest = Digest::of(serialize_scene(loaded.scene)).hex(),
                  .frame = frame_settings(options, loaded.scene, std::nullopt),
                  .summary = summarize(loaded.scene, loaded.blobs),
                  .cameras = {},
                  .warnings = loaded.warnings};
-  check_builds(path, loaded, info.frame);
+  check_renders(path, loaded, info.frame);
   for (const auto& [digest, data] : loaded.blobs.all()) info.blob_bytes += data->size();
   for (const v1::Camera& camera : loaded.scene.cameras()) info.cameras.push_back(camera.name());
   return info;

@@ -59,6 +59,7 @@ class RenderRun {
   explicit RenderRun(const RenderOptions& options) : options_(options) {}
 
   ExitCode run() {
+    check_options();
     check_outputs();
     if (options_.resume) store_ = std::make_shared<SqliteTileStore>(store_path());
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
@@ -95,11 +96,18 @@ class RenderRun {
     return frame ? numbered_path(path, *frame) : path;
   }
 
-  /// What cannot be written in the end is better known before.
-  void check_outputs() const {
+  void check_options() const {
+    if (options_.connect && (options_.workers || options_.threads)) {
+      throw usage_error(fmt::format("{}: cannot be chosen with --connect, whose farm has its own",
+                                    options_.workers ? "--workers" : "--threads"));
+    }
     if (options_.resume && options_.connect) {
       throw usage_error("--resume: tiles are kept where the coordinator is; expected no --connect");
     }
+  }
+
+  /// What cannot be written in the end is better known before.
+  void check_outputs() const {
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
     for (const auto& path : picture_paths(options_)) check_writable(path_for(path, first));
     if (options_.stats) check_output_file(path_for(*options_.stats, first), "--stats");
@@ -142,7 +150,8 @@ class RenderRun {
 
   ExitCode render_frame(std::optional<int> frame, bool last) {
     const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
-    const OutputSettings output = output_settings(loaded_.scene.settings().output());
+    const OutputSettings output =
+        output_settings(options_.scene, loaded_.scene.settings().output());
     const JobResult result = trace(settings, frame, last);
     const JobReport& report = result.report;
     if (report.end == JobReport::End::interrupted) {

@@ -36,7 +36,6 @@ ExitCode work(const WorkerCommandOptions& options) {
   worker.threads = options.threads > 0
                        ? options.threads
                        : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  worker.parent = options.parent;
   worker.make_renderer = make_tile_renderer;
   worker.protocol_major = options.protocol_major;
   const WorkerEnd end = run_worker(*transport, worker, interrupted());

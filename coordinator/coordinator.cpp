@@ -47,8 +47,8 @@ JobProgress Coordinator::progress(Time now) const {
   return progress;
 }
 
-void Coordinator::note_assembling(double seconds) {
-  if (job()) job()->report().assemble_seconds += seconds;
+void Coordinator::note_assembling(Time spent) {
+  if (job()) job()->report().assemble_seconds += to_seconds(spent);
 }
 
 void Coordinator::advance_jobs(Time now) {
@@ -59,6 +59,7 @@ void Coordinator::advance_jobs(Time now) {
     jobs_.end_active(workers_.seen(), workers_.lost());
   }
   if (!jobs_.start_next(now)) return;
+  workers_.start_counting();
   next_tick_ = now;
   for (WorkerRecord* worker : workers_.present()) {
     worker->foreign = 0;

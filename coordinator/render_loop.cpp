@@ -25,6 +25,7 @@ constexpr int kMessagesPerRound = 256;
 
 CoordinatorOptions completed(CoordinatorOptions options, const ServerTransport& transport) {
   options.bulk_endpoint = transport.bulk_endpoint();
+  options.compress_pixels = transport.endpoint().starts_with("tcp://");
   // Workers of the coordinator that was here before must not take our jobs for its.
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
   if (options.epoch == 0) {
@@ -110,12 +111,12 @@ void RenderLoop::receive() {
     }
     // Counted before the job may end with this very band, so the writing of the last one is not.
     if (message->has_tile_band()) {
-      coordinator_->note_assembling(to_seconds(monotonic_now() - start));
+      coordinator_->note_assembling(monotonic_now() - start);
     }
     const Time handling = monotonic_now();
     coordinator_->on_message(received->channel, received->peer, *message, handling);
     if (message->has_tile_band()) {
-      coordinator_->note_assembling(to_seconds(monotonic_now() - handling));
+      coordinator_->note_assembling(monotonic_now() - handling);
     }
     deliver();
   }

@@ -21,7 +21,7 @@ constexpr Time kLongestWait = std::chrono::milliseconds(50);
 
 JobResult run_remote_job(ClientTransport& transport, const JobSpec& job,
                          const ProgressCallback& progress, const std::atomic<bool>& stop,
-                         double patience_seconds) {
+                         Time patience) {
   check_job(job);
   std::random_device random;
   JobClient client(job, (uint64_t{random()} << 32 | random()) | 1, monotonic_now());
@@ -45,11 +45,11 @@ JobResult run_remote_job(ClientTransport& transport, const JobSpec& job,
       progress(client.progress());
       next_progress = now + kTellProgress;
     }
-    if (to_seconds(now - client.last_heard()) > patience_seconds) {
+    if (now - client.last_heard() > patience) {
       throw render_error(
           fmt::format("no word from the coordinator for {} s; expected an answer to "
                       "the job",
-                      patience_seconds));
+                      to_seconds(patience)));
     }
   }
 }

@@ -21,7 +21,7 @@ namespace {
 
 // How soon `stop` is noticed.
 constexpr Time kLongestWait = std::chrono::milliseconds(100);
-// Cancelled tiles stop within a row; this long their number may keep the messages waiting.
+// After so many messages, what is traced and what is due by the clock has its turn.
 constexpr size_t kMessagesPerRound = 256;
 
 std::string host_name() {
@@ -84,10 +84,7 @@ class WorkerLoop {
   static SessionOptions session_options(const WorkerOptions& options) {
     SessionOptions result;
     result.hello = make_hello(options);
-    if (options.orphan_timeout_seconds >= 0) {
-      result.orphan_timeout = std::chrono::duration_cast<Time>(
-          std::chrono::duration<double>(std::min(options.orphan_timeout_seconds, 1e9)));
-    }
+    result.orphan_timeout = options.orphan_timeout;
     return result;
   }
 

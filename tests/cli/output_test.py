@@ -142,6 +142,17 @@ class OtherCommands(TesseraTest):
         self.assertTrue(any("idle" in line for line in found["unused"]), found)
         self.assertIn("idle", self.run_program("info", scene).out)
 
+    def test_info_reads_textures(self):
+        self.run_program("render", self.scene, "--size", "8x4", "-o", "brick.png")
+        scene = self.write("wall.tessera", 'textures { name: "brick" image { file: "brick.png" } }\n'
+                           'materials { name: "wall" classic { diffuse { texture: "brick" } } }\n'
+                           'nodes { shape { materials: "wall" sphere { } } }\n')
+        result = self.run_program("info", scene, "--json")
+        self.assertEqual(0, result.code, result.err)
+        self.assertEqual(0, self.run_program("convert", scene, "wall.tesserab").code)
+        self.assertEqual(json.loads(self.run_program("info", "wall.tesserab", "--json").out),
+                         json.loads(result.out))
+
     def test_compare(self):
         for seed, name in [(0, "a.exr"), (0, "b.exr"), (1, "c.exr")]:
             self.assertEqual(0, self.run_program("render", self.scene, *SMALL, "--spp", 2, "--seed",
