@@ -200,6 +200,8 @@ TEST_F(StoreTest, WhatAFullDiskDidNotTakeIsKeptLater) {
   say("p", band(assigns[3].assign(), 4));
   EXPECT_EQ(store->tiles.size(), 4u);
   EXPECT_EQ(coordinator.take_result(id)->report.end, JobReport::End::done);
+}
+
 TEST_F(CoordinatorTest, CountsWorkersOfEachJob) {
   const auto end = [this](const PeerId& peer) {
     const uint64_t id = job_id();
