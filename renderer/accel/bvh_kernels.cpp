@@ -83,7 +83,7 @@ bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCount
   const TriangleTester tester(mesh, prepared);
   TraversalCounters done;
   const bool found = closest_in_tree<true>(
-      mesh.tree, RayLanes(box_ray), box_ray.t_max,
+      mesh.tree, box_ray, box_ray.t_max,
       done.node_visits, [&](uint32_t leaf) HWY_ATTR __attribute__((always_inline)) {
         if (!tester.closest(leaf, hit, done.primitive_tests)) return false;
         box_ray.t_max = box_ray.limit(hit.t);
@@ -164,7 +164,7 @@ bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
                     });
     return found;
   }
-  const bool in_tree = closest_in_tree<false>(scene.tree, RayLanes(box_ray), box_ray.t_max,
+  const bool in_tree = closest_in_tree<false>(scene.tree, box_ray, box_ray.t_max,
                                               counters.node_visits, [&](uint32_t leaf) HWY_ATTR {
                                                 if (!test(leaf)) return false;
                                                 box_ray.t_max = box_ray.limit(hit.t);
