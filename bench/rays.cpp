@@ -29,21 +29,24 @@ struct Answer {
   uint32_t primitive = EmbreeScene::kNothing;
 };
 
+BenchView view_outside(const Bounds3& box) {
+  const double size = length(box.diagonal());
+  return {box.center() + Vec3{0.35, 0.3, 0.9} * (size * 0.85), box.center(),
+          box.center() + Vec3{0.6, 0.9, 0.7} * size};
+}
+
 class RayMaker {
  public:
-  RayMaker(const MeshShape& shape, bool indoors, uint64_t seed)
-      : shape_(shape), indoors_(indoors), random_(seed) {}
+  RayMaker(const MeshShape& shape, const std::optional<BenchView>& view, uint64_t seed)
+      : shape_(shape), view_(view ? *view : view_outside(shape.bounds())), random_(seed) {}
 
   std::vector<RaySet> make(int side) {
     RaySet primary{"primary", false, primary_rays(side)};
     const std::vector<SurfaceInteraction> first = hits(primary.rays);
     RaySet shadow{"shadow", true, {}}, diffuse{"diffuse", false, {}}, ao{"ao", true, {}};
-    const Bounds3 box = shape_.bounds();
-    const double size = length(box.diagonal());
-    const Point3 light = indoors_ ? box.center() + Vec3{0, 0.4 * box.diagonal().y, 0}
-                                  : box.center() + Vec3{0.6, 0.9, 0.7} * size;
+    const double size = length(shape_.bounds().diagonal());
     for (const SurfaceInteraction& s : first) {
-      shadow.rays.push_back(spawn(s, light - s.point));
+      shadow.rays.push_back(spawn(s, view_.light - s.point));
       shadow.rays.back().t_max = 1;
       diffuse.rays.push_back(spawn(s, hemisphere(s)));
       ao.rays.push_back(spawn(s, hemisphere(s)));
@@ -60,11 +63,7 @@ class RayMaker {
 
  private:
   std::vector<Ray> primary_rays(int side) {
-    const Bounds3 box = shape_.bounds();
-    const double size = length(box.diagonal());
-    const Point3 eye = indoors_ ? box.center() + box.diagonal() * 0.4
-                                : box.center() + Vec3{0.35, 0.3, 0.9} * (size * 0.85);
-    const Affine camera = look_at(eye, box.center(), {0, 1, 0});
+    const Affine camera = look_at(view_.eye, view_.target, {0, 1, 0});
     std::vector<Ray> rays;
     // In tiles of 4 x 4, as a renderer would.
     for (int tile = 0; tile < side / 4 * (side / 4); ++tile) {
@@ -114,7 +113,7 @@ class RayMaker {
   }
 
   const MeshShape& shape_;
-  bool indoors_;
+  BenchView view_;
   std::mt19937_64 random_;
 };
 
@@ -290,6 +289,11 @@ void bench_set(const BenchMesh& scene, const RaySet& set, const Oracle& oracle,
 
 }  // namespace
 
+BenchView view_inside(const Bounds3& box) {
+  return {box.center() + box.diagonal() * 0.4, box.center(),
+          box.center() + Vec3{0, 0.4 * box.diagonal().y, 0}};
+}
+
 std::vector<RayBenchRow> bench_rays(const std::vector<BenchMesh>& meshes,
                                     const RayBenchOptions& options) {
   std::vector<RayBenchRow> rows;
@@ -316,8 +320,7 @@ std::vector<RayBenchRow> bench_rays(const std::vector<BenchMesh>& meshes,
     }
     const auto shape =
         make_mesh_shape(mesh, AcceleratorKind::bvh, std::max(1, options.build_threads));
-    for (const RaySet& set :
-         RayMaker(*shape, scene.indoors, options.seed).make(options.image_side)) {
+    for (const RaySet& set : RayMaker(*shape, scene.view, options.seed).make(options.image_side)) {
       if (set.rays.empty()) continue;
       const Oracle oracle(set, mesh, options.oracle_tests);
       bench_set(scene, set, oracle, contestants, embree.get(), options, rows);

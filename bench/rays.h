@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,11 +9,19 @@
 
 namespace tessera {
 
+/// Where the rays of a bench begin and go.
+struct BenchView {
+  Point3 eye, target, light;
+};
+
 struct BenchMesh {
   std::string name;
-  TriangleMesh mesh;     ///< without degenerate triangles
-  bool indoors = false;  ///< eye and light are inside of it
+  TriangleMesh mesh;              ///< without degenerate triangles
+  std::optional<BenchView> view;  ///< else from outside of it
 };
+
+/// From inside the box: from near a corner to the middle, the light below the ceiling.
+BenchView view_inside(const Bounds3& box);
 
 /// One line of `tessera bench rays`.
 struct RayBenchRow {

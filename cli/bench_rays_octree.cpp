@@ -40,12 +40,23 @@ TriangleMesh mesh_named(const std::string& name) {
 const std::vector<std::string> kRayScenes{"icosphere:6", "teapot", "room", "soup:1000000",
                                           "sub:teapot"};
 
+/// Off the axes, so that the boxes of its walls hold all of it.
+void turn(BenchMesh& scene) {
+  const auto turned = [](auto p) {
+    const auto x = 0.8f * p.x + 0.6f * p.y, y = 0.8f * p.y - 0.6f * p.x;
+    return decltype(p){x, 0.8f * y + 0.6f * p.z, 0.8f * p.z - 0.6f * y};
+  };
+  for (Float3& p : scene.mesh.positions) p = turned(p);
+  for (Point3* p : {&scene.view->eye, &scene.view->target, &scene.view->light}) *p = turned(*p);
+}
+
 BenchMesh ray_scene(const std::string& name) {
-  BenchMesh scene{name, {}};
+  BenchMesh scene{name, {}, {}};
   constexpr std::string_view kSub = "sub:", kSoup = "soup:";
-  if (name == "room") {
+  if (name == "room" || name == "turned-room") {
     scene.mesh = furnished_room(1);
-    scene.indoors = true;
+    scene.view = view_inside(scene.mesh.bounds());
+    if (name == "turned-room") turn(scene);
   } else if (name == "teapot") {
     const PlainMesh pot = pot_mesh();
     for (const Point3& p : pot.positions)
@@ -60,7 +71,7 @@ BenchMesh ray_scene(const std::string& name) {
         static_cast<size_t>(parse_whole(name, name.substr(kSoup.size()), 1, 50'000'000)), 1);
   } else if (name.starts_with(kSub)) {
     const BenchMesh coarse = ray_scene(name.substr(kSub.size()));
-    scene.indoors = coarse.indoors;
+    scene.view = coarse.view;
     scene.mesh = subdivided_to_a_million(coarse.mesh);
     drop_degenerate(scene.mesh);
   } else {

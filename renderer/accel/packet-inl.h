@@ -165,6 +165,9 @@ bool mesh_packet(const MeshTree& mesh, std::span<const Ray> rays, std::span<Hit>
   const TraversalTree& tree = mesh.tree;
   if ((tree.root & TraversalTree::kLeaf) || tree.units.size() >= PacketLanes::kMaxUnits)
     return false;
+  if (mesh.cut_planes.count > 0)
+    for (const Ray& ray : rays)
+      if (mesh.cut_planes.must_visit_all(ray, tree.extent)) return false;
   PacketRays packet;
   if (rays.size() < 2 || !packet.set(rays, hits, tree.extent)) return false;
   alignas(TriangleRay) std::byte memory[kPacketSize][sizeof(TriangleRay)];
