@@ -53,6 +53,16 @@ std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleM
   return std::make_shared<MeshShape>(std::move(mesh), std::move(accelerator));
 }
 
+std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
+                                                          AcceleratorKind kind, int threads,
+                                                          std::shared_ptr<BuildCount> built) {
+  TESSERA_CHECK(mesh->triangles.size() <= kMaxPrimitives,
+                fmt::format("{} > {}", mesh->triangles.size(), kMaxPrimitives));
+  TESSERA_CHECK(kind != AcceleratorKind::embree, "may be absent, which is told before any ray");
+  auto accelerator = std::make_unique<DeferredMesh>(mesh, kind, threads, std::move(built));
+  return std::make_shared<MeshShape>(std::move(mesh), std::move(accelerator));
+}
+
 std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,
                                                              AcceleratorKind kind, int threads) {
   size_t bounded = 0;
