@@ -19,8 +19,8 @@ DeferredMesh::DeferredMesh(std::shared_ptr<const TriangleMesh> mesh, Accelerator
 bool DeferredMesh::passes_by(const Ray& ray) const {
   double size = 0;
   for (int a = 0; a < 3; ++a)
-    size = std::max({size, std::abs(bounds_.min[a]), std::abs(bounds_.max[a]),
-                     std::abs(ray.origin[a])});
+    size = std::max(
+        {size, std::abs(bounds_.min[a]), std::abs(bounds_.max[a]), std::abs(ray.origin[a])});
   double enter = -Bounds3::kInfinity, leave = Bounds3::kInfinity;
   for (int a = 0; a < 3; ++a) {
     const double low = bounds_.min[a] - size * 0x1p-20 - ray.origin[a];

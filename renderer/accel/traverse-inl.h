@@ -131,6 +131,8 @@ HWY_INLINE void prefetch(const TreeUnit* units, uint32_t reference) {
   __builtin_prefetch(at + 64);
   __builtin_prefetch(at + 128);
   __builtin_prefetch(at + 192);
+  __builtin_prefetch(at + 256);
+  __builtin_prefetch(at + 320);
 }
 
 /// Visits nodes nearest first. `leaf(reference)` tests a leaf and says whether a nearer hit was
