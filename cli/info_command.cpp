@@ -10,6 +10,7 @@
 #include "cli/command_line.h"
 #include "cli/render_options.h"
 #include "cli/say.h"
+#include "cli/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/render/tile_renderer.h"
 #include "scenes/formats/read_scene.h"
@@ -46,7 +47,7 @@ void check_builds(const std::string& path, const LoadedScene& loaded,
 SceneInfo inspect(const std::string& path) {
   RenderOptions options;
   options.scene = path;
-  const LoadedScene loaded = read_scene(path);
+  const LoadedScene loaded = read_scene(path, {.decode_texture = decode_texture});
   SceneInfo info{.digest = Digest::of(serialize_scene(loaded.scene)).hex(),
                  .frame = frame_settings(options, loaded.scene, std::nullopt),
                  .summary = summarize(loaded.scene, loaded.blobs),
