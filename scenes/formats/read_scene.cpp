@@ -16,6 +16,8 @@
 #include "scenes/formats/default_view.h"
 #include "scenes/formats/include_resolver.h"
 #include "scenes/formats/obj/obj_reader.h"
+#include "scenes/formats/ply/ply_reader.h"
+#include "scenes/formats/stl/stl_reader.h"
 #include "scenes/formats/x3d/x3d_reader.h"
 #include "scenes/import/texture_loader.h"
 
@@ -24,12 +26,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 6> kFormats{"tessera", "tesserab", "json",
-                                                   "obj",     "x3d",      "crt"};
+constexpr std::array<std::string_view, 8> kFormats{"tessera", "tesserab", "json", "obj",
+                                                   "ply",     "stl",      "x3d",  "crt"};
+/// Models: they may come without a camera and without light.
+constexpr std::array<std::string_view, 3> kModels{"obj", "ply", "stl"};
 /// Formats that users may well try, so that the error can say that they were recognised.
-constexpr std::array<std::string_view, 21> kOthers{
-    "x3dv", "wrl", "vrml", "x3dz", "gltf", "glb", "ply",  "stl", "fbx", "dae", "blend",
-    "3ds",  "usd", "usda", "usdc", "usdz", "abc", "pbrt", "mtl", "xml", "gz"};
+constexpr std::array<std::string_view, 19> kOthers{
+    "x3dv", "wrl",  "vrml", "x3dz", "gltf", "glb",  "fbx", "dae", "blend", "3ds",
+    "usd",  "usda", "usdc", "usdz", "abc",  "pbrt", "mtl", "xml", "gz"};
 
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -55,6 +59,8 @@ std::string head_of(const std::string& path) {
 std::string format_by_content(const std::string& path) {
   const std::string head = head_of(path);
   if (head.starts_with("# proto-file: proto/tessera/v1/")) return "tessera";
+  if (head.starts_with("ply\n") || head.starts_with("ply\r")) return "ply";
+  if (head.starts_with("solid ")) return "stl";
   if (head.find("<X3D") != std::string::npos) return "x3d";
   return "";
 }
@@ -84,6 +90,8 @@ std::string format_of(const std::string& path, const std::string& asked) {
 LoadedScene read_format(const std::string& path, const std::string& format,
                         const ReadOptions& options) {
   if (format == "obj") return read_obj(path);
+  if (format == "ply") return read_ply(path);
+  if (format == "stl") return read_stl(path);
   if (format == "x3d") return read_x3d(path, options);
   if (format == "crt") return read_crt(path, options);
   const SceneEncoding encoding = format == "json"       ? SceneEncoding::json
@@ -108,7 +116,8 @@ LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
   IncludeResolver(path, [&](const std::string& file, const std::string& format) {
     return read_one(file, format, options);
   }).resolve(loaded);
-  if (format_of(path, options.format) == "obj") add_default_view(loaded);
+  if (std::find(kModels.begin(), kModels.end(), format_of(path, options.format)) != kModels.end())
+    add_default_view(loaded);
   if (loaded.scene.metadata().source_file().empty())
     loaded.scene.mutable_metadata()->set_source_file(to_utf8(fs::path(path).filename().string()));
   check_scene(loaded.scene, path);

@@ -48,12 +48,10 @@ TEST_F(ReadScene, RefusesWhatIsNoSceneFile) {
   EXPECT_EQ(error(write("empty.x3d", "")), "empty.x3d: the file is empty");
   fs::create_directories(folder_ / "folder.obj");
   EXPECT_EQ(error((folder_ / "folder.obj").string()), "folder.obj: is a folder; expected a file");
-  EXPECT_EQ(error(write("a.gltf", "{}")),
-            "a.gltf: files of type .gltf are not read; expected one of .tessera, .tesserab, .json, "
-            ".obj, .x3d, .crt");
-  EXPECT_EQ(
-      error(write("a.xyz", "0 0 0")),
-      "a.xyz: unknown ending '.xyz'; expected one of .tessera, .tesserab, .json, .obj, .x3d, .crt");
+  const std::string known = "one of .tessera, .tesserab, .json, .obj, .ply, .stl, .x3d, .crt";
+  EXPECT_EQ(error(write("a.fbx", "{}")),
+            "a.fbx: files of type .fbx are not read; expected " + known);
+  EXPECT_EQ(error(write("a.xyz", "0 0 0")), "a.xyz: unknown ending '.xyz'; expected " + known);
   EXPECT_EQ(error(write("b.tesserab", "\x01\x02")).substr(0, 24), "b.tesserab: the bytes ar");
   EXPECT_EQ(read_scene(write("by_content", "<X3D><Scene/></X3D>")).scene.cameras_size(), 1);
 }
