@@ -24,7 +24,9 @@ ExitCode convert(const ConvertOptions& options) {
                     options.output));
   }
   check_output_file(options.output, "OUT");
-  const LoadedScene loaded = read_scene(options.input, {.decode_texture = decode_texture});
+  const LoadedScene loaded =
+      read_scene(options.input,
+                 {.decode_texture = decode_texture, .decode_texture_bytes = decode_texture_bytes});
   for (const std::string& warning : loaded.warnings) {
     say(stderr, "tessera: warning: {}\n", warning);
   }

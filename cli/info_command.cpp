@@ -47,7 +47,8 @@ void check_builds(const std::string& path, const LoadedScene& loaded,
 SceneInfo inspect(const std::string& path) {
   RenderOptions options;
   options.scene = path;
-  const LoadedScene loaded = read_scene(path, {.decode_texture = decode_texture});
+  const LoadedScene loaded = read_scene(
+      path, {.decode_texture = decode_texture, .decode_texture_bytes = decode_texture_bytes});
   SceneInfo info{.digest = Digest::of(serialize_scene(loaded.scene)).hex(),
                  .frame = frame_settings(options, loaded.scene, std::nullopt),
                  .summary = summarize(loaded.scene, loaded.blobs),

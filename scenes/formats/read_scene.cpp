@@ -14,6 +14,7 @@
 #include "proto/wire/scene_codec.h"
 #include "scenes/formats/crt/crt_reader.h"
 #include "scenes/formats/default_view.h"
+#include "scenes/formats/gltf/gltf_reader.h"
 #include "scenes/formats/include_resolver.h"
 #include "scenes/formats/obj/obj_reader.h"
 #include "scenes/formats/ply/ply_reader.h"
@@ -26,14 +27,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 8> kFormats{"tessera", "tesserab", "json", "obj",
-                                                   "ply",     "stl",      "x3d",  "crt"};
+constexpr std::array<std::string_view, 10> kFormats{"tessera", "tesserab", "json", "obj", "ply",
+                                                    "stl",     "gltf",     "glb",  "x3d", "crt"};
 /// Models: they may come without a camera and without light.
-constexpr std::array<std::string_view, 3> kModels{"obj", "ply", "stl"};
+constexpr std::array<std::string_view, 5> kModels{"obj", "ply", "stl", "gltf", "glb"};
 /// Formats that users may well try, so that the error can say that they were recognised.
-constexpr std::array<std::string_view, 19> kOthers{
-    "x3dv", "wrl",  "vrml", "x3dz", "gltf", "glb",  "fbx", "dae", "blend", "3ds",
-    "usd",  "usda", "usdc", "usdz", "abc",  "pbrt", "mtl", "xml", "gz"};
+constexpr std::array<std::string_view, 17> kOthers{"x3dv",  "wrl",  "vrml", "x3dz", "fbx",  "dae",
+                                                   "blend", "3ds",  "usd",  "usda", "usdc", "usdz",
+                                                   "abc",   "pbrt", "mtl",  "xml",  "gz"};
 
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -61,6 +62,7 @@ std::string format_by_content(const std::string& path) {
   if (head.starts_with("# proto-file: proto/tessera/v1/")) return "tessera";
   if (head.starts_with("ply\n") || head.starts_with("ply\r")) return "ply";
   if (head.starts_with("solid ")) return "stl";
+  if (head.starts_with("glTF")) return "glb";
   if (head.find("<X3D") != std::string::npos) return "x3d";
   return "";
 }
@@ -92,20 +94,24 @@ LoadedScene read_format(const std::string& path, const std::string& format,
   if (format == "obj") return read_obj(path);
   if (format == "ply") return read_ply(path);
   if (format == "stl") return read_stl(path);
+  if (format == "gltf" || format == "glb") return read_gltf(path);
   if (format == "x3d") return read_x3d(path, options);
   if (format == "crt") return read_crt(path, options);
   const SceneEncoding encoding = format == "json"       ? SceneEncoding::json
                                  : format == "tesserab" ? SceneEncoding::binary
                                                         : SceneEncoding::text;
   SceneWithBlobs read = read_scene_file(path, encoding);
-  return {.scene = std::move(read.scene), .blobs = std::move(read.blobs), .warnings = {}};
+  LoadedScene loaded;
+  loaded.scene = std::move(read.scene);
+  loaded.blobs = std::move(read.blobs);
+  return loaded;
 }
 
 /// With its pictures, without its includes.
 LoadedScene read_one(const std::string& path, const std::string& asked,
                      const ReadOptions& options) {
   LoadedScene loaded = read_format(path, format_of(path, asked), options);
-  load_textures(loaded, fs::absolute(path).parent_path(), options.decode_texture);
+  load_textures(loaded, fs::absolute(path).parent_path(), options);
   return loaded;
 }
 

@@ -1,6 +1,5 @@
 #include "scenes/import/texture_set.h"
 
-#include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
 
@@ -28,12 +27,10 @@ void collect_textures(const pb::Message& message, std::set<std::string>& names) 
 std::string TextureSet::add(v1::Texture texture) {
   const auto [known, is_new] = names_.try_emplace(texture.SerializeAsString());
   if (!is_new) return known->second;
-  std::string name = texture.name();
-  while (const int taken = wishes_[name]++) name = fmt::format("{}#{}", texture.name(), taken + 1);
-  known->second = name;
-  texture.set_name(name);
+  known->second = unique_(texture.name());
+  texture.set_name(known->second);
   textures_.push_back(std::move(texture));
-  return name;
+  return known->second;
 }
 
 void add_used_textures(const TextureSet& textures, v1::Scene& scene) {

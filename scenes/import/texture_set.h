@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "proto/tessera/v1/scene.pb.h"
+#include "scenes/import/unique_names.h"
 
 namespace tessera {
 
@@ -20,7 +21,7 @@ class TextureSet {
  private:
   std::vector<v1::Texture> textures_;
   std::map<std::string, std::string> names_;  ///< by the whole message with the wished name
-  std::map<std::string, int> wishes_;
+  UniqueNames unique_;
 };
 
 /// Adds those textures of the set that a material of the scene names.
