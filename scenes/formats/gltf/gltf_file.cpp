@@ -22,12 +22,12 @@ uint32_t word_at(std::string_view bytes, size_t offset) {
 }
 
 std::optional<std::string> decode_base64(std::string_view text) {
-  std::array<int8_t, 256> codes;
+  std::array<int, 256> codes;
   codes.fill(-1);
   constexpr std::string_view kAlphabet =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   for (size_t i = 0; i < kAlphabet.size(); ++i)
-    codes[static_cast<unsigned char>(kAlphabet[i])] = static_cast<int8_t>(i);
+    codes[static_cast<unsigned char>(kAlphabet[i])] = static_cast<int>(i);
   while (text.ends_with('=')) text.remove_suffix(1);
   std::string bytes;
   bytes.reserve(text.size() / 4 * 3 + 3);
