@@ -8,6 +8,7 @@
 
 #include "base/digest.h"
 #include "cli/command_line.h"
+#include "cli/placement.h"
 #include "cli/render_options.h"
 #include "cli/say.h"
 #include "cli/texture_decoder.h"
@@ -21,6 +22,7 @@ namespace {
 
 struct InfoOptions {
   std::string scene;
+  std::vector<v1::Include> placements;
   bool json = false;
 };
 
@@ -44,11 +46,13 @@ void check_builds(const std::string& path, const LoadedScene& loaded,
   }
 }
 
-SceneInfo inspect(const std::string& path) {
+SceneInfo inspect(const InfoOptions& wanted) {
+  const std::string& path = wanted.scene;
   RenderOptions options;
   options.scene = path;
-  const LoadedScene loaded = read_scene(
-      path, {.decode_texture = decode_texture, .decode_texture_bytes = decode_texture_bytes});
+  const LoadedScene loaded = read_scene(path, {.decode_texture = decode_texture,
+                                               .decode_texture_bytes = decode_texture_bytes,
+                                               .placements = wanted.placements});
   SceneInfo info{.digest = Digest::of(serialize_scene(loaded.scene)).hex(),
                  .frame = frame_settings(options, loaded.scene, std::nullopt),
                  .summary = summarize(loaded.scene, loaded.blobs),
@@ -95,7 +99,7 @@ void print_text(const SceneInfo& info) {
 }
 
 ExitCode info(const InfoOptions& options) {
-  const SceneInfo found = inspect(options.scene);
+  const SceneInfo found = inspect(options);
   options.json ? print_json(found) : print_text(found);
   if (found.summary.undefined.empty()) return ExitCode::done;
   throw scene_error(fmt::format("{}: {} names are used but not defined: {}", options.scene,
@@ -114,6 +118,7 @@ void add_info_command(CLI::App& app, Action& action) {
       "  tessera info room.x3d\n"
       "  tessera info room.x3d --json | jq .unused");
   command->add_option("SCENE", options->scene, "The scene file")->required()->type_name("FILE");
+  add_place_option(*command, options->placements);
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, &action] { action = [options] { return info(*options); }; });
 }

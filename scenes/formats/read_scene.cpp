@@ -115,13 +115,35 @@ LoadedScene read_one(const std::string& path, const std::string& asked,
   return loaded;
 }
 
+/// Moves all that stands in the scene, under one node.
+void place_itself(v1::Scene& scene, const v1::Transform& transform) {
+  v1::Node whole;
+  *whole.mutable_transform() = transform;
+  whole.mutable_children()->Swap(scene.mutable_nodes());
+  *scene.add_nodes() = std::move(whole);
+}
+
 }  // namespace
 
 LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
-  LoadedScene loaded = read_one(path, options.format, options);
-  IncludeResolver(path, [&](const std::string& file, const std::string& format) {
+  const IncludeResolver::Reader read = [&](const std::string& file, const std::string& format) {
     return read_one(file, format, options);
-  }).resolve(loaded);
+  };
+  const IncludeResolver::Reader read_whole = [&](const std::string& file,
+                                                 const std::string& format) {
+    LoadedScene whole = read(file, format);
+    IncludeResolver(file, read).resolve(whole);
+    return whole;
+  };
+  LoadedScene loaded = read(path, options.format);
+  IncludeResolver resolver(path, read);
+  resolver.resolve(loaded);
+  for (const v1::Include& placement : options.placements) {
+    if (placement.file().empty())
+      place_itself(loaded.scene, placement.transform());
+    else
+      resolver.place(loaded, placement, read_whole);
+  }
   if (std::find(kModels.begin(), kModels.end(), format_of(path, options.format)) != kModels.end())
     add_default_view(loaded);
   if (loaded.scene.metadata().source_file().empty())

@@ -48,6 +48,9 @@ struct ReadOptions {
   Shadows x3d_shadows = Shadows::on;           ///< `file`: as the lights' own fields say
   TextureDecoder decode_texture{};             ///< none: textures keep the names of their files
   TextureBytesDecoder decode_texture_bytes{};  ///< of pictures inside the scene's file
+  /// Files to place beside what the scene itself includes: each from a folder of its own, by a path
+  /// as the system takes it. One without a file places the scene itself, its cameras apart.
+  std::vector<v1::Include> placements{};
   int32_t frame = 0;                           ///< of an animation; what scripts call t
 };
 

@@ -189,7 +189,7 @@ TEST(Gltf, RefusesGraphsThatAreNoTrees) {
   EXPECT_EQ(error(file(R"({"children":[1]},{"children":[0]})")),
             "t.gltf:1:62: nodes/0: a node with two parents, or below itself; expected a tree");
   EXPECT_EQ(error(file(R"({"children":[1,1]},{})")).substr(0, 30),
-            "t.gltf:1:84: nodes/1: a node w");
+            "t.gltf:1:81: nodes/1: a node w");
   EXPECT_EQ(error(file(R"({"children":[7]})")),
             "t.gltf:1:75: nodes/0/children/0: node 7; expected 0 to 0");
 }
