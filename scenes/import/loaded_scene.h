@@ -51,7 +51,7 @@ struct ReadOptions {
   /// Files to place beside what the scene itself includes: each from a folder of its own, by a path
   /// as the system takes it. One without a file places the scene itself, its cameras apart.
   std::vector<v1::Include> placements{};
-  int32_t frame = 0;                           ///< of an animation; what scripts call t
+  int32_t frame = 0;  ///< of an animation; what scripts call t
 };
 
 }  // namespace tessera
