@@ -58,6 +58,7 @@ SceneInfo inspect(const InfoOptions& wanted) {
                  .summary = summarize(loaded.scene, loaded.blobs),
                  .cameras = {},
                  .warnings = loaded.warnings};
+  info.summary.unused.insert(info.summary.unused.end(), loaded.unused.begin(), loaded.unused.end());
   check_builds(path, loaded, info.frame);
   for (const auto& [digest, data] : loaded.blobs.all()) info.blob_bytes += data->size();
   for (const v1::Camera& camera : loaded.scene.cameras()) info.cameras.push_back(camera.name());

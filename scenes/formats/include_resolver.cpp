@@ -170,6 +170,7 @@ IncludeResolver::Part IncludeResolver::absorb(LoadedScene& into, const v1::Inclu
     *into.scene.mutable_fog() = std::move(*scene.mutable_fog());
   for (const auto& [digest, data] : loaded.blobs.all()) into.blobs.put(digest, data);
   std::move(loaded.warnings.begin(), loaded.warnings.end(), std::back_inserter(into.warnings));
+  std::move(loaded.unused.begin(), loaded.unused.end(), std::back_inserter(into.unused));
   into.depends_on_frame |= loaded.depends_on_frame;
   return made;
 }

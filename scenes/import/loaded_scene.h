@@ -21,7 +21,10 @@ struct LoadedScene {
   /// empty once textures are loaded.
   std::map<std::string, std::string> pictures{};
   std::vector<std::string> warnings{};  ///< what was read otherwise than a user might expect
-  bool depends_on_frame = false;        ///< a script: another ReadOptions::frame, another scene
+  /// What the file defines and its scene does not show, so that it was not taken over: "mesh
+  /// 'lid'".
+  std::vector<std::string> unused{};
+  bool depends_on_frame = false;  ///< a script: another ReadOptions::frame, another scene
 };
 
 /// A picture as textures hold it: rows from the top, tightly packed.

@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "scenes/formats/gltf/gltf_file.h"
@@ -25,6 +26,7 @@ class GltfTextures {
 
   /// The name of the texture that a textureInfo object refers to, empty where there is none.
   std::string use(const GltfValue& info, v1::Texture::Image::Encoding encoding);
+  bool is_used(size_t index) const { return used_.contains(index); }
   /// Of the textures used so far.
   const TextureSet& all() const { return textures_; }
 
@@ -38,6 +40,7 @@ class GltfTextures {
   LoadedScene& out_;
   Warnings& warnings_;
   TextureSet textures_;
+  std::set<size_t> used_;
   std::map<size_t, std::string> pictures_;  ///< what Image.file says of an image; empty: none
 };
 
@@ -55,6 +58,8 @@ class GltfMaterials {
   /// Which set of texture coordinates its textures take. A mesh has one.
   size_t uv_set(std::optional<size_t> index);
   const TextureSet& textures() const { return textures_.all(); }
+  bool is_used(size_t index) const { return known_.contains(index); }
+  bool is_texture_used(size_t index) const { return textures_.is_used(index); }
 
  private:
   struct Known {

@@ -86,6 +86,10 @@ class GltfReader {
       *out_.scene.add_textures() = texture;
     if (const size_t count = file_.root()["animations"].size())
       warnings_.add("animations are not read", count);
+    list_unused("meshes", "mesh", [&](size_t i) { return uses_.contains(i); });
+    list_unused("materials", "material", [&](size_t i) { return materials_.is_used(i); });
+    list_unused("textures", "texture", [&](size_t i) { return materials_.is_texture_used(i); });
+    list_unused("nodes", "node", [&](size_t i) { return seen_[i]; });
     out_.warnings = warnings_.list(file_.name());
     return std::move(out_);
   }
@@ -95,6 +99,18 @@ class GltfReader {
     size_t node;
     Affine world;
   };
+
+  template <typename Test>
+  void list_unused(const char* array, const char* what, const Test& is_used) {
+    constexpr size_t kMost = 1000;
+    const GltfValue all = file_.root()[array];
+    for (size_t i = 0; i < all.size() && out_.unused.size() < kMost; ++i) {
+      if (is_used(i)) continue;
+      const std::string name = all.at(i)["name"].text("");
+      out_.unused.push_back(name.empty() ? fmt::format("{} {}", what, i)
+                                         : fmt::format("{} '{}'", what, to_utf8(name)));
+    }
+  }
 
   void check_version() {
     const GltfValue version = file_.root()["asset"]["version"];
@@ -150,7 +166,7 @@ class GltfReader {
   /// Lists the nodes of the graph in the order of the file's trees, each with its place in the
   /// world, and counts how often meshes are shown.
   void count_uses(const std::vector<size_t>& from) {
-    std::vector<bool> seen(node_count());
+    seen_.resize(node_count());
     std::vector<Place> open;
     const auto push = [&](const std::vector<size_t>& nodes, const Affine& world) {
       for (size_t i = nodes.size(); i-- > 0;) open.push_back({nodes[i], world});
@@ -159,8 +175,8 @@ class GltfReader {
       Place place = open.back();
       open.pop_back();
       const GltfValue in = file_.element("nodes", place.node);
-      if (seen[place.node]) throw in.error("a node with two parents, or below itself", "a tree");
-      seen[place.node] = true;
+      if (seen_[place.node]) throw in.error("a node with two parents, or below itself", "a tree");
+      seen_[place.node] = true;
       place.world = place.world * transform_of(in);
       for (const auto& row : place.world.m)
         for (const double value : row)
@@ -302,6 +318,7 @@ class GltfReader {
   GltfMeshes meshes_;
   UniqueNames unique_object_, unique_camera_, unique_light_;
   std::vector<Place> places_;
+  std::vector<bool> seen_;  ///< the nodes that places_ holds
   std::map<size_t, size_t> uses_;
   std::map<size_t, Shown> shown_;
 };

@@ -78,6 +78,7 @@ std::string GltfTextures::use(const GltfValue& info, v1::Texture::Image::Encodin
   if (!info) return "";
   const auto index = info["index"].index(file_.root()["textures"].size(), "texture");
   if (!index) throw info.error("no texture", "its index");
+  used_.insert(*index);
   const GltfValue in = file_.element("textures", *index);
   const auto source = in["source"].index(file_.root()["images"].size(), "image");
   if (!source) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 
@@ -108,6 +109,9 @@ void add_materials(const ObjFile& file, const MtlLibrary& library, LoadedScene& 
     shape.add_materials(material.name());
   }
   add_used_textures(library.textures, out.scene);
+  for (const std::string& name : known)
+    if (std::find(file.materials.begin(), file.materials.end(), name) == file.materials.end())
+      out.unused.push_back(fmt::format("material '{}'", name));
 }
 
 /// A material called "default" beside the one that we add under that name gets out of the way.

@@ -287,12 +287,14 @@ TEST_F(ReadScene, LoadsPicturesFromBesideAndFromWithin) {
 
 TEST_F(ReadScene, ReadsPicturesOfMaterialsInsideTheFolderOnly) {
   write("a.obj", std::string("mtllib m/a.mtl\nusemtl a\n") + kTriangle);
-  write("m/a.mtl", "newmtl a\nmap_Kd there.png\nmap_Ks ../../out.png\nmap_Ke none.png\n");
+  write("m/a.mtl",
+        "newmtl a\nmap_Kd there.png\nmap_Ks ../../out.png\nmap_Ke none.png\nnewmtl idle\n");
   write("m/there.png", "x");
   std::ofstream(outside_ / "out.png") << "x";
   const LoadedScene loaded = read_scene((folder_ / "a.obj").string());
   ASSERT_EQ(loaded.scene.textures_size(), 1);
   EXPECT_EQ(loaded.scene.textures(0).image().file(), "m/there.png");
+  EXPECT_EQ(loaded.unused, std::vector<std::string>{"material 'idle'"});
   EXPECT_EQ(loaded.warnings.size(), 2u);
 }
 

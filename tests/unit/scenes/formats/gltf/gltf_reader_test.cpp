@@ -180,6 +180,7 @@ TEST(Gltf, PlacesNodesAndSharesMeshes) {
   EXPECT_NEAR(rows(1)[3], 1, 1e-12);
   EXPECT_NEAR(rows(1)[7], 7, 1e-12);
   EXPECT_EQ(loaded.scene.nodes(1).instance_of(), loaded.scene.objects(0).name());
+  EXPECT_EQ(loaded.unused, std::vector<std::string>{"node 3"});
 }
 
 TEST(Gltf, RefusesGraphsThatAreNoTrees) {
