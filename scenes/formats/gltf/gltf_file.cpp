@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -152,6 +153,8 @@ std::string GltfFile::path_of_uri(const GltfValue& uri) {
       i += 2;
     }
   }
+  if (find_invalid_utf8(path) != std::string::npos)
+    throw uri.error("a name that is no UTF-8", "a relative path");
   return path;
 }
 
