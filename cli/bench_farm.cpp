@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <stdlib.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/process.h"
 #include "cli/timed_process.h"
 #include "proto/transport/zmq_transport.h"
 #include "proto/wire/frame.h"
@@ -129,8 +129,10 @@ json one_sphere_row(const BenchFarmOptions& options, const TemporaryFolder& fold
 double seconds_to_hello(const TemporaryFolder& folder) {
   const auto server = bind_server("ipc://" + folder.file("socket"));
   const auto start = std::chrono::steady_clock::now();
-  const pid_t pid = start_process({kThisProgram, "worker", "--connect", server->endpoint(),
-                                   "--threads", "1", "--parent", std::to_string(getpid())});
+  const pid_t pid = start_process(kThisProgram,
+                                  {kThisProgram, "worker", "--connect", server->endpoint(),
+                                   "--threads", "1", "--parent", std::to_string(getpid())},
+                                  {.discards_output = true});
   std::chrono::duration<double> taken{};
   for (bool ready = false; !ready;) {
     server->wait(std::chrono::milliseconds(100));
@@ -142,7 +144,7 @@ double seconds_to_hello(const TemporaryFolder& folder) {
     }
   }
   kill(pid, SIGKILL);
-  waitpid(pid, nullptr, 0);
+  wait_for_process(pid);
   return taken.count();
 }
 

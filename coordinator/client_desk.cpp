@@ -264,6 +264,14 @@ void ClientDesk::ended(uint64_t id, const JobResult& result) {
   submission.status.set_state(v1::JobStatus::ENDED);
 }
 
+void ClientDesk::close(const std::string& why) {
+  for (auto& [id, submission] : submissions_) {
+    if (submission.status.state() == v1::JobStatus::ENDED) continue;
+    fail(submission, ExitCode::render_failed, why);
+    answer(submission);
+  }
+}
+
 BlobData ClientDesk::find_blob(const Digest& digest) const {
   for (const auto& [id, submission] : submissions_) {
     if (submission.film && submission.film_digest == digest) return submission.film;

@@ -46,6 +46,8 @@ class ClientDesk {
   void refused(uint64_t submission, const Error& error);
   void running(uint64_t submission, const JobProgress& progress);
   void ended(uint64_t submission, const JobResult& result);
+  /// Fails what has not ended, for a reason outside.
+  void close(const std::string& why);
   /// Of a film that waits to be fetched.
   BlobData find_blob(const Digest& digest) const;
 

@@ -70,6 +70,10 @@ void Coordinator::attend_clients(Time now) {
   jobs_.attend_clients();
   advance_jobs(now);
   jobs_.tell_client(progress(now));
+  forward_to_clients();
+}
+
+void Coordinator::forward_to_clients() {
   for (ClientDesk::Outgoing& out : jobs_.clients().take_outgoing()) {
     outgoing_.push_back({Channel::control, std::move(out.peer), std::move(out.message)});
   }
@@ -389,6 +393,8 @@ void Coordinator::shut_down(const std::string& reason) {
   for (const WorkerRecord* worker : workers_.present()) {
     send(worker->peer).mutable_shutdown()->set_reason(reason);
   }
+  jobs_.clients().close(reason);
+  forward_to_clients();
 }
 
 }  // namespace tessera

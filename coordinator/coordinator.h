@@ -50,7 +50,7 @@ class Coordinator {
   Time next_deadline() const { return next_tick_; }
 
   std::vector<OutgoingMessage> take_outgoing();
-  /// Tells every worker to end.
+  /// Tells every worker to end, and the clients of jobs that have not ended why they do not.
   void shut_down(const std::string& reason);
   /// Processes of this host that hold a tile without progress, or are lost though they did not end:
   /// better killed and replaced.
@@ -76,6 +76,7 @@ class Coordinator {
 
   void advance_jobs(Time now);
   void attend_clients(Time now);
+  void forward_to_clients();
   void lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now);
   void note_stuck(const WorkerRecord& worker);
   void act(const SchedulerEvents& events, Time now);

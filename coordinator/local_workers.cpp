@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -22,8 +21,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
-
-extern char** environ;
+#include "base/process.h"
 
 namespace tessera {
 namespace {
@@ -100,48 +98,15 @@ void provide_descriptors(int workers) {
 }
 
 EndedProcess describe(pid_t pid, int status) {
-  EndedProcess ended{.pid = pid, .crashed = false, .how = {}};
+  EndedProcess ended{pid, true, fmt::format("process {} ended with {}", pid, how_it_ended(status))};
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     ended.crashed = signal != SIGKILL && signal != SIGTERM && signal != SIGINT && signal != SIGHUP;
-    ended.how = fmt::format("process {} was killed by signal {} ({})", pid, signal,
-                            sigabbrev_np(signal) ? sigabbrev_np(signal) : "?");
   } else {
     ended.crashed = WEXITSTATUS(status) != 0;
-    ended.how = fmt::format("process {} ended with exit code {}", pid, WEXITSTATUS(status));
   }
   return ended;
 }
-
-/// Attributes for a child that a terminal's Ctrl-C does not reach and that has no signal blocked.
-class SpawnSettings {
- public:
-  SpawnSettings() {
-    posix_spawn_file_actions_init(&actions_);
-    posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawnattr_init(&attributes_);
-    sigset_t none, all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setsigmask(&attributes_, &none);
-    posix_spawnattr_setsigdefault(&attributes_, &all);
-    posix_spawnattr_setpgroup(&attributes_, 0);
-    posix_spawnattr_setflags(
-        &attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  }
-  ~SpawnSettings() {
-    posix_spawn_file_actions_destroy(&actions_);
-    posix_spawnattr_destroy(&attributes_);
-  }
-  SpawnSettings(const SpawnSettings&) = delete;
-  SpawnSettings& operator=(const SpawnSettings&) = delete;
-  const posix_spawn_file_actions_t* actions() const { return &actions_; }
-  const posix_spawnattr_t* attributes() const { return &attributes_; }
-
- private:
-  posix_spawn_file_actions_t actions_;
-  posix_spawnattr_t attributes_;
-};
 
 }  // namespace
 
@@ -174,18 +139,7 @@ void LocalWorkers::spawn() {
                                         "--parent",  std::to_string(getpid())};
   arguments.insert(arguments.end(), options_.extra_arguments.begin(),
                    options_.extra_arguments.end());
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-  const SpawnSettings settings;
-  pid_t pid = 0;
-  const int error = posix_spawn(&pid, options_.program.c_str(), settings.actions(),
-                                settings.attributes(), pointers.data(), environ);
-  if (error != 0) {
-    throw render_error(fmt::format("cannot start a worker process from '{}': {}", options_.program,
-                                   std::strerror(error)));
-  }
-  running_.push_back(pid);
+  running_.push_back(start_process(options_.program, std::move(arguments)));
 }
 
 std::vector<EndedProcess> LocalWorkers::collect() {

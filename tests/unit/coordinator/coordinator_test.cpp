@@ -349,6 +349,17 @@ TEST_F(ClientTest, CancelsAQueuedJobAtOnce) {
   EXPECT_EQ(cancelled.end().how(), v1::JobEnd::INTERRUPTED);
 }
 
+TEST_F(ClientTest, AreToldWhyTheirJobsDoNotEnd) {
+  say("client", submission(42, job()));
+  for (const auto& chunk : chunks()) coordinator.on_message(Channel::bulk, "b", chunk, {});
+  ASSERT_EQ(ask(42, false).state(), v1::JobStatus::RUNNING);
+  coordinator.shut_down("told to end");
+  const v1::JobStatus last = status();
+  EXPECT_EQ(last.state(), v1::JobStatus::ENDED);
+  EXPECT_EQ(last.end().how(), v1::JobEnd::FAILED);
+  EXPECT_EQ(last.end().failure(), "told to end");
+}
+
 TEST_F(ClientTest, TakesBlobsOnlyFromWhoWasAsked) {
   say("client", submission(42, job()));
   const auto sound = chunks();

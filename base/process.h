@@ -1,0 +1,26 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+struct ProcessStreams {
+  int standard_input = -1;       ///< a descriptor that the process gets as its own; -1: nothing
+  bool discards_output = false;  ///< standard output; errors are always shared with us
+};
+
+/// Starts `program`, found by PATH if it names no folder; `arguments` begin with its name. It has a
+/// process group of its own, which a terminal's Ctrl-C does not reach, and no signal blocked or
+/// ignored. Throws render_error where it cannot be started. The caller waits for its end.
+pid_t start_process(const std::string& program, std::vector<std::string> arguments,
+                    const ProcessStreams& streams = {});
+
+/// Waits until it ends; its status as waitpid() tells it.
+int wait_for_process(pid_t process);
+/// "exit code 3" or "signal 11 (SEGV)".
+std::string how_it_ended(int status);
+
+}  // namespace tessera

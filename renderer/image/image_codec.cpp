@@ -1,0 +1,127 @@
+#include "renderer/image/image_codec.h"
+
+#include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "base/error.h"
+#include "base/process.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kProgram = "tessera-image-codec";
+
+fs::path find_program() {
+  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
+  for (const char* place : {"", "../libexec/tessera"}) {
+    const fs::path file = folder / place / kProgram;
+    if (access(file.c_str(), X_OK) == 0) return file;
+  }
+  throw render_error(fmt::format("cannot find the image codec '{}'; expected it in '{}'", kProgram,
+                                 folder.string()));
+}
+
+/// Whether the reply is of a size that such an answer may have.
+bool is_plausible(const ImageRequest& request, const ImageReply& reply) {
+  constexpr uint64_t kLongestCause = 64 * 1024;
+  if (!reply.done) return reply.payload_bytes <= kLongestCause;
+  if (request.call == ImageRequest::encode) {
+    return reply.payload_bytes <= most_encoded_bytes(request.layout.bytes());
+  }
+  return reply.layout.is_legal() && reply.layout.bytes() == reply.payload_bytes;
+}
+
+}  // namespace
+
+ImageCodec& ImageCodec::shared() {
+  static ImageCodec codec;
+  return codec;
+}
+
+ImageCodec::~ImageCodec() {
+  if (process_) end_locked();
+}
+
+void ImageCodec::check_installed() { find_program(); }
+
+void ImageCodec::start() {
+  const std::lock_guard lock(mutex_);
+  start_locked();
+}
+
+void ImageCodec::start_locked() {
+  if (process_) return;
+  std::array<int, 2> ends{};
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    throw render_error(fmt::format("cannot start the image codec: {}", std::strerror(errno)));
+  }
+  try {
+    process_ = start_process(find_program().string(), {kProgram},
+                             {.standard_input = ends[1], .discards_output = true});
+  } catch (...) {
+    close(ends[0]);
+    close(ends[1]);
+    throw;
+  }
+  close(ends[1]);
+  socket_ = ends[0];
+  const timeval patience{.tv_sec = 0, .tv_usec = 250'000};
+  setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+}
+
+int ImageCodec::end_locked() {
+  // It has nothing of its own to lose, and may still be loading.
+  close(socket_);
+  kill(process_, SIGKILL);
+  return wait_for_process(std::exchange(process_, 0));
+}
+
+std::optional<ImageCodec::Answer> ImageCodec::try_call(const ImageRequest& request,
+                                                       std::string_view payload) {
+  start_locked();
+  // A process that something has stopped would keep a finished picture waiting for good.
+  ImageChannel channel(socket_, [this] {
+    siginfo_t news{};
+    constexpr int kAsk = WEXITED | WSTOPPED | WNOHANG | WNOWAIT;
+    return waitid(P_PID, static_cast<id_t>(process_), &news, kAsk) == 0 && news.si_pid == 0;
+  });
+  ImageReply reply;
+  if (!channel.send(request, payload) || !channel.receive(reply)) return std::nullopt;
+  if (!is_plausible(request, reply)) return std::nullopt;
+  Answer answer{reply.layout, std::vector<std::byte>(reply.payload_bytes)};
+  if (!channel.receive_bytes(answer.payload.data(), answer.payload.size())) return std::nullopt;
+  if (!reply.done) {
+    throw render_error(
+        std::string(reinterpret_cast<const char*>(answer.payload.data()), answer.payload.size()));
+  }
+  return answer;
+}
+
+ImageCodec::Answer ImageCodec::call(ImageRequest request, std::string_view payload) {
+  const std::lock_guard lock(mutex_);
+  request.payload_bytes = payload.size();
+  if (auto answer = try_call(request, payload)) return *std::move(answer);
+  int status = end_locked();
+  // Who ended it from outside did not mean this file.
+  if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGKILL || WTERMSIG(status) == SIGTERM)) {
+    if (auto answer = try_call(request, payload)) return *std::move(answer);
+    status = end_locked();
+  }
+  throw render_error(fmt::format("the image codec ended over it with {}", how_it_ended(status)));
+}
+
+}  // namespace tessera
