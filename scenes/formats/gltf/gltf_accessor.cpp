@@ -90,6 +90,7 @@ void GltfAccessor::read_sparse(GltfFile& file, const GltfValue& sparse) {
   const uint64_t count = sparse["count"].required_whole();
   if (count > count_)
     throw sparse["count"].error(fmt::format("{}", count), fmt::format("at most {}", count_));
+  file.spend(count, sparse);
   const GltfValue indices = sparse["indices"];
   const Component type = component_of(indices["componentType"]);
   const Rows numbers = rows(file, indices, count, size_of(type));

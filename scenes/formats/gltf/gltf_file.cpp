@@ -129,6 +129,13 @@ void GltfFile::parse() {
   if (!json_->is_object()) throw root().error("no JSON object", "the JSON of a glTF file");
 }
 
+void GltfFile::spend(uint64_t amount, const GltfValue& on) {
+  spent_ += std::min(amount, kMostRead + 1);
+  if (spent_ > kMostRead)
+    throw on.error("too much in all",
+                   fmt::format("at most {} numbers, or bytes of pictures", kMostRead));
+}
+
 std::optional<std::string> GltfFile::data_of_uri(const GltfValue& uri) {
   const std::string text = uri.text("");
   if (!text.starts_with("data:")) return std::nullopt;

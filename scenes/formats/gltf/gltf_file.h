@@ -37,6 +37,10 @@ class GltfFile {
   };
   /// Loads the buffer on its first use. Throws where the view leaves it.
   View view(size_t index);
+  /// Counts what is read of the file: its parts may refer to each other again and again, so that a
+  /// small file could ask for more than any machine has. Throws beyond kMostRead.
+  void spend(uint64_t amount, const GltfValue& on);
+  static constexpr uint64_t kMostRead = uint64_t{1} << 31;
   /// The bytes that a data: URI holds; nothing for another URI.
   static std::optional<std::string> data_of_uri(const GltfValue& uri);
   /// A relative URI as a path.
@@ -52,6 +56,7 @@ class GltfFile {
   GltfFolder folder_;
   std::unique_ptr<nlohmann::json> json_;
   std::vector<std::optional<std::string>> buffers_;
+  uint64_t spent_ = 0;
 };
 
 }  // namespace tessera

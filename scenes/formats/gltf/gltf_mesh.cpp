@@ -10,10 +10,6 @@
 namespace tessera {
 namespace {
 
-/// Of vertices and indices, in all meshes together: accessors may be used again and again, so that
-/// a small file could ask for more than any machine has.
-constexpr uint64_t kMaxNumbers = uint64_t{1} << 30;
-
 enum Mode : uint64_t { kTriangles = 4, kStrip = 5, kFan = 6 };
 
 /// The corners of a primitive in groups of three. Calls action for each, flat ones too.
@@ -101,8 +97,7 @@ void GltfMeshes::add(const GltfValue& primitive, std::optional<size_t> material,
   const GltfValue given = primitive["indices"];
   if (given) {
     const GltfAccessor indices(file_, given);
-    if ((numbers_ += indices.count()) > kMaxNumbers)
-      throw given.error("too many indices", fmt::format("at most {} numbers", kMaxNumbers));
+    file_.spend(indices.count(), given);
     corners = indices.indices();
     for (size_t i = 0; i < corners.size(); ++i)
       if (corners[i] >= group.vertex_count)
@@ -110,8 +105,7 @@ void GltfMeshes::add(const GltfValue& primitive, std::optional<size_t> material,
                           group.vertex_count == 0 ? std::string("vertices")
                                                   : fmt::format("0 to {}", group.vertex_count - 1));
   } else {
-    if ((numbers_ += group.vertex_count) > kMaxNumbers)
-      throw primitive.error("too many vertices", fmt::format("at most {} numbers", kMaxNumbers));
+    file_.spend(group.vertex_count, primitive);
     corners.resize(group.vertex_count);
     for (size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<uint32_t>(i);
   }
@@ -131,8 +125,7 @@ std::vector<float> GltfMeshes::rows(const GltfAccessor& from, size_t width, cons
   if (from.count() != group.vertex_count)
     throw from.place().error(fmt::format("{} rows", from.count()),
                              fmt::format("{}, one a vertex", group.vertex_count));
-  if ((numbers_ += uint64_t{group.last - group.first} * width) > kMaxNumbers)
-    throw from.place().error("too many vertices", fmt::format("at most {} numbers", kMaxNumbers));
+  file_.spend(uint64_t{group.last - group.first} * width, from.place());
   return from.floats(group.first, group.last, width);
 }
 

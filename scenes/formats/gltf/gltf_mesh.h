@@ -37,7 +37,6 @@ class GltfMeshes {
   GltfMaterials& materials_;
   LoadedScene& out_;
   Warnings& warnings_;
-  uint64_t numbers_ = 0;  ///< read so far
 };
 
 }  // namespace tessera

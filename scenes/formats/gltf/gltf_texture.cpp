@@ -59,6 +59,7 @@ std::string GltfTextures::picture(const GltfValue& image, size_t index) {
     const auto view = image["bufferView"].index(file_.root()["bufferViews"].size(), "buffer view");
     if (!view) throw image.error("no picture", "a uri or a bufferView");
     bytes = file_.view(*view).bytes;
+    file_.spend(bytes->size(), image);
   }
   if (bytes) {
     known->second =

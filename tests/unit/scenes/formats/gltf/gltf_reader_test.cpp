@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "renderer/math/elementary.h"
+#include "scenes/formats/gltf/gltf_file.h"
 #include "scenes/formats/gltf/gltf_value.h"
 #include "tests/unit/scenes/scene_testing.h"
 
@@ -328,6 +329,18 @@ TEST(Gltf, HoldsCountsAgainstTheBytesThatAreThere) {
             "t.gltf: accessors/0/type: 'MAT4'; expected SCALAR, VEC2, VEC3 or VEC4");
   EXPECT_EQ(error(file(accessor(0, 5124, 4, "VEC3"))),
             "t.gltf: accessors/0/componentType: 5124; expected 5120 to 5123, 5125 or 5126");
+}
+
+TEST(Gltf, ReadsNoMoreInAllThanAMachineHolds) {
+  const std::string text = R"({"meshes":[{}]})";
+  GltfFile file(text, "t.gltf", {});
+  const GltfValue mesh = file.element("meshes", 0);
+  file.spend(GltfFile::kMostRead - 1, mesh);
+  file.spend(1, mesh);
+  EXPECT_EQ(
+      error_of([&] { file.spend(1, mesh); }),
+      "t.gltf:1:12: meshes/0: too much in all; expected at most 2147483648 numbers, or bytes of "
+      "pictures");
 }
 
 TEST(Gltf, SaysWhereAndWhatIsWrong) {
