@@ -19,10 +19,12 @@ namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxBytes = uint64_t{1} << 40;
 
-constexpr std::array<std::string_view, 9> kExtensions{
-    "KHR_lights_punctual",  "KHR_materials_clearcoat",    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",    "KHR_materials_transmission", "KHR_materials_unlit",
-    "KHR_materials_volume", "KHR_mesh_quantization",      "KHR_texture_transform"};
+constexpr std::array<std::string_view, 10> kExtensions{
+    "EXT_texture_webp",        "KHR_lights_punctual",
+    "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
+    "KHR_materials_ior",       "KHR_materials_transmission",
+    "KHR_materials_unlit",     "KHR_materials_volume",
+    "KHR_mesh_quantization",   "KHR_texture_transform"};
 
 void put(const Affine& from, v1::Transform* to) {
   v1::Matrix& matrix = *to->add_steps()->mutable_matrix();

@@ -81,7 +81,8 @@ std::string GltfTextures::use(const GltfValue& info, v1::Texture::Image::Encodin
   if (!index) throw info.error("no texture", "its index");
   used_.insert(*index);
   const GltfValue in = file_.element("textures", *index);
-  const auto source = in["source"].index(file_.root()["images"].size(), "image");
+  const GltfValue webp = in["extensions"]["EXT_texture_webp"]["source"];
+  const auto source = (webp ? webp : in["source"]).index(file_.root()["images"].size(), "image");
   if (!source) {
     warnings_.add("textures without an image that is read are left out");
     return "";

@@ -58,8 +58,16 @@ class HeaderReader {
       element();
     else if (keyword == "property")
       property();
-    else if (keyword != "comment" && keyword != "obj_info")
+    else if (keyword == "comment")
+      comment();
+    else if (keyword != "obj_info")
       throw in_.error(in_.quoted_word(), "format, element, property, comment or end_header");
+  }
+
+  void comment() {
+    TokenReader line = in_;  // the caller goes to the next line
+    if (std::string_view words = line.rest_of_line(); words.starts_with("TextureFile "))
+      header_.texture_file = to_utf8(words.substr(words.find(' ') + 1));
   }
 
   void format() {

@@ -29,7 +29,8 @@ struct PlyHeader {
   enum class Encoding { ascii, little_endian, big_endian };
   Encoding encoding = Encoding::ascii;
   std::vector<PlyElement> elements;
-  size_t data_begin = 0;  ///< the byte after the header
+  std::string texture_file;  ///< of a line "comment TextureFile NAME", as scanners write
+  size_t data_begin = 0;     ///< the byte after the header
 };
 
 /// Reads the header of a PLY file (Turk 1994). Every element's count is held against the bytes that

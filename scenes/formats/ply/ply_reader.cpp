@@ -262,9 +262,9 @@ class PlyMesh {
   std::vector<CornerTriple> triples_;
 };
 
-MeshData read_mesh(std::string_view bytes, const std::string& name, Warnings& warnings) {
+MeshData read_mesh(const PlyHeader& header, std::string_view bytes, const std::string& name,
+                   Warnings& warnings) {
   static_assert(std::endian::native == std::endian::little);
-  const PlyHeader header = read_ply_header(bytes, name);
   switch (header.encoding) {
     case PlyHeader::Encoding::ascii:
       return PlyMesh(PlyText(bytes, name, header.data_begin), warnings).read(header);
@@ -276,18 +276,43 @@ MeshData read_mesh(std::string_view bytes, const std::string& name, Warnings& wa
   return PlyMesh(PlyBinary<true>(bytes, name, header.data_begin), warnings).read(header);
 }
 
+/// Shows the picture in place of grey.
+void add_texture(const std::string& file, v1::Scene& scene, v1::Material& material) {
+  v1::Texture& texture = *scene.add_textures();
+  texture.set_name(file);
+  texture.mutable_image()->set_file(file);
+  material.set_alpha(v1::Material::ALPHA_OPAQUE);
+  v1::Classic& classic = *material.mutable_classic();
+  for (v1::ColorInput* input : {classic.mutable_ambient(), classic.mutable_diffuse()}) {
+    input->clear_value();
+    input->set_texture(file);
+  }
+}
+
 }  // namespace
 
-LoadedScene parse_ply(std::string_view bytes, const std::string& name) {
+LoadedScene parse_ply(std::string_view bytes, const std::string& name,
+                      const std::function<bool(const std::string& path)>& has_picture) {
   LoadedScene out;
   Warnings warnings;
-  MeshData mesh = read_mesh(bytes, name, warnings);
+  const PlyHeader header = read_ply_header(bytes, name);
+  MeshData mesh = read_mesh(header, bytes, name, warnings);
   if (mesh.triangle_count() == 0) {
     warnings.add("no faces: there is nothing to see");
   } else {
     v1::Node& node = *out.scene.add_nodes();
     node.set_name(to_utf8(std::filesystem::path(name).stem().string()));
-    *out.scene.add_materials() = plain_material("default", !mesh.colors.empty());
+    v1::Material& material = *out.scene.add_materials();
+    material = plain_material("default", !mesh.colors.empty());
+    if (const std::string& file = header.texture_file; !file.empty()) {
+      if (mesh.uvs.empty() || (has_picture && !has_picture(file)))
+        warnings.add(fmt::format("picture '{}' is {}", file,
+                                 mesh.uvs.empty()
+                                     ? "left out, for vertices have no texture coordinates"
+                                     : "not in the scene's folder; it is left out"));
+      else
+        add_texture(file, out.scene, material);
+    }
     node.mutable_shape()->add_materials("default");
     *node.mutable_shape()->mutable_mesh() = store_mesh(std::move(mesh), out.blobs);
   }
@@ -296,7 +321,12 @@ LoadedScene parse_ply(std::string_view bytes, const std::string& name) {
 }
 
 LoadedScene read_ply(const std::string& path) {
-  return parse_ply(read_input_file(path, kMaxBytes), path);
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  return parse_ply(read_input_file(path, kMaxBytes), path, [&](const std::string& name) {
+    const auto file = resolve_inside(folder, name);
+    std::error_code ignored;
+    return file && std::filesystem::is_regular_file(*file, ignored);
+  });
 }
 
 }  // namespace tessera

@@ -116,6 +116,23 @@ TEST(Ply, CutsPolygonsAndStrips) {
   EXPECT_EQ(odd.warnings.size(), 2u);
 }
 
+TEST(Ply, ShowsThePictureThatACommentNames) {
+  const auto text = [](const char* uv) {
+    return header("ascii", std::string("comment TextureFile a b.png\nelement vertex 3\n") + kXyz +
+                               uv + "element face 1\n" + kFace) +
+           (*uv ? "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n" : "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  };
+  const std::string mapped = text("property float u\nproperty float v\n");
+  const LoadedScene shown = parse_ply(mapped, "t.ply");
+  ASSERT_EQ(shown.scene.textures_size(), 1);
+  EXPECT_EQ(shown.scene.textures(0).image().file(), "a b.png");
+  EXPECT_EQ(shown.scene.materials(0).classic().diffuse().texture(), shown.scene.textures(0).name());
+  const LoadedScene missing = parse_ply(mapped, "t.ply", [](const std::string&) { return false; });
+  EXPECT_EQ(missing.scene.textures_size(), 0);
+  EXPECT_EQ(missing.warnings.size(), 1u);
+  EXPECT_EQ(parse_ply(text(""), "t.ply").scene.textures_size(), 0);
+}
+
 TEST(Ply, RefusesCountsThatTheFileHasNoRoomFor) {
   EXPECT_EQ(error(header("ascii", "element vertex 4000000000\n" + kXyz) + kSquare),
             "t.ply:4:16: 4000000000 of 'vertex'; expected at most 4, for which the file has room");
