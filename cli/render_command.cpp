@@ -20,6 +20,7 @@
 #include "cli/statistics.h"
 #include "cli/texture_decoder.h"
 #include "cli/tracing_farm.h"
+#include "coordinator/store/sqlite_tile_store.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/image/image_file.h"
 #include "scenes/formats/read_scene.h"
@@ -33,6 +34,7 @@ constexpr char kFooter[] =
     "  tessera render room.x3d -o room.png -o room.exr --size 1920x1080 --spp 64\n"
     "  tessera render room.x3d --crop 400,300,528,428          a detail, the same pixels\n"
     "  tessera render room.x3d --workers 0 --threads 4 --stats room.json\n"
+    "  tessera render room.x3d --spp 4096 --resume             may be killed and started again\n"
     "  tessera render room.x3d --connect tcp://127.0.0.1:7117  on the farm of 'tessera serve'\n"
     "The picture is the same to the last bit for any --workers, --threads, --tile and --accel.\n"
     "Ctrl-C stops cleanly (exit code 4); a second one at once.";
@@ -58,12 +60,21 @@ class RenderRun {
 
   ExitCode run() {
     check_outputs();
+    if (options_.resume) store_ = std::make_shared<SqliteTileStore>(store_path());
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
     // What reads in no time tells first whether its picture will be there in no time too.
     if (!is_short_file(options_.scene)) farm_ = start_farm();
     read(first.value_or(0));
     if (sample_count(first) < kFewSamples) prepare_to_write_pictures();
     if (!farm_) farm_ = start_farm();
+    const ExitCode code = render_frames();
+    // All pictures are written.
+    if (store_ && code == ExitCode::done) store_->remove();
+    return code;
+  }
+
+ private:
+  ExitCode render_frames() {
     if (!options_.frames) return render_frame(std::nullopt, true);
     for (int frame = options_.frames->first; frame <= options_.frames->last; ++frame) {
       if (loaded_.depends_on_frame && frame > options_.frames->first) read(frame);
@@ -74,7 +85,11 @@ class RenderRun {
     return ExitCode::done;
   }
 
- private:
+  /// Where finished tiles are kept, beside the first picture.
+  std::filesystem::path store_path() const {
+    return output_place(picture_paths(options_).front()).string() + ".tiles";
+  }
+
   std::filesystem::path path_for(const std::filesystem::path& path,
                                  std::optional<int> frame) const {
     return frame ? numbered_path(path, *frame) : path;
@@ -82,9 +97,8 @@ class RenderRun {
 
   /// What cannot be written in the end is better known before.
   void check_outputs() const {
-    if (options_.resume) {
-      throw usage_error(
-          "--resume: does not exist yet in this version, which keeps no finished tiles");
+    if (options_.resume && options_.connect) {
+      throw usage_error("--resume: tiles are kept where the coordinator is; expected no --connect");
     }
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
     for (const auto& path : picture_paths(options_)) check_writable(path_for(path, first));
@@ -135,23 +149,28 @@ class RenderRun {
     const JobResult result = trace(settings, frame, last);
     const JobReport& report = result.report;
     if (report.end == JobReport::End::interrupted) {
-      throw Error(ExitCode::interrupted, fmt::format("interrupted; {}", what_was_written()));
+      throw Error(ExitCode::interrupted, fmt::format("interrupted; {}", what_was_written(report)));
     }
     if (report.exit_code == ExitCode::bad_scene) {
       throw scene_error({options_.scene}, report.failure, "");
     }
     if (report.end == JobReport::End::failed && report.tiles_done == 0) {
-      throw Error(report.exit_code, fmt::format("{}; {}", report.failure, what_was_written()));
+      throw Error(report.exit_code,
+                  fmt::format("{}; {}", report.failure, what_was_written(report)));
     }
     write(result, settings, output, frame);
     if (report.end == JobReport::End::failed) throw Error(report.exit_code, report.failure);
     return ExitCode::done;
   }
 
-  std::string what_was_written() const {
-    if (!options_.frames) return "no picture was written and no tile was kept";
-    return fmt::format("{} of {} frames were written; no tile of another was kept", frames_written_,
-                       options_.frames->last - options_.frames->first + 1);
+  std::string what_was_written(const JobReport& report) const {
+    const std::string kept =
+        store_ ? fmt::format("{} of {} tiles are kept in '{}': --resume goes on from there",
+                             report.tiles_done, report.tiles_total, store_path().string())
+               : "no tile was kept, as --resume does";
+    if (!options_.frames) return "no picture was written; " + kept;
+    return fmt::format("{} of {} frames were written; of the next, {}", frames_written_,
+                       options_.frames->last - options_.frames->first + 1, kept);
   }
 
   JobResult trace(const v1::FrameSettings& settings, std::optional<int> frame, bool last) {
@@ -161,7 +180,8 @@ class RenderRun {
                 .blobs = loaded_.blobs,
                 .frame = settings,
                 .crop = crop_window(options_, settings),
-                .tile_size = options_.tile_size};
+                .tile_size = options_.tile_size,
+                .store = store_};
     JobResult result = farm_->run(
         std::move(job),
         [&](const JobProgress& progress) {
@@ -229,6 +249,7 @@ class RenderRun {
   const RenderOptions& options_;
   Clock::time_point began_ = Clock::now();
   std::unique_ptr<TracingFarm> farm_;
+  std::shared_ptr<SqliteTileStore> store_;  ///< null: tiles are not kept
   LoadedScene loaded_;
   std::string scene_digest_;
   double parse_seconds_ = 0;

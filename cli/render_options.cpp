@@ -102,8 +102,10 @@ void add_farm_options(CLI::App& command, RenderOptions& options) {
   add("--connect", "ENDPOINT", "Let the farm of a running 'tessera serve' do it, tcp://HOST:PORT",
       [&options](const std::string& text) { options.connect = text; });
   command
-      .add_flag("--resume", options.resume,
-                "Not in this version, which keeps no finished tiles: refused")
+      .add_flag(
+          "--resume", options.resume,
+          "Keep finished tiles in OUT.tiles until the pictures are written, and go on from those "
+          "that an interrupted run has left there")
       ->group("Who does the work");
 }
 

@@ -75,9 +75,9 @@ json statistics_json(const FrameStatistics& statistics) {
   result["built"] = json::object();
   for (const auto& [name, value] : report.build_counters) result["built"][name] = value;
   result["tiles"] = {{"total", report.tiles_total},       {"done", report.tiles_done},
-                     {"failed", report.holes.size()},     {"retries", report.retries},
-                     {"speculative", report.speculative}, {"duplicates", report.duplicates},
-                     {"mismatches", report.mismatches}};
+                     {"restored", report.tiles_restored}, {"failed", report.holes.size()},
+                     {"retries", report.retries},         {"speculative", report.speculative},
+                     {"duplicates", report.duplicates},   {"mismatches", report.mismatches}};
   result["workers"] = {{"seen", report.workers_seen}, {"lost", report.workers_lost}};
   result["bytes_shipped"] = report.bytes_scene + report.bytes_results;
   result["bytes"] = {{"scene", report.bytes_scene}, {"results", report.bytes_results}};

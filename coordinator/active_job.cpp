@@ -1,6 +1,7 @@
 #include "coordinator/active_job.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <set>
@@ -8,6 +9,7 @@
 
 #include "coordinator/tile_grid.h"
 #include "proto/wire/scene_codec.h"
+#include "proto/wire/version.h"
 
 namespace tessera {
 namespace {
@@ -17,10 +19,20 @@ std::vector<std::byte> as_bytes(std::string_view text) {
   return {bytes.begin(), bytes.end()};
 }
 
-std::vector<PixelRect> tiles_of(const JobSpec& spec, const CoordinatorOptions& options) {
-  const int side =
-      spec.tile_size > 0 ? spec.tile_size : choose_tile_size(spec.crop, options.expected_workers);
-  return cut_tiles(spec.crop, side);
+/// Names all that the pixels of the job depend on.
+Digest key_of(const JobSpec& spec) {
+  const PixelRect& crop = spec.crop;
+  return Digest::of(
+      fmt::format("{} {} {},{},{},{} {}", Digest::of(serialize_scene(spec.scene)).hex(),
+                  spec.frame.SerializeAsString(), crop.x0, crop.y0, crop.x1, crop.y1, kNumericsId));
+}
+
+int tile_size_of(const JobSpec& spec, const std::vector<FinishedTile>& kept,
+                 const CoordinatorOptions& options) {
+  if (spec.tile_size > 0) return spec.tile_size;
+  const int64_t side = kept.empty() ? 0 : int64_t{kept.front().kept.tile_size()};
+  if (side >= 1 && side <= kMaxFrameSide) return static_cast<int>(side);
+  return choose_tile_size(spec.crop, options.expected_workers);
 }
 
 v1::JobStart start_of(uint64_t id, const JobSpec& spec, const Digest& scene, uint64_t scene_size) {
@@ -70,17 +82,75 @@ void check_job(const JobSpec& spec) {
 }
 
 ActiveJob::ActiveJob(uint64_t id, JobSpec spec, const CoordinatorOptions& options, Time now)
+    : ActiveJob(id, spec, spec.store ? spec.store->find(key_of(spec)) : std::vector<FinishedTile>(),
+                options, now) {}
+
+ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>& kept,
+                     const CoordinatorOptions& options, Time now)
     : id_(id),
+      store_(spec.store),
+      tile_size_(tile_size_of(spec, kept, options)),
       samples_(spec.frame.samples_per_pixel()),
-      assembler_(spec.crop, tiles_of(spec, options)),
+      assembler_(spec.crop, cut_tiles(spec.crop, tile_size_)),
       scheduler_(assembler_.tiles().size(), options),
       submitted_(now) {
+  if (store_) key_ = key_of(spec);
   std::vector<std::byte> scene = as_bytes(serialize_scene(spec.scene));
   const uint64_t scene_size = scene.size();
   start_ = start_of(id, spec, Digest::of(scene), scene_size);
   blobs_ = std::move(spec.blobs);
   blobs_.put(std::move(scene));
   report_.tiles_total = assembler_.tiles().size();
+  restore(kept);
+}
+
+void ActiveJob::restore(const std::vector<FinishedTile>& kept) {
+  std::map<std::pair<int, int>, uint32_t> tile_at;
+  const auto& tiles = assembler_.tiles();
+  if (!kept.empty()) {
+    for (uint32_t i = 0; i < tiles.size(); ++i)
+      tile_at.emplace(std::pair(tiles[i].x0, tiles[i].y0), i);
+  }
+  std::vector<uint32_t> restored;
+  for (const FinishedTile& tile : kept) {
+    const auto place = tile_at.find({tile.rect.x0, tile.rect.y0});
+    if (place == tile_at.end() || tiles[place->second] != tile.rect) continue;
+    for (v1::TileBand band : tile.kept.bands()) {
+      band.set_tile(place->second);
+      band.set_lease(place->second);
+      if (assembler_.add(band, kFromStore).completed_tile) restored.push_back(place->second);
+    }
+    // What is damaged is traced again.
+    if (!assembler_.complete(place->second)) assembler_.reopen(place->second);
+  }
+  scheduler_.restore(restored);
+  report_.tiles_restored = restored.size();
+}
+
+void ActiveJob::keep(uint32_t tile) {
+  if (!store_) return;
+  unkept_.push_back(tile);
+  try {
+    while (!unkept_.empty()) {
+      const uint32_t next = unkept_.back();
+      FinishedTile finished{assembler_.tiles()[next], {}};
+      for (v1::TileBand& band : assembler_.bands_of(next)) {
+        *finished.kept.add_bands() = std::move(band);
+      }
+      finished.kept.set_tile_size(static_cast<uint32_t>(tile_size_));
+      store_->keep(key_, finished);
+      unkept_.pop_back();
+    }
+  } catch (const Error& error) {
+    // The picture does not suffer; only an end of this process would.
+    if (unkept_.size() == 1) spdlog::warn("{}; it will be tried again", error.what());
+  }
+}
+
+void ActiveJob::reopen(uint32_t tile) {
+  assembler_.reopen(tile);
+  std::erase(unkept_, tile);
+  if (store_) store_->drop(key_, assembler_.tiles()[tile]);
 }
 
 v1::Assign ActiveJob::assignment(const Lease& lease) const {

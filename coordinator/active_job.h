@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,6 +39,11 @@ class ActiveJob {
   const Assembler& assembler() const { return assembler_; }
   JobReport& report() { return report_; }
 
+  /// The tile is complete: lets it outlive this process, where the job has a store.
+  void keep(uint32_t tile);
+  /// It is complete no more.
+  void reopen(uint32_t tile);
+
   /// Notes for the times in the report and the estimate of what remains.
   void note_assignment(Time now);
   void note_result(Time now) { last_result_ = now; }
@@ -50,7 +56,15 @@ class ActiveJob {
   JobResult finish();
 
  private:
+  ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>& kept,
+            const CoordinatorOptions& options, Time now);
+  void restore(const std::vector<FinishedTile>& kept);
+
   uint64_t id_;
+  std::shared_ptr<TileStore> store_;
+  Digest key_;  ///< in the store
+  int tile_size_ = 0;
+  std::vector<uint32_t> unkept_;  ///< complete tiles that the store could not take yet
   v1::JobStart start_;
   BlobStore blobs_;  ///< the scene's, and the scene itself
   uint32_t samples_;

@@ -69,6 +69,35 @@ void Assembler::note_build_counters(const v1::Counters& counters) {
   }
 }
 
+std::vector<v1::TileBand> Assembler::bands_of(uint32_t tile) const {
+  const PixelRect& rect = tiles_[tile];
+  const size_t row_values = static_cast<size_t>(rect.width()) * kFilmChannels;
+  std::vector<float> values;
+  values.reserve(row_values * static_cast<size_t>(rect.height()));
+  for (int row = rect.y0; row < rect.y1; ++row) {
+    const auto pixels = film_.values().subspan(row_offset(rect, row), row_values);
+    values.insert(values.end(), pixels.begin(), pixels.end());
+  }
+  std::vector<v1::TileBand> bands = encode_bands(values, rect.width(), rect.y0, true);
+  for (v1::TileBand& band : bands) {
+    band.set_tile(tile);
+    band.set_lease(tile);
+  }
+  auto& counters = *bands.back().mutable_counters()->mutable_values();
+  const std::vector<uint64_t>& counts = counts_[tile];
+  for (const auto& [name, place] : names_) {
+    if (place < counts.size()) counters[name] = counts[place];
+  }
+  return bands;
+}
+
+size_t Assembler::row_offset(const PixelRect& tile, int row) const {
+  const PixelRect& rect = film_.rect();
+  return (static_cast<size_t>(row - rect.y0) * static_cast<size_t>(rect.width()) +
+          static_cast<size_t>(tile.x0 - rect.x0)) *
+         kFilmChannels;
+}
+
 void Assembler::reopen(uint32_t tile) {
   partial_.erase(tile);
   if (done_by_[tile] == 0) return;
@@ -78,12 +107,9 @@ void Assembler::reopen(uint32_t tile) {
 }
 
 bool Assembler::same_row(const PixelRect& tile, int row, const float* values) const {
-  const PixelRect& rect = film_.rect();
-  const size_t offset = (static_cast<size_t>(row - rect.y0) * static_cast<size_t>(rect.width()) +
-                         static_cast<size_t>(tile.x0 - rect.x0)) *
-                        kFilmChannels;
   const size_t size = static_cast<size_t>(tile.width()) * kFilmChannels;
-  return std::memcmp(film_.values().data() + offset, values, size * sizeof(float)) == 0;
+  const float* const there = film_.values().data() + row_offset(tile, row);
+  return std::memcmp(there, values, size * sizeof(float)) == 0;
 }
 
 BandResult Assembler::add(const v1::TileBand& band, WorkerId from) {

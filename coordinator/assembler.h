@@ -22,6 +22,9 @@ struct Mismatch {
   WorkerId second = 0;
 };
 
+/// Stands for no worker: its pixels were kept from before.
+inline constexpr WorkerId kFromStore = ~WorkerId{0};
+
 /// What became of a band.
 struct BandResult {
   bool valid = false;  ///< false: damaged, not finite, or not of this job's tiles or counters
@@ -37,6 +40,8 @@ class Assembler {
   Assembler(const PixelRect& crop, std::vector<PixelRect> tiles);
 
   BandResult add(const v1::TileBand& band, WorkerId from);
+  /// A complete tile as bands whose last has its counters.
+  std::vector<v1::TileBand> bands_of(uint32_t tile) const;
   /// Forgets what there is of the tile: the next pixels of its rows are the first again.
   void reopen(uint32_t tile);
 
@@ -61,6 +66,8 @@ class Assembler {
   bool plausible(const v1::TileBand& band) const;
   /// The numbers by names_, which grow; nothing if there would be too many, or too long ones.
   std::optional<std::vector<uint64_t>> counts_of(const v1::Counters& counters);
+  /// Where the row of the tile begins among the film's values.
+  size_t row_offset(const PixelRect& tile, int row) const;
   /// Whether the film has these very bits in that row.
   bool same_row(const PixelRect& tile, int row, const float* values) const;
 

@@ -233,6 +233,7 @@ void Coordinator::on_band(WorkerRecord& worker, const v1::TileBand& band, Time n
   job()->note_result(now);
   if (result.duplicate_tile) ++job()->report().duplicates;
   if (result.mismatch) return on_mismatch(*result.mismatch, now);
+  if (result.completed_tile) job()->keep(tile);
   if (result.completed_tile) act(scheduler.complete(tile, band.lease(), now), now);
   if (band.last()) fill(worker, now);
 }
@@ -250,7 +251,7 @@ void Coordinator::on_mismatch(const Mismatch& mismatch, Time now) {
       "pixels; expected the same bits",
       mismatch.tile, mismatch.row, name_of(mismatch.first), name_of(mismatch.second));
   spdlog::error("{}", what);
-  job()->assembler().reopen(mismatch.tile);
+  job()->reopen(mismatch.tile);
   const auto events =
       job()->scheduler().dispute(mismatch.tile, mismatch.first, mismatch.second, now);
   if (again) return job()->fail(ExitCode::render_failed, what);

@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "coordinator/tile_store.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
@@ -20,7 +22,8 @@ struct JobSpec {
   BlobStore blobs;
   v1::FrameSettings frame;
   PixelRect crop;     ///< in frame coordinates; the film covers exactly this
-  int tile_size = 0;  ///< pixels a side; 0: chosen from the frame and the number of workers
+  int tile_size = 0;  ///< pixels a side; 0: as kept, or chosen from the frame and the workers
+  std::shared_ptr<TileStore> store{};  ///< where finished tiles are kept and found; null: nowhere
 };
 
 /// What became of a job; every number is a total over its life.
@@ -34,11 +37,12 @@ struct JobReport {
   CounterMap counters;        ///< sums over accepted tiles: rays_primary ...
   CounterMap build_counters;  ///< of the scene that was built: textures_used ...
   uint64_t tiles_total = 0;
-  uint64_t tiles_done = 0;   ///< of those in the film; 0: the film is one hole, not a picture
-  uint64_t retries = 0;      ///< assignments beyond the first that replaced a lost one
-  uint64_t speculative = 0;  ///< second copies issued at the end of the queue
-  uint64_t duplicates = 0;   ///< results that came for a tile already done
-  uint64_t mismatches = 0;   ///< of those, not equal bit for bit
+  uint64_t tiles_done = 0;      ///< of those in the film; 0: the film is one hole, not a picture
+  uint64_t tiles_restored = 0;  ///< of those, kept from before
+  uint64_t retries = 0;         ///< assignments beyond the first that replaced a lost one
+  uint64_t speculative = 0;     ///< second copies issued at the end of the queue
+  uint64_t duplicates = 0;      ///< results that came for a tile already done
+  uint64_t mismatches = 0;      ///< of those, not equal bit for bit
   uint64_t workers_seen = 0, workers_lost = 0;
   uint64_t bytes_scene = 0, bytes_results = 0;  ///< shipped to and from workers
   double build_seconds = 0;                     ///< longest of any worker

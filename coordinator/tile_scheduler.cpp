@@ -24,6 +24,14 @@ TileScheduler::TileScheduler(size_t tiles, const CoordinatorOptions& options)
   std::iota(pending_.begin(), pending_.end(), 0u);
 }
 
+void TileScheduler::restore(const std::vector<uint32_t>& tiles) {
+  for (const uint32_t tile : tiles) {
+    tiles_[tile].state = State::done;
+    --open_tiles_;
+  }
+  std::erase_if(pending_, [this](uint32_t tile) { return tiles_[tile].state == State::done; });
+}
+
 void TileScheduler::join(WorkerId worker) {
   holders_.try_emplace(worker);
   const auto it = vanished_with_.find(worker);

@@ -57,6 +57,8 @@ class TileScheduler {
  public:
   TileScheduler(size_t tiles, const CoordinatorOptions& options);
 
+  /// These were done before the job was taken up again. To be called first.
+  void restore(const std::vector<uint32_t>& tiles);
   /// From now on the worker may hold tiles. If it had vanished, no tile was the cause of it.
   void join(WorkerId worker);
   /// It may no more; what it held is pending again.

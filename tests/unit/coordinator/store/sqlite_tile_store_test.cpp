@@ -1,0 +1,92 @@
+#include "coordinator/store/sqlite_tile_store.h"
+
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "base/error.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+class TileStoreTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "tessera-store-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    file_ = folder_ / "a.tiles";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  static FinishedTile tile(int x, const std::string& pixels) {
+    FinishedTile tile{{x, 0, x + 16, 16}, {}};
+    tile.kept.set_tile_size(16);
+    tile.kept.add_bands()->set_pixels(pixels);
+    return tile;
+  }
+  static ExitCode code_of_opening(const fs::path& file) {
+    try {
+      const SqliteTileStore store(file);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return ExitCode::done;
+  }
+
+  fs::path folder_, file_;
+  const Digest job_ = Digest::of("a job"), other_ = Digest::of("another");
+};
+
+TEST_F(TileStoreTest, FindsWhatAnEarlierOneKept) {
+  {
+    SqliteTileStore store(file_);
+    store.keep(job_, tile(0, "one"));
+    store.keep(job_, tile(16, "two"));
+    store.keep(other_, tile(0, "other"));
+    store.keep(job_, tile(0, std::string("new\0er", 6)));
+    store.drop(job_, tile(16, {}).rect);
+    store.drop(job_, tile(32, {}).rect);
+  }
+  SqliteTileStore store(file_);
+  const auto found = store.find(job_);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].rect, tile(0, {}).rect);
+  EXPECT_EQ(found[0].kept.tile_size(), 16u);
+  EXPECT_EQ(found[0].kept.bands(0).pixels(), std::string("new\0er", 6));
+  EXPECT_EQ(store.find(other_).size(), 1u);
+  EXPECT_TRUE(store.find(Digest::of("a third")).empty());
+}
+
+TEST_F(TileStoreTest, LeavesNothingOnceRemoved) {
+  SqliteTileStore store(file_);
+  store.keep(job_, tile(0, "one"));
+  EXPECT_FALSE(fs::is_empty(folder_));
+  store.remove();
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(TileStoreTest, IsForOneProcessAtATime) {
+  const SqliteTileStore store(file_);
+  EXPECT_EQ(code_of_opening(file_), ExitCode::bad_usage);
+}
+
+TEST_F(TileStoreTest, TouchesNoFileOfOthers) {
+  std::ofstream(folder_ / "text") << std::string(5000, 'x');
+  EXPECT_EQ(code_of_opening(folder_ / "text"), ExitCode::bad_usage);
+  EXPECT_EQ(fs::file_size(folder_ / "text"), 5000u);
+  EXPECT_EQ(code_of_opening(folder_ / "missing" / "a.tiles"), ExitCode::bad_usage);
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open((folder_ / "other").c_str(), &database), SQLITE_OK);
+  sqlite3_exec(database, "CREATE TABLE tiles (job TEXT)", nullptr, nullptr, nullptr);
+  sqlite3_close(database);
+  EXPECT_EQ(code_of_opening(folder_ / "other"), ExitCode::bad_usage);
+}
+
+}  // namespace
+}  // namespace tessera
