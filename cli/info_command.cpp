@@ -9,6 +9,7 @@
 #include "base/digest.h"
 #include "cli/command_line.h"
 #include "cli/output_settings.h"
+#include "cli/placement.h"
 #include "cli/render_options.h"
 #include "cli/say.h"
 #include "cli/texture_decoder.h"
@@ -22,6 +23,7 @@ namespace {
 
 struct InfoOptions {
   std::string scene;
+  std::vector<v1::Include> placements;
   bool json = false;
 };
 
@@ -47,15 +49,19 @@ void check_renders(const std::string& path, const LoadedScene& loaded,
   }
 }
 
-SceneInfo inspect(const std::string& path) {
+SceneInfo inspect(const InfoOptions& wanted) {
+  const std::string& path = wanted.scene;
   RenderOptions options;
   options.scene = path;
-  const LoadedScene loaded = read_scene(path, {.decode_texture = decode_texture});
+  const LoadedScene loaded = read_scene(path, {.decode_texture = decode_texture,
+                                               .decode_texture_bytes = decode_texture_bytes,
+                                               .placements = wanted.placements});
   SceneInfo info{.digest = Digest::of(serialize_scene(loaded.scene)).hex(),
                  .frame = frame_settings(options, loaded.scene, std::nullopt),
                  .summary = summarize(loaded.scene, loaded.blobs),
                  .cameras = {},
                  .warnings = loaded.warnings};
+  info.summary.unused.insert(info.summary.unused.end(), loaded.unused.begin(), loaded.unused.end());
   check_renders(path, loaded, info.frame);
   for (const auto& [digest, data] : loaded.blobs.all()) info.blob_bytes += data->size();
   for (const v1::Camera& camera : loaded.scene.cameras()) info.cameras.push_back(camera.name());
@@ -97,7 +103,7 @@ void print_text(const SceneInfo& info) {
 }
 
 ExitCode info(const InfoOptions& options) {
-  const SceneInfo found = inspect(options.scene);
+  const SceneInfo found = inspect(options);
   options.json ? print_json(found) : print_text(found);
   if (found.summary.undefined.empty()) return ExitCode::done;
   throw scene_error(fmt::format("{}: {} names are used but not defined: {}", options.scene,
@@ -116,6 +122,7 @@ void add_info_command(CLI::App& app, Action& action) {
       "  tessera info room.x3d\n"
       "  tessera info room.x3d --json | jq .unused");
   command->add_option("SCENE", options->scene, "The scene file")->required()->type_name("FILE");
+  add_place_option(*command, options->placements);
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, &action] { action = [options] { return info(*options); }; });
 }

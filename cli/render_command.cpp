@@ -136,7 +136,10 @@ class RenderRun {
 
   void read(int frame) {
     const auto start = Clock::now();
-    loaded_ = read_scene(options_.scene, {.decode_texture = decode_texture, .frame = frame});
+    loaded_ = read_scene(options_.scene, {.decode_texture = decode_texture,
+                                          .decode_texture_bytes = decode_texture_bytes,
+                                          .placements = options_.placements,
+                                          .frame = frame});
     if (options_.pinhole) {
       for (v1::Camera& camera : *loaded_.scene.mutable_cameras()) camera.clear_lens();
     }

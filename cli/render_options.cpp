@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "cli/placement.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/scene/read_settings.h"
 
@@ -174,6 +175,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   command.add_option("SCENE", options.scene, "The scene file; 'tessera info' tells what it holds")
       ->required()
       ->type_name("FILE");
+  add_place_option(command, options.placements);
   add_picture_options(command, options);
   add_tracing_options(command, options);
   add_farm_options(command, options);

@@ -19,6 +19,7 @@ namespace tessera {
 /// What `tessera render` was asked for. What is absent comes from the scene or from this machine.
 struct RenderOptions {
   std::string scene;
+  std::vector<v1::Include> placements;
   std::vector<std::filesystem::path> outputs;
   std::optional<FrameSize> size;
   std::optional<uint32_t> samples_per_pixel;
