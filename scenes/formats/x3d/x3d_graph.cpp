@@ -1,18 +1,17 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <numbers>
 
-#include "scenes/formats/x3d/x3d_nodes.h"
-#include "scenes/formats/x3d/x3d_proto.h"
+#include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
 
 namespace tessera {
 namespace {
 
 bool is_group(std::string_view type) {
-  constexpr std::array<std::string_view, 8> kGroups{
-      "Transform", "Group", "StaticGroup", "Collision", "Anchor", "Switch", "LOD", "Billboard"};
+  constexpr std::array<std::string_view, 9> kGroups{"Transform", "Group",     "StaticGroup",
+                                                    "Collision", "Anchor",    "Switch",
+                                                    "LOD",       "Billboard", "Inline"};
   return std::find(kGroups.begin(), kGroups.end(), type) != kGroups.end();
 }
 
@@ -22,22 +21,40 @@ bool is_light(std::string_view type) {
 
 }  // namespace
 
-LoadedScene X3dTranslator::translate(const std::string& file) {
-  check_names();
-  add_children(document_.scene(), {}, *out_.scene.mutable_nodes());
-  finish_cameras();
-  set_settings();
-  set_metadata(file);
-  list_ignored();
-  for (const std::string& remark : document_.remarks()) warnings_.add(remark);
-  for (std::string& line : warnings_.list(file)) out_.warnings.push_back(std::move(line));
-  return std::move(out_);
-}
-
-std::string X3dTranslator::unique(std::set<std::string>& taken, const std::string& wish) {
+std::string X3dBuild::unique(std::set<std::string>& taken, const std::string& wish) {
   std::string name = wish;
   for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}_{}", wish, i);
   return name;
+}
+
+void X3dTranslator::add_all(const v1::Transform& path, double unit, Nodes& out) {
+  check_names();
+  const double scale = document_.metres_per_unit() / unit;
+  if (scale == 1) {
+    add_children(document_.scene(), path, out);
+  } else {
+    v1::Node& scaled = *out.Add();
+    put_vec3(Vec3{1, 1, 1} * scale, scaled.mutable_transform()->add_steps()->mutable_scale());
+    v1::Transform inner = path;
+    inner.MergeFrom(scaled.transform());
+    add_children(document_.scene(), inner, *scaled.mutable_children());
+  }
+  list_ignored();
+  for (const std::string& remark : document_.remarks()) warnings_.add(remark);
+  for (std::string& line : warnings_.list(document_.name()))
+    out_.warnings.push_back(std::move(line));
+}
+
+void X3dTranslator::finish() {
+  finish_cameras();
+  set_settings();
+  set_metadata();
+}
+
+void X3dTranslator::warn_unknown_field(const X3dNode& node, const X3dNodeType& type,
+                                       const std::string& name) {
+  warnings_.add(fmt::format("unknown field '{}' of {} is left out{}", name, node.type,
+                            suggestion(name, type.field_names())));
 }
 
 /// Says of every node and field that we do not know that it is left out.
@@ -58,8 +75,9 @@ void X3dTranslator::check_names() {
     }
     if (!type) continue;
     for (const X3dField& field : node.fields)
-      if (!has_x3d_field(*type, field.name))
-        warnings_.add(fmt::format("unknown field '{}' of {} is left out", field.name, node.type));
+      if (!type->has_field(field.name)) warn_unknown_field(node, *type, field.name);
+    for (const X3dNode::Child& child : node.children)
+      if (!type->has_node_field(child.container)) warn_unknown_field(node, *type, child.container);
   }
 }
 
@@ -96,15 +114,20 @@ void X3dTranslator::add_node(const X3dNode& node, const v1::Transform& path, Nod
   if (is_light(node.type)) return add_light(node, out);
   if (node.type == "Viewpoint" || node.type == "OrthoViewpoint") return add_camera(node, path);
   // Of the nodes that can be bound, the first one of its kind is.
-  if (node.type == "Background" && !out_.scene.has_background()) set_background(node, path);
-  if (node.type == "Fog" && !out_.scene.has_fog()) set_fog(node);
-  if (node.type == "NavigationInfo" && !navigation_) navigation_ = &node;
+  const bool is_background = node.type == "Background" || node.type == "TextureBackground";
+  if (is_background && !out_.scene.has_background()) set_background(node, path);
+  if (node.type == "Fog" && !build_.has_fog) set_fog(node, path);
+  if (node.type == "NavigationInfo" && !build_.has_navigation) {
+    build_.has_navigation = true;
+    build_.headlight = values_.boolean(node, "headlight", true);
+  }
 }
 
 void X3dTranslator::add_instance(const X3dNode& node, const v1::Transform& path, Nodes& out) {
   auto known = objects_.find(&node);
   if (known == objects_.end()) {
-    const std::string name = unique(object_names_, node.def.empty() ? node.type : node.def);
+    const std::string name =
+        build_.unique(build_.object_names, node.def.empty() ? node.type : node.def);
     known = objects_.emplace(&node, name).first;
     v1::Object object;
     object.set_name(name);
@@ -115,6 +138,9 @@ void X3dTranslator::add_instance(const X3dNode& node, const v1::Transform& path,
 }
 
 void X3dTranslator::fill_node(const X3dNode& node, const v1::Transform& path, v1::Node& out) {
+  if (build_.depth >= X3dBuild::kMaxDepth)
+    throw document_.error(node.offset, "groups nested too deep",
+                          fmt::format("at most {} levels", X3dBuild::kMaxDepth));
   out.set_name(node.def);
   if (!values_.boolean(node, "visible", true)) out.set_hidden(true);
   if (node.type == "Shape") return add_shape(node, out);
@@ -125,7 +151,12 @@ void X3dTranslator::fill_node(const X3dNode& node, const v1::Transform& path, v1
   }
   if (node.type == "Billboard")
     put_vec3(values_.vec3(node, "axisOfRotation", {0, 1, 0}), out.mutable_billboard_axis());
-  add_children(node, inner, *out.mutable_children());
+  ++build_.depth;
+  if (node.type == "Inline")
+    add_inline(node, inner, out);
+  else
+    add_children(node, inner, *out.mutable_children());
+  --build_.depth;
 }
 
 /// T C R SR S -SR -C, leaving out what does nothing.

@@ -50,7 +50,7 @@ TEST_F(ReadScene, RefusesWhatIsNoSceneFile) {
   EXPECT_EQ(error((folder_ / "folder.obj").string()), "folder.obj: is a folder; expected a file");
   EXPECT_EQ(error(write("a.gltf", "{}")),
             "a.gltf: files of type .gltf are not read; expected one of .tessera, .tesserab, .json, "
-            ".obj, .x3d, .crt");
+            ".obj, .x3d, .x3dv, .wrl, .crt");
   EXPECT_EQ(
       error(write("a.xyz", "0 0 0")),
       "a.xyz: unknown ending '.xyz'; expected one of .tessera, .tesserab, .json, .obj, .x3d, .crt");
