@@ -39,6 +39,14 @@ constexpr char kFooter[] =
 
 using Clock = std::chrono::steady_clock;
 
+/// A frame of fewer samples is done before its remaining time could be told.
+constexpr uint64_t kFewSamples = uint64_t{1} << 19;
+constexpr double kSecondsToPrepare = 1;
+
+bool is_short_file(const std::filesystem::path& path) {
+  return std::filesystem::file_size(path) < 64 * 1024;
+}
+
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -50,9 +58,12 @@ class RenderRun {
 
   ExitCode run() {
     check_outputs();
-    farm_ = start_farm();
-    preload_image_module();
-    read(options_.frames ? options_.frames->first : 0);
+    const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
+    // What reads in no time tells first whether its picture will be there in no time too.
+    if (!is_short_file(options_.scene)) farm_ = start_farm();
+    read(first.value_or(0));
+    if (sample_count(first) < kFewSamples) prepare_to_write_pictures();
+    if (!farm_) farm_ = start_farm();
     if (!options_.frames) return render_frame(std::nullopt, true);
     for (int frame = options_.frames->first; frame <= options_.frames->last; ++frame) {
       if (loaded_.depends_on_frame && frame > options_.frames->first) read(frame);
@@ -149,12 +160,28 @@ class RenderRun {
                 .crop = crop_window(options_, settings),
                 .tile_size = options_.tile_size};
     JobResult result = farm_->run(
-        std::move(job), [&display](const JobProgress& progress) { display.show(progress); },
+        std::move(job),
+        [&](const JobProgress& progress) {
+          display.show(progress);
+          const double left = progress.remaining_seconds;
+          if (left >= 0 && left < kSecondsToPrepare) prepare_to_write_pictures();
+        },
         interrupted());
     peak_worker_bytes_ = std::max(peak_worker_bytes_, farm_->peak_worker_bytes());
     // Workers end while the picture is written.
     if (last) farm_->dismiss();
     return result;
+  }
+
+  uint64_t sample_count(std::optional<int> frame) const {
+    const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
+    return static_cast<uint64_t>(crop_window(options_, settings).area()) *
+           settings.samples_per_pixel();
+  }
+
+  /// What encodes the pictures takes 0.2 s to load, and need not wait beside the workers for hours.
+  void prepare_to_write_pictures() const {
+    for (const auto& path : picture_paths(options_)) prepare_to_write(path);
   }
 
   void write(const JobResult& result, const v1::FrameSettings& settings,

@@ -19,8 +19,5 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "tessera: standard output cannot be written: %s\n", std::strerror(errno));
     code = tessera::ExitCode::render_failed;
   }
-  // Everything is written and every process has been waited for: taking the heap and some hundred
-  // libraries down in order would only cost time.
-  std::fflush(nullptr);
-  std::_Exit(static_cast<int>(code));
+  return static_cast<int>(code);
 }

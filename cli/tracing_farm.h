@@ -9,7 +9,7 @@
 
 namespace tessera {
 
-/// Whoever traces the frames of one command: started at once, so that it gets ready while the scene
+/// Whoever traces the frames of one command: started early, to get ready while a long scene
 /// is still being read. Used by one thread; its destructor leaves nothing running.
 class TracingFarm {
  public:

@@ -1,23 +1,16 @@
 #include "renderer/image/image_file.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstring>
-#include <future>
-#include <mutex>
-#include <optional>
+#include <span>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/version.h"
-#include "renderer/image/image_module.h"
+#include "renderer/image/image_codec.h"
 
 namespace tessera {
 
@@ -60,86 +53,6 @@ const Format& format_of(const fs::path& path) {
                   path.string(), ending, fmt::join(known, ", "), suggestion(ending, known)));
 }
 
-// ------------------------------------------------------------------------------------- the module
-
-const ImageModule* load_module() {
-  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
-  std::string cause;
-  for (const char* place : {"tessera_image.so", "../lib/tessera/tessera_image.so"}) {
-    const std::string file = (folder / place).string();
-    void* const handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
-    if (!handle) {
-      if (cause.empty()) cause = dlerror();
-      continue;
-    }
-    const auto entry = reinterpret_cast<ImageModuleEntry>(dlsym(handle, kImageModuleEntry));
-    if (const ImageModule* module = entry ? entry(kImageModuleVersion) : nullptr) return module;
-    cause = fmt::format("{} is of another version", file);
-  }
-  throw render_error(fmt::format("the image module can not be loaded: {}", cause));
-}
-
-std::shared_future<const ImageModule*> module_future() {
-  static std::mutex mutex;
-  static std::shared_future<const ImageModule*> future;
-  const std::lock_guard lock(mutex);
-  if (!future.valid()) future = std::async(std::launch::async, load_module).share();
-  return future;
-}
-
-// ----------------------------------------------------------------------------------- the encoding
-
-/// A file in memory for the encoders, which write files only: several of them take a full disk for
-/// success, and one ends the process.
-class MemoryFile {
- public:
-  /// `most_bytes` is never exceeded: a limit on file sizes, which holds here too, shows now.
-  explicit MemoryFile(uint64_t most_bytes) : file_(memfd_create("picture", MFD_CLOEXEC)) {
-    if (file_ < 0 || ftruncate(file_, static_cast<off_t>(most_bytes)) != 0 ||
-        ftruncate(file_, 0) != 0) {
-      const std::string why = std::strerror(errno);
-      if (file_ >= 0) close(file_);
-      throw render_error(why);
-    }
-  }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  ~MemoryFile() {
-    if (mapped_ != MAP_FAILED) munmap(mapped_, size_);
-    close(file_);
-  }
-
-  std::string path() const { return fmt::format("/proc/self/fd/{}", file_); }
-
-  /// What was written; lives as long as this.
-  std::string_view bytes() {
-    struct stat status {};
-    if (fstat(file_, &status) != 0) throw render_error(std::strerror(errno));
-    size_ = static_cast<size_t>(status.st_size);
-    if (size_ == 0) throw render_error("the encoder wrote nothing");
-    mapped_ = mmap(nullptr, size_, PROT_READ, MAP_SHARED, file_, 0);
-    if (mapped_ == MAP_FAILED) throw render_error(std::strerror(errno));
-    return {static_cast<const char*>(mapped_), size_};
-  }
-
- private:
-  int file_;
-  size_t size_ = 0;
-  void* mapped_ = MAP_FAILED;
-};
-
-std::vector<ImageModule::Attribute> attributes_of(const ImageMetadata& metadata,
-                                                  const std::string& software) {
-  using Attribute = ImageModule::Attribute;
-  return {{"Software", Attribute::text, software.c_str(), 0, 0},
-          {"tessera:SceneDigest", Attribute::text, metadata.scene_digest.c_str(), 0, 0},
-          {"tessera:Seed", Attribute::integer, nullptr, static_cast<int>(metadata.seed), 0},
-          {"tessera:Samples", Attribute::integer, nullptr,
-           static_cast<int>(metadata.samples_per_pixel), 0},
-          {"tessera:RenderSeconds", Attribute::real, nullptr, 0,
-           static_cast<float>(metadata.render_seconds)}};
-}
-
 /// Portable float map: little-endian floats, rows from the bottom.
 std::string encode_pfm(const Film& film) {
   std::string bytes = fmt::format("PF\n{} {}\n-1.0\n", film.width(), film.height());
@@ -152,61 +65,58 @@ std::string encode_pfm(const Film& film) {
   return bytes;
 }
 
-/// No encoder makes more of incompressible values, headers and metadata included.
-uint64_t most_encoded_bytes(const Film& film, bool is_float) {
-  const uint64_t raw = film.values().size() * (is_float ? sizeof(float) : 1);
-  return 2 * raw + 64 * 1024;
+template <size_t size>
+void copy_text(std::string_view text, char (&out)[size]) {
+  out[text.copy(out, size - 1)] = 0;
 }
 
-void encode_by_module(const std::string& path, const Format& format, const Film& film,
-                      const OutputSettings& settings, const ImageMetadata& metadata) {
-  // The module is perhaps still being loaded: first do what does not need it.
-  std::vector<uint8_t> bytes;
-  if (!format.is_float) bytes = to_8_bit(film, settings);
-  const std::string software = fmt::format("tessera {}", kVersion);
-  const auto attributes = attributes_of(metadata, software);
-  const void* const pixels =
-      format.is_float ? static_cast<const void*>(film.values().data()) : bytes.data();
-  const ImageModule::Picture picture{pixels,          film.width(),      film.height(),
-                                     format.is_float, attributes.data(), attributes.size()};
-  std::array<char, 1024> error{};
-  if (!module_future().get()->write(path.c_str(), format.name, picture, error.data(),
-                                    error.size())) {
-    throw render_error(error.data());
+std::string_view as_text(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::vector<std::byte> encode(const Format& format, const Film& film,
+                              const OutputSettings& settings, const ImageMetadata& metadata) {
+  ImageRequest request;
+  request.call = ImageRequest::encode;
+  copy_text(format.name, request.format);
+  request.layout = {film.width(), film.height(), kFilmChannels, format.is_float ? 32 : 8};
+  copy_text(fmt::format("tessera {}", kVersion), request.attributes.software);
+  copy_text(metadata.scene_digest, request.attributes.scene_digest);
+  request.attributes.seed = static_cast<int32_t>(metadata.seed);
+  request.attributes.samples_per_pixel = static_cast<int32_t>(metadata.samples_per_pixel);
+  request.attributes.render_seconds = static_cast<float>(metadata.render_seconds);
+  if (format.is_float) {
+    return ImageCodec::shared().call(request, as_text(std::as_bytes(film.values()))).payload;
+  }
+  const std::vector<uint8_t> bytes = to_8_bit(film, settings);
+  return ImageCodec::shared().call(request, as_text(std::as_bytes(std::span(bytes)))).payload;
+}
+
+ImageCodec::Answer decode(ImageRequest::Call call, const std::string& name,
+                          std::string_view payload) {
+  ImageRequest request;
+  request.call = call;
+  try {
+    return ImageCodec::shared().call(request, payload);
+  } catch (const Error& error) {
+    throw scene_error(SourcePlace{name}, fmt::format("can not be read: {}", error.what()),
+                      "an image file");
   }
 }
 
-float* allocate_values(void* context, int width, int height) {
-  auto& image = *static_cast<RgbImage*>(context);
-  if (width < 1 || height < 1 || int64_t{width} * height > kMaxFramePixels) return nullptr;
-  image.width = width;
-  image.height = height;
-  image.values.resize(static_cast<size_t>(width) * static_cast<size_t>(height) * kFilmChannels);
-  return image.values.data();
-}
-
-void* allocate_texels(void* context, const ImageModule::Layout& layout) {
-  auto& image = *static_cast<TextureImage*>(context);
-  const bool legal = layout.width >= 1 && layout.height >= 1 && layout.width <= kMaxFrameSide &&
-                     layout.height <= kMaxFrameSide &&
-                     int64_t{layout.width} * layout.height <= kMaxFramePixels;
-  if (!legal) return nullptr;
-  image.width = static_cast<uint32_t>(layout.width);
-  image.height = static_cast<uint32_t>(layout.height);
-  image.channels = static_cast<uint32_t>(layout.channels);
-  image.bits = static_cast<uint32_t>(layout.bits);
-  image.texels.resize(size_t{image.width} * image.height * image.channels * (image.bits / 8));
-  return image.texels.data();
-}
-
-[[noreturn]] void fail_to_read(const fs::path& path, const char* cause) {
-  throw scene_error(SourcePlace{path.string()}, fmt::format("can not be read: {}", cause),
-                    "an image file");
+TextureImage as_texture(ImageCodec::Answer answer) {
+  return {.width = static_cast<uint32_t>(answer.layout.width),
+          .height = static_cast<uint32_t>(answer.layout.height),
+          .channels = static_cast<uint32_t>(answer.layout.channels),
+          .bits = static_cast<uint32_t>(answer.layout.bits),
+          .texels = std::move(answer.payload)};
 }
 
 }  // namespace
 
-void preload_image_module() { module_future(); }
+void prepare_to_write(const fs::path& path) {
+  if (format_of(path).name) ImageCodec::shared().start();
+}
 
 void check_writable(const fs::path& path) {
   format_of(path);
@@ -217,36 +127,29 @@ void write_image(const fs::path& path, const Film& film, const OutputSettings& s
                  const ImageMetadata& metadata) {
   const Format& format = format_of(path);
   if (!format.name) return write_output_file(path.string(), encode_pfm(film));
-  std::optional<MemoryFile> encoded;
-  std::string_view bytes;
+  std::vector<std::byte> file;
   try {
-    encoded.emplace(most_encoded_bytes(film, format.is_float));
-    encode_by_module(encoded->path(), format, film, settings, metadata);
-    bytes = encoded->bytes();
+    file = encode(format, film, settings, metadata);
   } catch (const Error& error) {
     throw render_error(fmt::format("'{}' cannot be written: {}", path.string(), error.what()));
   }
-  write_output_file(path.string(), bytes);
+  write_output_file(path.string(), as_text(file));
 }
 
 RgbImage read_image(const fs::path& path) {
-  RgbImage image;
-  std::array<char, 1024> error{};
-  if (!module_future().get()->read(path.c_str(), allocate_values, &image, error.data(),
-                                   error.size())) {
-    fail_to_read(path, error.data());
-  }
+  const ImageCodec::Answer answer = decode(ImageRequest::decode_rgb, path.string(), path.string());
+  RgbImage image{answer.layout.width, answer.layout.height, {}};
+  image.values.resize(answer.payload.size() / sizeof(float));
+  std::memcpy(image.values.data(), answer.payload.data(), answer.payload.size());
   return image;
 }
 
 TextureImage read_texture_image(const fs::path& path) {
-  TextureImage image;
-  std::array<char, 1024> error{};
-  if (!module_future().get()->read_texels(path.c_str(), allocate_texels, &image, error.data(),
-                                          error.size())) {
-    fail_to_read(path, error.data());
-  }
-  return image;
+  return as_texture(decode(ImageRequest::decode_file, path.string(), path.string()));
+}
+
+TextureImage decode_texture_image(const std::string& name, std::string_view file) {
+  return as_texture(decode(ImageRequest::decode_bytes, name, file));
 }
 
 }  // namespace tessera

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "renderer/film/film.h"
@@ -34,9 +35,9 @@ struct TextureImage {
   std::vector<std::byte> texels;
 };
 
-/// Starts loading the module that holds OpenImageIO (0.3 s of shared libraries) on a thread of its
-/// own, so that it is there when the frame is done. May be called from any thread, often, or never.
-void preload_image_module();
+/// Starts what `path` will be encoded by (ImageCodec) without waiting for it. May be called from
+/// any thread, often, or never.
+void prepare_to_write(const std::filesystem::path& path);
 
 /// Throws a usage error now for what write_image could not do later: an ending that is no format, a
 /// folder that is missing or not writable, a path that is no regular file. Leaves nothing behind.
@@ -53,5 +54,7 @@ void write_image(const std::filesystem::path& path, const Film& film,
 RgbImage read_image(const std::filesystem::path& path);
 /// At most the first four channels of the same, without loss. Throws a scene error.
 TextureImage read_texture_image(const std::filesystem::path& path);
+/// The same of a file in memory, which errors call `name`.
+TextureImage decode_texture_image(const std::string& name, std::string_view file);
 
 }  // namespace tessera

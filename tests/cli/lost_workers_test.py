@@ -7,7 +7,7 @@ import time
 import unittest
 
 import scenes
-from tessera_process import SLOWER, TesseraTest, marked_processes, wait_until
+from tessera_process import SLOWER, TesseraTest, is_worker, marked_processes, wait_until
 
 SEEDS = int(os.environ.get("TESSERA_TEST_SEEDS", "12"))
 # A second or so of work, so that there is a midst.
@@ -28,7 +28,7 @@ class LostWorkers(TesseraTest):
         return process
 
     def workers_of(self, process):
-        return [p for p in marked_processes(self.mark) if p != process.pid]
+        return [p for p in marked_processes(self.mark) if p != process.pid and is_worker(p)]
 
     def wait_for_workers(self, process, count):
         return wait_until(lambda: len(w := self.workers_of(process)) >= count and w, 10,

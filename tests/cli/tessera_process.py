@@ -32,6 +32,14 @@ def marked_processes(mark):
     return found
 
 
+def is_worker(process):
+    """Whether the living process is `tessera worker`, not one that encodes pictures, say."""
+    try:
+        return b"worker" in pathlib.Path(f"/proc/{process}/cmdline").read_bytes().split(b"\0")
+    except OSError:
+        return False
+
+
 def wait_until(condition, seconds, what):
     """Polls until `condition()` is true; its value. Fails loudly after some seconds."""
     deadline = time.monotonic() + seconds * SLOWER

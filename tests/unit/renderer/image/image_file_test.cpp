@@ -1,9 +1,11 @@
 #include "renderer/image/image_file.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -160,9 +162,46 @@ TEST_F(ImageFile, textures_keep_their_own_numbers) {
   EXPECT_EQ(code_of([&] { read_texture_image(folder_ / "missing.png"); }), ExitCode::bad_scene);
 }
 
-TEST_F(ImageFile, loading_may_be_asked_for_often) {
-  preload_image_module();
-  preload_image_module();
+TEST_F(ImageFile, files_in_memory_are_decoded_too) {
+  write_image(folder_ / "a.png", ramp(), display_, {});
+  std::ifstream file(folder_ / "a.png", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const TextureImage image = decode_texture_image("a", bytes);
+  EXPECT_EQ(image.width, 16u);
+  EXPECT_EQ(image.texels, read_texture_image(folder_ / "a.png").texels);
+  std::string message;
+  EXPECT_EQ(code_of([&] { decode_texture_image("box.glb", bytes.substr(0, 40)); }, &message),
+            ExitCode::bad_scene);
+  EXPECT_NE(message.find("box.glb"), std::string::npos) << message;
+}
+
+/// The process that decodes for this one, or 0.
+pid_t codec_process() {
+  const std::string self = std::to_string(getpid());
+  std::ifstream children("/proc/self/task/" + self + "/children");
+  pid_t child = 0;
+  children >> child;
+  return child;
+}
+
+TEST_F(ImageFile, a_codec_that_is_killed_or_stopped_is_replaced) {
+  prepare_to_write(folder_ / "a.png");
+  prepare_to_write(folder_ / "a.png");
+  for (const int signal : {SIGKILL, SIGSTOP, SIGTERM}) {
+    const pid_t process = codec_process();
+    ASSERT_GT(process, 0);
+    ASSERT_EQ(kill(process, signal), 0);
+    write_image(folder_ / "a.png", ramp(), display_, {});
+    EXPECT_EQ(read_image(folder_ / "a.png").width, 16);
+    EXPECT_NE(codec_process(), process);
+  }
+}
+
+TEST_F(ImageFile, what_we_write_ourselves_needs_no_codec) {
+  const pid_t before = codec_process();
+  prepare_to_write(folder_ / "a.pfm");
+  write_image(folder_ / "a.pfm", ramp(), {}, {});
+  EXPECT_EQ(codec_process(), before);
 }
 
 }  // namespace

@@ -1,27 +1,13 @@
 // Tracing a combination allocates nothing once the thread's scratch space has grown.
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
-#include <new>
 
 #include "renderer/shapes/box.h"
 #include "renderer/shapes/csg_shape.h"
 #include "renderer/shapes/frustum.h"
 #include "renderer/shapes/torus.h"
-
-namespace {
-std::atomic<size_t> allocations = 0;
-}
-
-void* operator new(size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size)) return p;
-  throw std::bad_alloc();
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, size_t) noexcept { std::free(p); }
+#include "tests/unit/allocation_count.h"
 
 namespace tessera {
 namespace {
@@ -48,9 +34,9 @@ TEST(CsgShape, AllocatesNothingPerRay) {
   };
   trace();
   EXPECT_GT(hits, 100u);
-  const size_t before = allocations;
+  const size_t before = allocation_count();
   trace();
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(allocation_count(), before);
 }
 
 }  // namespace

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace tessera {
+
+/// Pixels as they lie in memory: rows from the top, tightly packed.
+struct PixelLayout {
+  int32_t width = 0, height = 0;
+  int32_t channels = 0;
+  int32_t bits = 0;  ///< of a channel: 8 unsigned, 16 half float, 32 float
+
+  uint64_t bytes() const;
+  /// Whether the sides are in 1..`most_side`, the pixels at most `most_pixels`, the channels in
+  /// 1..4 and the bits one of the three.
+  bool is_legal() const;
+
+  static constexpr int32_t kMostSide = 65536;
+  static constexpr int64_t kMostPixels = int64_t{1} << 28;
+};
+
+/// What an image tells of its making. Texts end with a zero.
+struct ImageAttributes {
+  char software[32] = {};
+  char scene_digest[72] = {};
+  int32_t seed = 0;
+  int32_t samples_per_pixel = 0;
+  float render_seconds = 0;
+};
+
+/// Asks the image codec, a process of its own, for one thing. Both ends are of one build and of one
+/// machine, so messages are structs as they lie in memory, each followed by its payload.
+struct ImageRequest {
+  enum Call : uint32_t {
+    encode,       ///< payload: pixels, 3 channels; the reply: the file's bytes
+    decode_rgb,   ///< the first three channels (one or two: the first thrice) as floats
+    decode_file,  ///< payload: a path; the reply: pixels as the file has them, at most 4 channels,
+                  ///< in the fewest bits that hold them, alpha not multiplied in
+    decode_bytes  ///< the same of a payload that is the file itself
+  };
+  uint32_t version = kVersion;
+  Call call = encode;
+  char format[16] = {};  ///< encode: as OpenImageIO calls it
+  PixelLayout layout;    ///< encode
+  ImageAttributes attributes;
+  uint64_t payload_bytes = 0;
+
+  static constexpr uint32_t kVersion = 3;
+};
+
+struct ImageReply {
+  uint32_t done = 0;  ///< else the payload is the cause, a text
+  PixelLayout layout;
+  uint64_t payload_bytes = 0;
+};
+
+/// One end of the socket pair between a program and its image codec. Blocking; one thread at a
+/// time. False: the other end is gone, or `is_alive`, asked whenever the socket's own time limit
+/// has passed, says so.
+class ImageChannel {
+ public:
+  explicit ImageChannel(
+      int socket, std::function<bool()> is_alive = [] { return true; })
+      : socket_(socket), is_alive_(std::move(is_alive)) {}
+
+  template <typename Message>
+  bool send(const Message& message, std::string_view payload) {
+    return send_bytes(&message, sizeof message) && send_bytes(payload.data(), payload.size());
+  }
+  template <typename Message>
+  bool receive(Message& message) {
+    return receive_bytes(&message, sizeof message);
+  }
+  bool receive_bytes(void* bytes, size_t size);
+
+ private:
+  bool send_bytes(const void* bytes, size_t size);
+
+  bool may_go_on() const;
+
+  int socket_;
+  std::function<bool()> is_alive_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderer/image/channel/image_channel.h"
+
+namespace tessera {
+
+/// Our end of the image codec: starts its process when it is first needed, and again after it has
+/// crashed over a file. Lives as long as the program, and the process no longer. Any thread; calls
+/// wait for one another.
+class ImageCodec {
+ public:
+  static ImageCodec& shared();
+
+  /// Starts the process, whose libraries take 0.2 s to load, without waiting for it.
+  void start();
+
+  struct Answer {
+    PixelLayout layout;
+    std::vector<std::byte> payload;
+  };
+  /// `request.payload_bytes` is filled in. Throws a render error with the codec's cause.
+  Answer call(ImageRequest request, std::string_view payload);
+
+  ImageCodec(const ImageCodec&) = delete;
+  ImageCodec& operator=(const ImageCodec&) = delete;
+  ~ImageCodec();
+
+ private:
+  ImageCodec() = default;
+  void start_locked();
+  /// Nothing: the process is gone.
+  std::optional<Answer> try_call(const ImageRequest& request, std::string_view payload);
+  /// Waits for the process, which is ending or made to, and returns how it ended.
+  std::string end_locked();
+
+  std::mutex mutex_;
+  pid_t process_ = 0;  ///< 0: not running
+  int socket_ = -1;
+};
+
+}  // namespace tessera

@@ -1,0 +1,207 @@
+// The image codec: a process that reads and writes pictures for the one that started it, over the
+// socket that is its standard input, until that is closed. The only code that links OpenImageIO:
+// whose hundreds of libraries load beside the rendering here, in an address space that nothing else
+// waits for, and whose decoders cannot take the renderer down with them.
+#include <OpenImageIO/imageio.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "renderer/image/channel/image_channel.h"
+
+namespace tessera {
+
+namespace {
+
+struct Answer {
+  PixelLayout layout;
+  std::vector<char> payload;
+};
+
+[[noreturn]] void fail(const std::string& cause) { throw std::runtime_error(cause); }
+
+/// A file in memory for the encoders, which write files only: several of them take a full disk for
+/// success, and one ends the process. It serves the decoders the same way.
+class MemoryFile {
+ public:
+  MemoryFile() : file_(memfd_create("picture", MFD_CLOEXEC)) {
+    if (file_ < 0) fail(std::strerror(errno));
+  }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  ~MemoryFile() { close(file_); }
+
+  std::string path() const { return "/proc/self/fd/" + std::to_string(file_); }
+
+  /// A limit on file sizes, which holds here too, shows now.
+  void check_room(uint64_t bytes) const {
+    if (ftruncate(file_, static_cast<off_t>(bytes)) != 0 || ftruncate(file_, 0) != 0) {
+      fail(std::strerror(errno));
+    }
+  }
+
+  void fill(const std::vector<char>& bytes) const {
+    check_room(bytes.size());
+    for (size_t at = 0; at < bytes.size();) {
+      const ssize_t written = write(file_, bytes.data() + at, bytes.size() - at);
+      if (written <= 0) fail(std::strerror(errno));
+      at += static_cast<size_t>(written);
+    }
+  }
+
+  std::vector<char> bytes() const {
+    struct stat status {};
+    if (fstat(file_, &status) != 0) fail(std::strerror(errno));
+    std::vector<char> bytes(static_cast<size_t>(status.st_size));
+    for (size_t at = 0; at < bytes.size();) {
+      const ssize_t got =
+          pread(file_, bytes.data() + at, bytes.size() - at, static_cast<off_t>(at));
+      if (got <= 0) fail(std::strerror(errno));
+      at += static_cast<size_t>(got);
+    }
+    return bytes;
+  }
+
+ private:
+  int file_;
+};
+
+OIIO::ImageSpec make_spec(const ImageRequest& request) {
+  const bool is_float = request.layout.bits == 32;
+  OIIO::ImageSpec spec(request.layout.width, request.layout.height, request.layout.channels,
+                       is_float ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:ColorSpace", is_float ? "Linear" : "sRGB");
+  const ImageAttributes& attributes = request.attributes;
+  spec.attribute("Software", attributes.software);
+  spec.attribute("tessera:SceneDigest", attributes.scene_digest);
+  spec.attribute("tessera:Seed", attributes.seed);
+  spec.attribute("tessera:Samples", attributes.samples_per_pixel);
+  spec.attribute("tessera:RenderSeconds", attributes.render_seconds);
+  return spec;
+}
+
+Answer encode(const ImageRequest& request, const std::vector<char>& pixels) {
+  if (!request.layout.is_legal() || request.layout.bytes() != pixels.size()) {
+    fail("the pixels do not fit their layout");
+  }
+  const MemoryFile file;
+  // No encoder makes more of incompressible values, headers and metadata included.
+  file.check_room(2 * pixels.size() + 64 * 1024);
+  const auto output = OIIO::ImageOutput::create(request.format);
+  if (!output) fail(OIIO::geterror());
+  const OIIO::ImageSpec spec = make_spec(request);
+  if (!output->open(file.path(), spec) || !output->write_image(spec.format, pixels.data()) ||
+      !output->close()) {
+    fail(output->geterror());
+  }
+  Answer answer{{}, file.bytes()};
+  if (answer.payload.empty()) fail("the encoder wrote nothing");
+  return answer;
+}
+
+/// Room for a picture of the layout in `answer`, whose size is checked first.
+void* make_room(Answer& answer) {
+  if (!answer.layout.is_legal()) fail("its size is out of range");
+  answer.payload.resize(answer.layout.bytes());
+  return answer.payload.data();
+}
+
+Answer decode_rgb(const std::string& path) {
+  const auto input = OIIO::ImageInput::open(path);
+  if (!input) fail(OIIO::geterror());
+  const OIIO::ImageSpec& spec = input->spec();
+  if (spec.nchannels < 1) fail("it has no channels");
+  Answer answer{{spec.width, spec.height, 3, 32}, {}};
+  auto* const values = static_cast<float*>(make_room(answer));
+  // One call reads a tiled or a scanline file alike; fewer channels are spread out in place after
+  // it.
+  const bool three = spec.nchannels >= 3;
+  const OIIO::stride_t pixel = 3 * sizeof(float);
+  if (!input->read_image(0, 0, 0, three ? 3 : 1, OIIO::TypeDesc::FLOAT, values, pixel)) {
+    fail(input->geterror());
+  }
+  if (!three) {
+    const size_t count = answer.payload.size() / pixel;
+    for (size_t i = 0; i < count; ++i) values[3 * i + 1] = values[3 * i + 2] = values[3 * i];
+  }
+  return answer;
+}
+
+Answer decode(const std::string& path) {
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  const auto input = OIIO::ImageInput::open(path, &config);
+  if (!input) fail(OIIO::geterror());
+  const OIIO::ImageSpec& spec = input->spec();
+  // Integers of 16 bits are more than half floats hold.
+  const OIIO::TypeDesc type = spec.format == OIIO::TypeDesc::UINT8  ? OIIO::TypeDesc::UINT8
+                              : spec.format == OIIO::TypeDesc::HALF ? OIIO::TypeDesc::HALF
+                                                                    : OIIO::TypeDesc::FLOAT;
+  const int channels = std::min(spec.nchannels, 4);
+  Answer answer{{spec.width, spec.height, channels, static_cast<int>(type.basesize()) * 8}, {}};
+  if (!input->read_image(0, 0, 0, channels, type, make_room(answer))) fail(input->geterror());
+  return answer;
+}
+
+Answer answer_to(const ImageRequest& request, const std::vector<char>& payload) {
+  if (request.version != ImageRequest::kVersion) fail("the image codec is of another version");
+  const auto path = [&payload] { return std::string(payload.begin(), payload.end()); };
+  switch (request.call) {
+    case ImageRequest::encode:
+      return encode(request, payload);
+    case ImageRequest::decode_rgb:
+      return decode_rgb(path());
+    case ImageRequest::decode_file:
+      return decode(path());
+    case ImageRequest::decode_bytes: {
+      const MemoryFile file;
+      file.fill(payload);
+      return decode(file.path());
+    }
+  }
+  fail("the image codec does not know what it is asked for");
+}
+
+bool serve_one(ImageChannel& channel) {
+  ImageRequest request;
+  if (!channel.receive(request)) return false;
+  std::vector<char> payload(request.payload_bytes);
+  if (!channel.receive_bytes(payload.data(), payload.size())) return false;
+  Answer answer;
+  std::string cause;
+  try {
+    answer = answer_to(request, payload);
+  } catch (const std::bad_alloc&) {
+    cause = "there is not enough memory for it";
+  } catch (const std::exception& error) {
+    cause = error.what();
+    if (cause.empty()) cause = "OpenImageIO does not tell why";
+  }
+  if (!cause.empty()) return channel.send(ImageReply{0, {}, cause.size()}, cause);
+  const ImageReply reply{1, answer.layout, answer.payload.size()};
+  return channel.send(reply, {answer.payload.data(), answer.payload.size()});
+}
+
+}  // namespace
+
+}  // namespace tessera
+
+int main() {
+  std::signal(SIGXFSZ, SIG_IGN);
+  tessera::ImageChannel channel(STDIN_FILENO);
+  while (tessera::serve_one(channel)) {
+  }
+  // Nothing is left to be written; taking the libraries down in order would only cost time.
+  _exit(0);
+}
