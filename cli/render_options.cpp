@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "cli/read_option_flags.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/scene/read_settings.h"
 
@@ -57,6 +58,10 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       [&options](const std::string& text) { options.camera = text; });
   command
       .add_flag("--pinhole", options.pinhole, "Leave out the camera's lens: everything is in focus")
+      ->group("Picture");
+  command
+      .add_flag("--frame-all", options.frame_all,
+                "Move the camera back along its view until everything is seen")
       ->group("Picture");
   add("--time", "T", "The instant to render, in seconds [the scene's]",
       [&options](const std::string& text) { options.time = parse_number("--time", text); });
@@ -170,6 +175,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->type_name("FILE");
   add_picture_options(command, options);
   add_tracing_options(command, options);
+  add_read_options(command, options.reading);
   add_farm_options(command, options);
   add_report_options(command, options);
 }

@@ -66,6 +66,7 @@ class EarClipper {
  private:
   bool is_ear(uint32_t i) const {
     const Flat &a = points_[previous_[i]], &b = points_[i], &c = points_[next_[i]];
+    if (same(a, b) || same(b, c)) return true;  // a corner written twice is cut off first
     if (turn(a, b, c) <= 0) return false;
     for (uint32_t j = next_[next_[i]]; j != previous_[i]; j = next_[j]) {
       const Flat& p = points_[j];

@@ -11,6 +11,20 @@ void put_grey(double level, v1::Color* out) {
   out->set_b(level);
 }
 
+void scale(double by, v1::Color* color) {
+  color->set_r(color->r() * by);
+  color->set_g(color->g() * by);
+  color->set_b(color->b() * by);
+}
+
+/// An extension of castle-engine's: the share of what is seen that is mirrored.
+void set_mirror(double share, v1::Classic& classic) {
+  put_grey(share, classic.mutable_reflectivity()->mutable_value());
+  scale(1 - share, classic.mutable_diffuse()->mutable_value());
+  scale(1 - share, classic.mutable_specular()->mutable_value());
+  scale(1 - share, classic.mutable_emission()->mutable_value());
+}
+
 const X3dNode* child(const X3dNode* node, const char* field) {
   return node ? node->child(field) : nullptr;
 }
@@ -120,7 +134,7 @@ v1::Material X3dTranslator::make_classic(const Look& look, const X3dNode& node, 
     classic.set_transmission(v1::Classic::STRAIGHT);
   }
   const double mirror = values_.share(node, "mirror", 0);
-  if (mirror > 0) put_grey(mirror, classic.mutable_reflectivity()->mutable_value());
+  if (mirror > 0) set_mirror(mirror, classic);
   classic.set_vertex_color_replaces_diffuse(look.colors);
   classic.set_texture_replaces_diffuse(!classic.diffuse().texture().empty() && texture_replaces());
   return material;

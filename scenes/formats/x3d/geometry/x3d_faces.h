@@ -38,6 +38,8 @@ X3dFaces read_x3d_grid(const X3dNode& node, const X3dValues& values);
 /// Extrusion: a quad for each side of the cross-section a step of the spine, then the caps, whose
 /// points are their own so that no crease angle smooths over their rim.
 X3dFaces read_x3d_extrusion(const X3dNode& node, const X3dValues& values);
+/// Text: flat lines of our own stroke font, in the plane z = 0.
+X3dFaces read_x3d_text(const X3dNode& node, const X3dValues& values);
 /// IndexedLineSet, LineSet and PointSet as thin prisms and octahedra of kX3dLineWidth times the
 /// diagonal of their bounding box.
 X3dFaces read_x3d_lines(const X3dNode& node, const X3dValues& values);

@@ -33,6 +33,7 @@ FaceReader find_reader(std::string_view type) {
       {"QuadSet", &read_x3d_polygons},
       {"ElevationGrid", &read_x3d_grid},
       {"Extrusion", &read_x3d_extrusion},
+      {"Text", &read_x3d_text},
       {"IndexedLineSet", &read_x3d_lines},
       {"LineSet", &read_x3d_lines},
       {"PointSet", &read_x3d_lines}};
@@ -104,7 +105,7 @@ class MeshBuilder {
     const Polygons& polygons = faces_.polygons;
     for (size_t f = 0; f < polygons.size(); ++f) {
       for (size_t c = polygons.starts[f]; c < polygons.starts[f + 1]; ++c) {
-        const bool indexed = !index.values.empty();
+        const bool indexed = !index.values.empty() && !faces_.corner_slots.empty();
         const size_t slot = !indexed ? 0 : per_vertex ? faces_.corner_slots[c] : faces_.numbers[f];
         if (indexed && slot >= index.values.size())
           throw values_.document().error(
@@ -154,6 +155,7 @@ class MeshBuilder {
       return;
     }
     if (is_x3d_lines(node_.type)) return;
+    if (node_.type == "Text") return;
     const bool creased = node_.type == "IndexedFaceSet" || node_.type == "ElevationGrid" ||
                          node_.type == "Extrusion";
     const double angle = creased      ? values_.angle(node_, "creaseAngle", 0)
