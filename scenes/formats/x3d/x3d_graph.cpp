@@ -74,8 +74,10 @@ void X3dTranslator::check_names() {
       continue;
     }
     if (!type) continue;
-    for (const X3dField& field : node.fields)
-      if (!type->has_field(field.name)) warn_unknown_field(node, *type, field.name);
+    for (const X3dField& field : node.fields) {
+      const bool no_nodes = field.text.empty() && type->has_node_field(field.name);
+      if (!type->has_field(field.name) && !no_nodes) warn_unknown_field(node, *type, field.name);
+    }
     for (const X3dNode::Child& child : node.children)
       if (!type->has_node_field(child.container)) warn_unknown_field(node, *type, child.container);
   }

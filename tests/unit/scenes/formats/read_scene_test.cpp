@@ -53,7 +53,8 @@ TEST_F(ReadScene, RefusesWhatIsNoSceneFile) {
             ".obj, .x3d, .x3dv, .wrl, .crt");
   EXPECT_EQ(
       error(write("a.xyz", "0 0 0")),
-      "a.xyz: unknown ending '.xyz'; expected one of .tessera, .tesserab, .json, .obj, .x3d, .crt");
+      "a.xyz: unknown ending '.xyz'; expected one of .tessera, .tesserab, .json, .obj, .x3d, "
+      ".x3dv, .wrl, .crt");
   EXPECT_EQ(error(write("b.tesserab", "\x01\x02")).substr(0, 24), "b.tesserab: the bytes ar");
   EXPECT_EQ(read_scene(write("by_content", "<X3D><Scene/></X3D>")).scene.cameras_size(), 1);
 }
