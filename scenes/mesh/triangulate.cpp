@@ -92,9 +92,13 @@ Vec3 newell_normal(std::span<const Vec3> corners) {
 
 bool is_convex(std::span<const Vec3> corners, const Vec3& normal) {
   const size_t n = corners.size();
-  for (size_t i = 0; i < n; ++i) {
-    const Vec3& b = corners[(i + 1) % n];
-    if (dot(cross(b - corners[i], corners[(i + 2) % n] - b), normal) < 0) return false;
+  // Where a corner is written twice no turn shows, so edges without length are passed over.
+  Vec3 last{};
+  for (size_t i = 0; i < 2 * n; ++i) {
+    const Vec3 edge = corners[(i + 1) % n] - corners[i % n];
+    if (edge == Vec3{}) continue;
+    if (dot(cross(last, edge), normal) < 0) return false;
+    last = edge;
   }
   return true;
 }
