@@ -50,6 +50,10 @@ void add_read_options(CLI::App& command, ReadOptions& options) {
              std::array<std::pair<const char*, Texture>, 3>{{{"version", Texture::by_version},
                                                              {"replace", Texture::replace},
                                                              {"modulate", Texture::modulate}}});
+  command
+      .add_flag("--x3d-two-sided", options.x3d_two_sided,
+                "Show back faces, which files that leave 'solid' out hide")
+      ->group("Reading X3D");
 }
 
 }  // namespace tessera

@@ -41,6 +41,7 @@ struct ReadOptions {
   /// What a coloured texture does to the material's colour: by the letter it takes its place up to
   /// X3D 3.3, and multiplies it from 4.0 on.
   X3dTexture x3d_texture = X3dTexture::by_version;
+  bool x3d_two_sided = false;       ///< back faces are seen whatever `solid` says
   TextureDecoder decode_texture{};  ///< none: textures keep the names of their files
   int32_t frame = 0;                ///< of an animation; what scripts call t
 };

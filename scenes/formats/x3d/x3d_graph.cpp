@@ -15,6 +15,12 @@ bool is_group(std::string_view type) {
   return std::find(kGroups.begin(), kGroups.end(), type) != kGroups.end();
 }
 
+/// Whether the field is of type SFNode.
+bool holds_one_node(const X3dNodeType& type, std::string_view field) {
+  return type.use == X3dNodeType::Use::read && !type.name.starts_with("Multi") &&
+         field != "children" && field != "shaders" && field != "attrib";
+}
+
 bool is_light(std::string_view type) {
   return type == "DirectionalLight" || type == "PointLight" || type == "SpotLight";
 }
@@ -78,8 +84,13 @@ void X3dTranslator::check_names() {
       const bool no_nodes = field.text.empty() && type->has_node_field(field.name);
       if (!type->has_field(field.name) && !no_nodes) warn_unknown_field(node, *type, field.name);
     }
-    for (const X3dNode::Child& child : node.children)
+    std::set<std::string_view> single;
+    for (const X3dNode::Child& child : node.children) {
       if (!type->has_node_field(child.container)) warn_unknown_field(node, *type, child.container);
+      if (holds_one_node(*type, child.container) && !single.insert(child.container).second)
+        warnings_.add(
+            fmt::format("{} of {} is given twice; the last one holds", child.container, node.type));
+    }
   }
 }
 

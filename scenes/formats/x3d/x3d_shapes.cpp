@@ -135,7 +135,8 @@ void X3dTranslator::add_shape(const X3dNode& node, v1::Node& out) {
   const bool casts = !look.lines && values_.boolean(node, "castShadow", true) &&
                      (!look.appearance || values_.boolean(*look.appearance, "shadowCaster", true));
   if (!casts) out.set_casts_no_shadow(true);
-  look.two_sided = look.lines || !values_.boolean(*geometry, "solid", !flat);
+  look.two_sided =
+      look.lines || build_.options.x3d_two_sided || !values_.boolean(*geometry, "solid", !flat);
   if (shape.has_mesh()) {
     const X3dMesh& made = mesh(*geometry, textured);
     look.colors = made.has_colors;

@@ -230,9 +230,7 @@ class X3dClassicReader {
                          int depth) {
     X3dNode given;
     given.offset = type.offset;
-    if (depth > X3dDocument::kMaxDepth)
-      throw document_.error(type.offset, "nodes nested too deep",
-                            fmt::format("at most {} levels", X3dDocument::kMaxDepth));
+    tree_.check_depth(type.offset, depth);
     read_body(given, depth);
     X3dNode* node = tree_.instantiate(prototype, given);
     if (!def.empty()) tree_.define(*node, def);
@@ -337,9 +335,7 @@ class X3dClassicReader {
   }
 
   void declare(int depth) {
-    if (depth > X3dDocument::kMaxDepth)
-      throw document_.error(at_, "prototypes nested too deep",
-                            fmt::format("at most {} levels", X3dDocument::kMaxDepth));
+    tree_.check_depth(at_, depth);
     const std::string name = take_name("the name of a prototype");
     X3dPrototype made;
     tree_.begin_prototype();

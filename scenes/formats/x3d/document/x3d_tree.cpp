@@ -13,10 +13,14 @@ X3dNode& X3dTree::place(size_t offset) {
   return node;
 }
 
-X3dNode& X3dTree::add(std::string type, size_t offset, int depth) {
+void X3dTree::check_depth(size_t offset, int depth) const {
   if (depth > X3dDocument::kMaxDepth)
     throw document_.error(offset, "nodes nested too deep",
                           fmt::format("at most {} levels", X3dDocument::kMaxDepth));
+}
+
+X3dNode& X3dTree::add(std::string type, size_t offset, int depth) {
+  check_depth(offset, depth);
   X3dNode& node = place(offset);
   node.type = std::move(type);
   return node;

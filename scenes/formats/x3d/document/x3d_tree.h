@@ -23,6 +23,8 @@ class X3dTree {
 
   explicit X3dTree(X3dDocument& document) : document_(document) { scopes_.emplace_back(); }
 
+  /// Throws where something is written at too many levels below the scene.
+  void check_depth(size_t offset, int depth) const;
   /// A new node at `depth` levels below the scene.
   X3dNode& add(std::string type, size_t offset, int depth);
   /// Names the node, which from now until finish() must not be a part of itself.

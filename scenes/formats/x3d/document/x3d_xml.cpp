@@ -138,13 +138,11 @@ class X3dXmlReader {
   }
 
   void declare(const pugi::xml_node& xml, int depth) {
+    tree_.check_depth(offset(xml), depth);
     X3dPrototype made;
     tree_.begin_prototype();
     add_values(made.interface_node, xml.child("ProtoInterface"), "field", depth);
     X3dNode holder;
-    if (depth > X3dDocument::kMaxDepth)
-      throw document_.error(offset(xml), "prototypes nested too deep",
-                            fmt::format("at most {} levels", X3dDocument::kMaxDepth));
     add_children(holder, xml.child("ProtoBody"), depth);
     tree_.end_prototype();
     if (!holder.children.empty()) made.body = holder.children.front().node;
@@ -154,6 +152,7 @@ class X3dXmlReader {
   X3dNode* instance(const pugi::xml_node& xml, int depth) {
     const X3dPrototype* prototype = tree_.prototype(xml.attribute("name").value());
     if (!prototype) return element(xml, depth);
+    tree_.check_depth(offset(xml), depth);
     X3dNode given;
     given.offset = offset(xml);
     add_values(given, xml, "fieldValue", depth);

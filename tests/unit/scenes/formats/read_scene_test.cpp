@@ -51,10 +51,9 @@ TEST_F(ReadScene, RefusesWhatIsNoSceneFile) {
   EXPECT_EQ(error(write("a.gltf", "{}")),
             "a.gltf: files of type .gltf are not read; expected one of .tessera, .tesserab, .json, "
             ".obj, .x3d, .x3dv, .wrl, .crt");
-  EXPECT_EQ(
-      error(write("a.xyz", "0 0 0")),
-      "a.xyz: unknown ending '.xyz'; expected one of .tessera, .tesserab, .json, .obj, .x3d, "
-      ".x3dv, .wrl, .crt");
+  EXPECT_EQ(error(write("a.xyz", "0 0 0")),
+            "a.xyz: unknown ending '.xyz'; expected one of .tessera, .tesserab, .json, .obj, .x3d, "
+            ".x3dv, .wrl, .crt");
   EXPECT_EQ(error(write("b.tesserab", "\x01\x02")).substr(0, 24), "b.tesserab: the bytes ar");
   EXPECT_EQ(read_scene(write("by_content", "<X3D><Scene/></X3D>")).scene.cameras_size(), 1);
 }

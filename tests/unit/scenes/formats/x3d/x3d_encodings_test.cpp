@@ -185,6 +185,39 @@ TEST(X3dPrototypes, EndWhereTheyWouldGrowWithoutEnd) {
             std::string::npos);
 }
 
+TEST(X3dPrototypes, EndWhereTheyAreNestedTooDeep) {
+  const std::string limit = "nodes nested too deep; expected at most 80 levels";
+  std::string instances, declarations, classic = "#X3D V3.3 utf8\nPROTO P [ ] { Group { } } ";
+  for (int i = 0; i < 50000; ++i) {
+    instances += "<ProtoInstance name='P'><fieldValue name='x'>";
+    declarations += "<ProtoDeclare name='P'><ProtoInterface><field name='x'>";
+    classic += "PROTO Q [ ] { ";
+  }
+  const std::string xml =
+      "<X3D><Scene><ProtoDeclare name='P'><ProtoBody><Group/></ProtoBody>"
+      "</ProtoDeclare>";
+  const auto close = [](const std::string& open) {
+    std::string out;
+    for (size_t at = open.size(); (at = open.rfind('<', at - 1)) != std::string::npos;) {
+      out += "</" + open.substr(at + 1, open.find_first_of(" >", at) - at - 1) + ">";
+      if (at == 0) break;
+    }
+    return out;
+  };
+  for (const std::string& open : {instances, declarations})
+    EXPECT_NE(error(xml + open + close(open) + "</Scene></X3D>").find(limit), std::string::npos);
+  EXPECT_NE(error(classic).find(limit), std::string::npos);
+}
+
+TEST(X3dEncodings, SaysWhatIsGivenTwice) {
+  const auto loaded =
+      parse_classic("Shape { geometry Box { } geometry Sphere { radius 1 radius 2 } }");
+  EXPECT_TRUE(loaded.scene.nodes(0).shape().has_sphere());
+  ASSERT_EQ(loaded.warnings.size(), 2u);
+  EXPECT_EQ(loaded.warnings[0], "t.x3dv: geometry of Shape is given twice; the last one holds");
+  EXPECT_EQ(loaded.warnings[1], "t.x3dv: radius is given twice in Sphere; the first one holds");
+}
+
 /// A folder with a scene and what it names, and a file beside the folder that it must not see.
 class X3dFilesTest : public testing::Test {
  protected:
