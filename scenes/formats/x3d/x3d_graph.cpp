@@ -9,16 +9,22 @@ namespace tessera {
 namespace {
 
 bool is_group(std::string_view type) {
-  constexpr std::array<std::string_view, 9> kGroups{"Transform", "Group",     "StaticGroup",
-                                                    "Collision", "Anchor",    "Switch",
-                                                    "LOD",       "Billboard", "Inline"};
+  constexpr std::array<std::string_view, 13> kGroups{
+      "Transform", "Group",  "StaticGroup",   "Collision",  "Anchor",       "Switch",   "LOD",
+      "Billboard", "Inline", "HAnimHumanoid", "HAnimJoint", "HAnimSegment", "HAnimSite"};
   return std::find(kGroups.begin(), kGroups.end(), type) != kGroups.end();
+}
+
+/// Whether what stands in that field of a group is shown where the group is.
+bool is_shown(std::string_view field) {
+  return field == "children" || field == "skeleton" || field == "skin";
 }
 
 /// Whether the field is of type SFNode.
 bool holds_one_node(const X3dNodeType& type, std::string_view field) {
   return type.use == X3dNodeType::Use::read && !type.name.starts_with("Multi") &&
-         field != "children" && field != "shaders" && field != "attrib";
+         !type.name.starts_with("HAnim") && field != "children" && field != "shaders" &&
+         field != "attrib";
 }
 
 bool is_light(std::string_view type) {
@@ -114,7 +120,7 @@ void X3dTranslator::add_children(const X3dNode& parent, const v1::Transform& pat
   const bool selects = parent.type == "Switch" || parent.type == "LOD";
   int64_t number = 0;
   for (const X3dNode::Child& child : parent.children) {
-    if (child.container == "proxy" || child.container == "metadata") continue;
+    if (!is_shown(child.container)) continue;
     if (!selects || number++ == only) add_node(*child.node, path, out);
   }
 }
@@ -158,7 +164,7 @@ void X3dTranslator::fill_node(const X3dNode& node, const v1::Transform& path, v1
   if (!values_.boolean(node, "visible", true)) out.set_hidden(true);
   if (node.type == "Shape") return add_shape(node, out);
   v1::Transform inner = path;
-  if (node.type == "Transform") {
+  if (node.type == "Transform" || node.type.starts_with("HAnim")) {
     *out.mutable_transform() = transform(node);
     inner.MergeFrom(out.transform());
   }

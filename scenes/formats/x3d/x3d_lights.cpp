@@ -40,8 +40,8 @@ void X3dTranslator::add_light(const X3dNode& node, Nodes& out) {
     spot.set_cut_off(degrees_from_radians(cut_off));
   }
   put(values_.color(node, "color", kWhite), light.mutable_color());
-  light.set_intensity(std::max(0., values_.number(node, "intensity", 1)));
-  light.set_ambient_intensity(std::max(0., values_.number(node, "ambientIntensity", 0)));
+  light.set_intensity(values_.amount(node, "intensity", 1));
+  light.set_ambient_intensity(values_.amount(node, "ambientIntensity", 0));
   light.set_off(!values_.boolean(node, "on", true));
   light.set_scoped(!values_.boolean(node, "global", !directional));
   light.set_shadows(values_.boolean(node, "shadows", false));
@@ -59,11 +59,13 @@ void X3dTranslator::set_attenuation(const X3dNode& node, v1::Light& light) {
     factor.set_quadratic(std::max(0., attenuation.z));
     factor.set_at_most_one(true);
   }
-  const double radius = values_.number(node, "radius", 100);
+  if (attenuation.x < 0 || attenuation.y < 0 || attenuation.z < 0)
+    warnings_.add(fmt::format("attenuation of {} below 0 is read as 0", node.type));
+  const double radius = values_.amount(node, "radius", 100);
   if (radius == 0)
     light.set_off(true);
   else
-    light.set_radius(std::max(0., radius));
+    light.set_radius(radius);
   light.set_ambient_attenuated(true);  // clause 17.2.2.4: the factors stand before the whole sum
 }
 

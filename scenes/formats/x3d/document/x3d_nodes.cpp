@@ -33,6 +33,24 @@ constexpr std::array kTypes = std::to_array<X3dNodeType>({
      " url load global bboxCenter bboxSize bboxDisplay visible description autoRefresh "
      "autoRefreshTimeLimit ",
      ""},
+    {"HAnimHumanoid", "children", read,
+     " translation rotation scale scaleOrientation center bboxCenter bboxSize bboxDisplay visible "
+     "info jointBindingPositions jointBindingRotations jointBindingScales loa name "
+     "skeletalConfiguration version ",
+     " children skeleton skin joints segments sites skinCoord skinNormal skinBindingCoords "
+     "skinBindingNormals viewpoints motions "},
+    {"HAnimJoint", "children", read,
+     " translation rotation scale scaleOrientation center bboxCenter bboxSize bboxDisplay visible "
+     "description limitOrientation llimit name skinCoordIndex skinCoordWeight stiffness ulimit ",
+     " children displacers "},
+    {"HAnimSegment", "children", read,
+     " bboxCenter bboxSize bboxDisplay visible centerOfMass description mass momentsOfInertia "
+     "name ",
+     " children coord displacers "},
+    {"HAnimSite", "children", read,
+     " translation rotation scale scaleOrientation center bboxCenter bboxSize bboxDisplay visible "
+     "description name ",
+     " children "},
     // Viewing, lights, surroundings
     {"Viewpoint", "children", read,
      " position orientation fieldOfView centerOfRotation description jump retainUserOffsets "
@@ -219,10 +237,6 @@ constexpr std::array kTypes = std::to_array<X3dNodeType>({
     {"MetadataDouble", "metadata", ignored, "", ""},
     {"MetadataBoolean", "metadata", ignored, "", ""},
     {"MetadataSet", "metadata", ignored, "", ""},
-    {"HAnimHumanoid", "children", ignored, "", ""},
-    {"HAnimJoint", "children", ignored, "", ""},
-    {"HAnimSegment", "children", ignored, "", ""},
-    {"HAnimSite", "viewpoints", ignored, "", ""},
     {"HAnimMotion", "motions", ignored, "", ""},
     {"HAnimDisplacer", "displacers", ignored, "", ""},
     {"NurbsPatchSurface", "geometry", ignored, "", ""},

@@ -130,6 +130,12 @@ std::vector<double> X3dValues::angles(const X3dNode& node, std::string_view name
   return all;
 }
 
+double X3dValues::amount(const X3dNode& node, std::string_view name, double otherwise) const {
+  const double value = number(node, name, otherwise);
+  if (value < 0) warnings_.add(fmt::format("{} of {} below 0 is read as 0", name, node.type));
+  return std::max(0., value);
+}
+
 double X3dValues::share(const X3dNode& node, std::string_view name, double otherwise) const {
   const double value = number(node, name, otherwise);
   if (value >= 0 && value <= 1) return value;

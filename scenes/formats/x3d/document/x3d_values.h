@@ -32,6 +32,8 @@ class X3dValues {
   /// In radians, whatever the file's unit.
   double angle(const X3dNode& node, std::string_view name, double otherwise) const;
   std::vector<double> angles(const X3dNode& node, std::string_view name) const;
+  /// At least 0, with a warning.
+  double amount(const X3dNode& node, std::string_view name, double otherwise) const;
   /// Clamped to [0, 1] with a warning.
   double share(const X3dNode& node, std::string_view name, double otherwise) const;
   int64_t integer(const X3dNode& node, std::string_view name, int64_t otherwise) const;

@@ -99,6 +99,25 @@ TEST(X3dEncodings, SayWhereTheClassicOneIsWrong) {
   EXPECT_NE(of(deep).find("nodes nested too deep; expected at most 80 levels"), std::string::npos);
 }
 
+TEST(X3dEncodings, ShowsHumanoidsAsTheyStand) {
+  const auto loaded = parse_classic(
+      "HAnimHumanoid { skeleton DEF J HAnimJoint { translation 1 0 0 center 5 5 5 rotation 0 1 0 1 "
+      "children HAnimSegment { children Shape { geometry Box { } } } } joints USE J }");
+  EXPECT_EQ(loaded.warnings, std::vector<std::string>{});
+  ASSERT_EQ(loaded.scene.nodes(0).children_size(), 1);
+  ASSERT_EQ(loaded.scene.objects_size(), 1);
+  const v1::Node& joint = loaded.scene.objects(0).nodes(0);
+  EXPECT_EQ(joint.transform().steps_size(), 4);
+  EXPECT_TRUE(joint.children(0).children(0).shape().has_box());
+}
+
+TEST(X3dEncodings, SaysWhatItTakesForZero) {
+  const auto warnings =
+      parse_classic("PointLight { intensity -1 attenuation 0 -1 1 radius -3 }").warnings;
+  ASSERT_EQ(warnings.size(), 3u);
+  EXPECT_EQ(warnings[0], "t.x3dv: intensity of PointLight below 0 is read as 0");
+}
+
 TEST(X3dEncodings, SuggestsFieldNames) {
   const auto warnings =
       parse_classic("Shape { apearance Appearance { } geometry Sphere { radios 3 } }").warnings;
