@@ -133,7 +133,10 @@ std::string middle_row(const std::string& scene, int width, int height) {
   const auto values = render_x3d(scene, width, height);
   std::string row;
   for (int x = 0; x < width; ++x)
-    row += values[static_cast<size_t>(3 * (height / 2 * width + x))] > .5f ? '#' : '.';
+    row += values[3 * (static_cast<size_t>(height / 2) * static_cast<size_t>(width) +
+                       static_cast<size_t>(x))] > .5f
+               ? '#'
+               : '.';
   return row;
 }
 

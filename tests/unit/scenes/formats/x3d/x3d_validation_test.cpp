@@ -169,7 +169,8 @@ int hold(const Scene& scene, double most, const std::string& mesh = "", int widt
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const V want = expected(scene, x, y, width, height);
-      const float* got = &values[static_cast<size_t>(3 * (y * width + x))];
+      const float* got = &values[3 * (static_cast<size_t>(y) * static_cast<size_t>(width) +
+                                      static_cast<size_t>(x))];
       lit_pixels += want.x + want.y + want.z > 0;
       wrong += std::abs(got[0] - want.x) > most || std::abs(got[1] - want.y) > most ||
                std::abs(got[2] - want.z) > most;
