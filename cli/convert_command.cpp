@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "cli/command_line.h"
 #include "cli/placement.h"
+#include "cli/read_option_flags.h"
 #include "cli/say.h"
 #include "cli/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
@@ -16,7 +17,8 @@ namespace {
 
 struct ConvertOptions {
   std::string input, output;
-  std::vector<v1::Include> placements;
+  ReadOptions reading{.decode_texture = decode_texture,
+                      .decode_texture_bytes = decode_texture_bytes};
 };
 
 ExitCode convert(const ConvertOptions& options) {
@@ -26,10 +28,7 @@ ExitCode convert(const ConvertOptions& options) {
                     options.output));
   }
   check_output_file(options.output, "OUT");
-  const LoadedScene loaded =
-      read_scene(options.input, {.decode_texture = decode_texture,
-                                 .decode_texture_bytes = decode_texture_bytes,
-                                 .placements = options.placements});
+  const LoadedScene loaded = read_scene(options.input, options.reading);
   for (const std::string& warning : loaded.warnings) {
     say(stderr, "tessera: warning: {}\n", warning);
   }
@@ -50,7 +49,8 @@ void add_convert_command(CLI::App& app, Action& action) {
       "  tessera convert bunny.tessera bunny.json");
   command->add_option("IN", options->input, "The scene to read")->required()->type_name("FILE");
   command->add_option("OUT", options->output, "The file to write")->required()->type_name("FILE");
-  add_place_option(*command, options->placements);
+  add_place_option(*command, options->reading.placements);
+  add_read_options(*command, options->reading);
   command->callback([options, &action] { action = [options] { return convert(*options); }; });
 }
 

@@ -10,6 +10,7 @@
 #include "cli/command_line.h"
 #include "cli/output_settings.h"
 #include "cli/placement.h"
+#include "cli/read_option_flags.h"
 #include "cli/render_options.h"
 #include "cli/say.h"
 #include "cli/texture_decoder.h"
@@ -23,7 +24,8 @@ namespace {
 
 struct InfoOptions {
   std::string scene;
-  std::vector<v1::Include> placements;
+  ReadOptions reading{.decode_texture = decode_texture,
+                      .decode_texture_bytes = decode_texture_bytes};
   bool json = false;
 };
 
@@ -53,9 +55,7 @@ SceneInfo inspect(const InfoOptions& wanted) {
   const std::string& path = wanted.scene;
   RenderOptions options;
   options.scene = path;
-  const LoadedScene loaded = read_scene(path, {.decode_texture = decode_texture,
-                                               .decode_texture_bytes = decode_texture_bytes,
-                                               .placements = wanted.placements});
+  const LoadedScene loaded = read_scene(path, wanted.reading);
   SceneInfo info{.digest = Digest::of(serialize_scene(loaded.scene)).hex(),
                  .frame = frame_settings(options, loaded.scene, std::nullopt),
                  .summary = summarize(loaded.scene, loaded.blobs),
@@ -122,7 +122,8 @@ void add_info_command(CLI::App& app, Action& action) {
       "  tessera info room.x3d\n"
       "  tessera info room.x3d --json | jq .unused");
   command->add_option("SCENE", options->scene, "The scene file")->required()->type_name("FILE");
-  add_place_option(*command, options->placements);
+  add_place_option(*command, options->reading.placements);
+  add_read_options(*command, options->reading);
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, &action] { action = [options] { return info(*options); }; });
 }

@@ -9,6 +9,7 @@
 #include "cli/option_values.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
+#include "scenes/import/loaded_scene.h"
 
 namespace CLI {
 class App;
@@ -19,7 +20,6 @@ namespace tessera {
 /// What `tessera render` was asked for. What is absent comes from the scene or from this machine.
 struct RenderOptions {
   std::string scene;
-  std::vector<v1::Include> placements;
   std::vector<std::filesystem::path> outputs;
   std::optional<FrameSize> size;
   std::optional<uint32_t> samples_per_pixel;
@@ -31,6 +31,8 @@ struct RenderOptions {
   std::optional<double> time;
   std::optional<std::string> camera;
   bool pinhole = false;
+  bool frame_all = false;
+  ReadOptions reading{};
 
   std::optional<int> workers;
   std::optional<int> threads;

@@ -92,6 +92,18 @@ void place_camera(v1::Camera& camera, const v1::Transform& placement) {
   for (v1::TransformKey& key : *camera.mutable_keys()) before(*key.mutable_transform());
 }
 
+/// The node that the file goes into.
+v1::Node& add_place(v1::Scene& scene, const v1::Include& include) {
+  if (include.object().empty()) {
+    v1::Node& node = *scene.add_nodes();
+    *node.mutable_transform() = include.transform();
+    return node;
+  }
+  v1::Object& object = *scene.add_objects();
+  object.set_name(include.object());
+  return *object.add_nodes();
+}
+
 template <typename Things>
 void move_all(Things& from, Things& to) {
   for (auto& thing : from) *to.Add() = std::move(thing);
@@ -102,9 +114,8 @@ void move_all(Things& from, Things& to) {
 
 void IncludeResolver::put(LoadedScene& into, const v1::Include& include, const Part& made,
                           const fs::path& file) {
-  v1::Node& node = *into.scene.add_nodes();
+  v1::Node& node = add_place(into.scene, include);
   node.set_name(to_utf8(file.stem().string()));
-  *node.mutable_transform() = include.transform();
   node.set_instance_of(made.object);
   for (const v1::Node& child : made.nodes) *node.add_children() = child;
   for (const v1::Camera& camera : made.cameras) {

@@ -27,14 +27,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 10> kFormats{"tessera", "tesserab", "json", "obj", "ply",
-                                                    "stl",     "gltf",     "glb",  "x3d", "crt"};
+constexpr std::array<std::string_view, 12> kFormats{
+    "tessera", "tesserab", "json", "obj", "ply", "stl", "gltf", "glb", "x3d", "x3dv", "wrl", "crt"};
+/// Other endings of X3D's files, gzipped or old.
+constexpr std::array<std::string_view, 5> kX3dToo{"gz", "x3dz", "x3dvz", "wrz", "vrml"};
 /// Models: they may come without a camera and without light.
 constexpr std::array<std::string_view, 5> kModels{"obj", "ply", "stl", "gltf", "glb"};
 /// Formats that users may well try, so that the error can say that they were recognised.
-constexpr std::array<std::string_view, 17> kOthers{"x3dv",  "wrl",  "vrml", "x3dz", "fbx",  "dae",
-                                                   "blend", "3ds",  "usd",  "usda", "usdc", "usdz",
-                                                   "abc",   "pbrt", "mtl",  "xml",  "gz"};
+constexpr std::array<std::string_view, 12> kOthers{"fbx",  "dae",  "blend", "3ds",  "usd", "usda",
+                                                   "usdc", "usdz", "abc",   "pbrt", "mtl", "xml"};
 
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -63,7 +64,10 @@ std::string format_by_content(const std::string& path) {
   if (head.starts_with("ply\n") || head.starts_with("ply\r")) return "ply";
   if (head.starts_with("solid ")) return "stl";
   if (head.starts_with("glTF")) return "glb";
-  if (head.find("<X3D") != std::string::npos) return "x3d";
+  if (head.starts_with("#X3D") || head.starts_with("#VRML") ||
+      head.find("<X3D") != std::string::npos) {
+    return "x3d";
+  }
   return "";
 }
 
@@ -77,6 +81,7 @@ std::string format_of(const std::string& path, const std::string& asked) {
   std::string ending = lower(fs::path(path).extension().string());
   if (!ending.empty()) ending.erase(0, 1);
   if (std::find(kFormats.begin(), kFormats.end(), ending) != kFormats.end()) return ending;
+  if (std::find(kX3dToo.begin(), kX3dToo.end(), ending) != kX3dToo.end()) return "x3d";
   check_input_file(path, UINT64_MAX);
   if (std::find(kOthers.begin(), kOthers.end(), ending) != kOthers.end())
     throw scene_error({path}, fmt::format("files of type .{} are not read", ending), readable());
@@ -95,7 +100,7 @@ LoadedScene read_format(const std::string& path, const std::string& format,
   if (format == "ply") return read_ply(path);
   if (format == "stl") return read_stl(path);
   if (format == "gltf" || format == "glb") return read_gltf(path);
-  if (format == "x3d") return read_x3d(path, options);
+  if (format == "x3d" || format == "x3dv" || format == "wrl") return read_x3d(path, options);
   if (format == "crt") return read_crt(path, options);
   const SceneEncoding encoding = format == "json"       ? SceneEncoding::json
                                  : format == "tesserab" ? SceneEncoding::binary

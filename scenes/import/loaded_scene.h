@@ -44,11 +44,16 @@ using TextureBytesDecoder =
 struct ReadOptions {
   enum class Color { display, linear };
   enum class Shadows { on, file, off };
+  enum class X3dTexture { by_version, replace, modulate };
 
   std::string format{};  ///< obj, ply, stl, gltf, glb, x3d, crt, tessera, tesserab, json; empty: by
                          ///< the ending
-  Color x3d_color = Color::display;            ///< how the numbers of X3D colours are meant
-  Shadows x3d_shadows = Shadows::on;           ///< `file`: as the lights' own fields say
+  Color x3d_color = Color::display;   ///< how the numbers of X3D colours are meant
+  Shadows x3d_shadows = Shadows::on;  ///< `file`: as the lights' own fields say
+  /// What a coloured texture does to the material's colour: by the letter it takes its place up to
+  /// X3D 3.3, and multiplies it from 4.0 on.
+  X3dTexture x3d_texture = X3dTexture::by_version;
+  bool x3d_two_sided = false;                  ///< back faces are seen whatever `solid` says
   TextureDecoder decode_texture{};             ///< none: textures keep the names of their files
   TextureBytesDecoder decode_texture_bytes{};  ///< of pictures inside the scene's file
   /// Files to place beside what the scene itself includes: each from a folder of its own, by a path

@@ -50,7 +50,7 @@ TEST_F(ReadScene, RefusesWhatIsNoSceneFile) {
   EXPECT_EQ(error((folder_ / "folder.obj").string()), "folder.obj: is a folder; expected a file");
   const std::string known =
       "one of .tessera, .tesserab, .json, .obj, .ply, .stl, .gltf, .glb, .x3d, "
-      ".crt";
+      ".x3dv, .wrl, .crt";
   EXPECT_EQ(error(write("a.fbx", "{}")),
             "a.fbx: files of type .fbx are not read; expected " + known);
   EXPECT_EQ(error(write("a.xyz", "0 0 0")), "a.xyz: unknown ending '.xyz'; expected " + known);

@@ -2,7 +2,7 @@
 
 #include "proto/tessera/v1/scene.pb.h"
 #include "renderer/math/vec.h"
-#include "scenes/formats/x3d/x3d_values.h"
+#include "scenes/formats/x3d/document/x3d_values.h"
 
 namespace tessera {
 
@@ -19,5 +19,8 @@ inline void put_vec3(const Vec3& v, v1::Vec3* out) {
 /// Adds a step unless it does nothing.
 void add_translation(const Vec3& by, v1::Transform& out);
 void add_rotation(const X3dRotation& turn, v1::Transform& out);
+
+/// How much longer lengths become: the cube root of the volume's factor.
+double mean_scale(const v1::Transform& transform);
 
 }  // namespace tessera

@@ -8,7 +8,7 @@
 #include "proto/tessera/v1/scene.pb.h"
 #include "renderer/math/color.h"
 #include "renderer/math/vec.h"
-#include "scenes/formats/x3d/x3d_document.h"
+#include "scenes/formats/x3d/document/x3d_document.h"
 #include "scenes/import/warnings.h"
 
 namespace tessera {
@@ -29,6 +29,11 @@ class X3dValues {
 
   bool boolean(const X3dNode& node, std::string_view name, bool otherwise) const;
   double number(const X3dNode& node, std::string_view name, double otherwise) const;
+  /// In radians, whatever the file's unit.
+  double angle(const X3dNode& node, std::string_view name, double otherwise) const;
+  std::vector<double> angles(const X3dNode& node, std::string_view name) const;
+  /// At least 0, with a warning.
+  double amount(const X3dNode& node, std::string_view name, double otherwise) const;
   /// Clamped to [0, 1] with a warning.
   double share(const X3dNode& node, std::string_view name, double otherwise) const;
   int64_t integer(const X3dNode& node, std::string_view name, int64_t otherwise) const;
@@ -37,6 +42,8 @@ class X3dValues {
   Color color(const X3dNode& node, std::string_view name, const Color& otherwise) const;
   X3dRotation rotation(const X3dNode& node, std::string_view name) const;
   std::string text(const X3dNode& node, std::string_view name) const;
+  /// A list of strings; in XML, one without quotes is one string.
+  std::vector<std::string> strings(const X3dNode& node, std::string_view name) const;
 
   /// All numbers of a list, a multiple of `width`; empty where the field is not there.
   std::vector<double> numbers(const X3dNode& node, std::string_view name, size_t width) const;
@@ -53,12 +60,20 @@ class X3dValues {
   const X3dDocument& document() const { return document_; }
   Warnings& warnings() const { return warnings_; }
 
+  /// Reading lists again and again, as USE makes possible, must end: "FILE:...: ...".
+  static constexpr size_t kMaxReadBytes = size_t{4} << 30;
+
  private:
+  template <typename Number>
+  std::vector<Number> list(const X3dNode& node, std::string_view name, size_t width) const;
+  /// The field, whose text is now read once more.
+  const X3dField* read_field(const X3dNode& node, std::string_view name) const;
   std::vector<double> exactly(const X3dNode& node, std::string_view name, size_t count) const;
   Color clamped(const Color& color, const X3dNode& node, std::string_view name) const;
 
   const X3dDocument& document_;
   Warnings& warnings_;
+  mutable size_t read_bytes_ = 0;
 };
 
 }  // namespace tessera

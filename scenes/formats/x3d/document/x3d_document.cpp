@@ -1,8 +1,11 @@
-#include "scenes/formats/x3d/x3d_document.h"
+#include "scenes/formats/x3d/document/x3d_document.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+
+#include "base/file.h"
+#include "scenes/formats/x3d/document/gunzip.h"
 
 namespace tessera {
 
@@ -16,6 +19,20 @@ const X3dNode* X3dNode::child(std::string_view container) const {
   const auto at = std::find_if(children.rbegin(), children.rend(),
                                [&](const Child& c) { return c.container == container; });
   return at == children.rend() ? nullptr : at->node;
+}
+
+X3dDocument X3dDocument::parse(std::string_view bytes, const std::string& name) {
+  std::string plain;
+  if (is_gzip(bytes)) {
+    plain = gunzip(bytes, kMaxBytes, name);
+    bytes = plain;
+  }
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"))
+    throw scene_error({name}, "text in UTF-16", "UTF-8");
+  const std::string text = to_utf8(skip_byte_order_mark(bytes));
+  const size_t start = text.find_first_not_of(" \t\r\n");
+  if (start != std::string::npos && text[start] == '<') return parse_xml(text, name);
+  return parse_classic(text, name);
 }
 
 SourcePlace X3dDocument::place(size_t offset) const {

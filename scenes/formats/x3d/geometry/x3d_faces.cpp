@@ -1,4 +1,4 @@
-#include "scenes/formats/x3d/x3d_faces.h"
+#include "scenes/formats/x3d/geometry/x3d_faces.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,10 @@ namespace {
 
 class FaceReader {
  public:
-  FaceReader(const X3dNode& node, const X3dValues& values, size_t coordinates)
-      : node_(node), values_(values), coordinates_(coordinates) {}
+  FaceReader(const X3dNode& node, const X3dValues& values) : node_(node), values_(values) {
+    if (const X3dNode* coord = node.child("coord")) out_.points = values.floats(*coord, "point", 3);
+    coordinates_ = out_.points.size() / 3;
+  }
 
   X3dFaces read() {
     const std::string& type = node_.type;
@@ -112,11 +114,9 @@ class FaceReader {
       ++dropped_;
       return;
     }
-    Polygons& polygons = out_.polygons;
-    polygons.corners.insert(polygons.corners.end(), points.begin(), points.end());
-    polygons.starts.push_back(static_cast<uint32_t>(polygons.corners.size()));
+    out_.add_face(points);
     out_.corner_slots.insert(out_.corner_slots.end(), slots.begin(), slots.end());
-    out_.numbers.push_back(number);
+    out_.numbers.back() = number;
   }
 
   uint32_t coordinate(size_t slot, uint32_t number) const {
@@ -132,7 +132,7 @@ class FaceReader {
 
   const X3dNode& node_;
   const X3dValues& values_;
-  const size_t coordinates_;
+  size_t coordinates_ = 0;
   const char* field_ = "";
   X3dValues::Integers index_;
   X3dFaces out_;
@@ -142,8 +142,14 @@ class FaceReader {
 
 }  // namespace
 
-X3dFaces read_x3d_faces(const X3dNode& node, const X3dValues& values, size_t coordinates) {
-  return FaceReader(node, values, coordinates).read();
+void X3dFaces::add_face(std::span<const uint32_t> face) {
+  polygons.corners.insert(polygons.corners.end(), face.begin(), face.end());
+  numbers.push_back(static_cast<uint32_t>(polygons.size()));
+  polygons.starts.push_back(static_cast<uint32_t>(polygons.corners.size()));
+}
+
+X3dFaces read_x3d_polygons(const X3dNode& node, const X3dValues& values) {
+  return FaceReader(node, values).read();
 }
 
 }  // namespace tessera

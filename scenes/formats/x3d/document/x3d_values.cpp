@@ -1,4 +1,4 @@
-#include "scenes/formats/x3d/x3d_values.h"
+#include "scenes/formats/x3d/document/x3d_values.h"
 
 #include <fmt/format.h>
 
@@ -50,23 +50,46 @@ Number parse(const X3dDocument& document, std::string_view word, size_t offset) 
   return value;
 }
 
-template <typename Number>
-std::vector<Number> parse_list(const X3dDocument& document, const X3dNode& node,
-                               std::string_view name, size_t width) {
-  std::vector<Number> values;
-  const X3dField* field = node.field(name);
-  if (!field) return values;
-  for_each_word(field->text, [&](std::string_view word, size_t at) {
-    values.push_back(parse<Number>(document, word, field->offset + at));
-  });
-  if (values.size() % width != 0)
-    throw document.error(field->offset,
-                         fmt::format("{} numbers in {} of {}", values.size(), name, describe(node)),
-                         fmt::format("a multiple of {}", width));
-  return values;
+/// What stands between the quotes of the string that begins at `at`, which is moved behind it. One
+/// without an end goes to the end of the text.
+std::string unquote(std::string_view text, size_t& at) {
+  std::string out;
+  for (++at; at < text.size() && text[at] != '"'; ++at) {
+    if (text[at] == '\\' && at + 1 < text.size() && (text[at + 1] == '"' || text[at + 1] == '\\'))
+      ++at;
+    out += text[at];
+  }
+  ++at;
+  return out;
 }
 
 }  // namespace
+
+const X3dField* X3dValues::read_field(const X3dNode& node, std::string_view name) const {
+  const X3dField* field = node.field(name);
+  if (!field) return nullptr;
+  read_bytes_ += field->text.size();
+  if (read_bytes_ > kMaxReadBytes)
+    throw document_.error(field->offset, "lists that are used too often",
+                          fmt::format("at most {} GiB read in all", kMaxReadBytes >> 30));
+  return field;
+}
+
+template <typename Number>
+std::vector<Number> X3dValues::list(const X3dNode& node, std::string_view name,
+                                    size_t width) const {
+  std::vector<Number> values;
+  const X3dField* field = read_field(node, name);
+  if (!field) return values;
+  for_each_word(field->text, [&](std::string_view word, size_t at) {
+    values.push_back(parse<Number>(document_, word, field->offset + at));
+  });
+  if (values.size() % width != 0)
+    throw document_.error(
+        field->offset, fmt::format("{} numbers in {} of {}", values.size(), name, describe(node)),
+        fmt::format("a multiple of {}", width));
+  return values;
+}
 
 bool X3dValues::boolean(const X3dNode& node, std::string_view name, bool otherwise) const {
   const X3dField* field = node.field(name);
@@ -76,14 +99,14 @@ bool X3dValues::boolean(const X3dNode& node, std::string_view name, bool otherwi
     if (!is_separator(c)) lower += static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
   if (lower != "true" && lower != "false")
     throw document_.error(field->offset, shown(field->text), "true or false");
-  if (lower != field->text)
+  if (lower != field->text && !document_.quotes_strings())
     warnings_.add(fmt::format("{}='{}' is read as {}", name, field->text, lower));
   return lower == "true";
 }
 
 std::vector<double> X3dValues::exactly(const X3dNode& node, std::string_view name,
                                        size_t count) const {
-  std::vector<double> values = parse_list<double>(document_, node, name, 1);
+  std::vector<double> values = list<double>(node, name, 1);
   const X3dField* field = node.field(name);
   if (field && values.size() != count)
     throw document_.error(
@@ -95,6 +118,22 @@ std::vector<double> X3dValues::exactly(const X3dNode& node, std::string_view nam
 double X3dValues::number(const X3dNode& node, std::string_view name, double otherwise) const {
   const auto values = exactly(node, name, 1);
   return values.empty() ? otherwise : values[0];
+}
+
+double X3dValues::angle(const X3dNode& node, std::string_view name, double otherwise) const {
+  return node.field(name) ? number(node, name, 0) * document_.radians_per_unit() : otherwise;
+}
+
+std::vector<double> X3dValues::angles(const X3dNode& node, std::string_view name) const {
+  std::vector<double> all = numbers(node, name, 1);
+  for (double& angle : all) angle *= document_.radians_per_unit();
+  return all;
+}
+
+double X3dValues::amount(const X3dNode& node, std::string_view name, double otherwise) const {
+  const double value = number(node, name, otherwise);
+  if (value < 0) warnings_.add(fmt::format("{} of {} below 0 is read as 0", name, node.type));
+  return std::max(0., value);
 }
 
 double X3dValues::share(const X3dNode& node, std::string_view name, double otherwise) const {
@@ -142,7 +181,7 @@ std::vector<Color> X3dValues::colors(const X3dNode& node, std::string_view name)
 X3dRotation X3dValues::rotation(const X3dNode& node, std::string_view name) const {
   const auto v = exactly(node, name, 4);
   if (v.empty()) return {};
-  X3dRotation rotation{{v[0], v[1], v[2]}, v[3]};
+  X3dRotation rotation{{v[0], v[1], v[2]}, v[3] * document_.radians_per_unit()};
   if (rotation.axis == Vec3{}) {
     if (rotation.angle != 0)
       warnings_.add(fmt::format("{} of {} about no axis is left out", name, node.type));
@@ -153,22 +192,49 @@ X3dRotation X3dValues::rotation(const X3dNode& node, std::string_view name) cons
 
 std::string X3dValues::text(const X3dNode& node, std::string_view name) const {
   const X3dField* field = node.field(name);
-  return field ? std::string(field->text) : "";
+  if (!field) return "";
+  if (!document_.quotes_strings()) return std::string(field->text);
+  const auto all = strings(node, name);
+  return all.empty() ? "" : all[0];
+}
+
+std::vector<std::string> X3dValues::strings(const X3dNode& node, std::string_view name) const {
+  std::vector<std::string> out;
+  const X3dField* field = read_field(node, name);
+  if (!field) return out;
+  const std::string_view text = field->text;
+  const size_t first = std::find_if_not(text.begin(), text.end(), is_separator) - text.begin();
+  if (first == text.size()) return out;
+  if (text[first] != '"') {
+    if (document_.quotes_strings())
+      throw document_.error(field->offset, shown(text), "a string in quotes");
+    return {std::string(text)};
+  }
+  for (size_t at = first; at < text.size();) {
+    if (is_separator(text[at])) {
+      ++at;
+    } else if (text[at] == '"') {
+      out.push_back(unquote(text, at));
+    } else {
+      throw document_.error(field->offset + at, shown(text.substr(at)), "a string in quotes");
+    }
+  }
+  return out;
 }
 
 std::vector<double> X3dValues::numbers(const X3dNode& node, std::string_view name,
                                        size_t width) const {
-  return parse_list<double>(document_, node, name, width);
+  return list<double>(node, name, width);
 }
 
 std::vector<float> X3dValues::floats(const X3dNode& node, std::string_view name,
                                      size_t width) const {
-  return parse_list<float>(document_, node, name, width);
+  return list<float>(node, name, width);
 }
 
 X3dValues::Integers X3dValues::integers(const X3dNode& node, std::string_view name) const {
   Integers out;
-  const X3dField* field = node.field(name);
+  const X3dField* field = read_field(node, name);
   if (!field) return out;
   for_each_word(field->text, [&](std::string_view word, size_t at) {
     const bool hex = word.starts_with("0x") || word.starts_with("0X");

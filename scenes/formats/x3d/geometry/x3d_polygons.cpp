@@ -1,14 +1,15 @@
-#include "scenes/formats/x3d/x3d_polygons.h"
+#include "scenes/formats/x3d/geometry/x3d_polygons.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
+#include "renderer/math/bounds.h"
 #include "renderer/math/elementary.h"
-#include "scenes/formats/x3d/x3d_faces.h"
+#include "scenes/formats/x3d/geometry/x3d_faces.h"
 #include "scenes/mesh/mesh_data.h"
 #include "scenes/mesh/triangulate.h"
 #include "scenes/mesh/vertex_table.h"
@@ -16,17 +17,38 @@
 namespace tessera {
 namespace {
 
-constexpr std::array<std::string_view, 9> kPolygonNodes{
-    "IndexedFaceSet",        "IndexedTriangleSet", "IndexedTriangleStripSet",
-    "IndexedTriangleFanSet", "IndexedQuadSet",     "TriangleSet",
-    "TriangleStripSet",      "TriangleFanSet",     "QuadSet"};
+using FaceReader = X3dFaces (*)(const X3dNode&, const X3dValues&);
+
+/// How each node's faces are read.
+FaceReader find_reader(std::string_view type) {
+  static const std::map<std::string_view, FaceReader> kReaders{
+      {"IndexedFaceSet", &read_x3d_polygons},
+      {"IndexedTriangleSet", &read_x3d_polygons},
+      {"IndexedTriangleStripSet", &read_x3d_polygons},
+      {"IndexedTriangleFanSet", &read_x3d_polygons},
+      {"IndexedQuadSet", &read_x3d_polygons},
+      {"TriangleSet", &read_x3d_polygons},
+      {"TriangleStripSet", &read_x3d_polygons},
+      {"TriangleFanSet", &read_x3d_polygons},
+      {"QuadSet", &read_x3d_polygons},
+      {"ElevationGrid", &read_x3d_grid},
+      {"Extrusion", &read_x3d_extrusion},
+      {"Text", &read_x3d_text},
+      {"IndexedLineSet", &read_x3d_lines},
+      {"LineSet", &read_x3d_lines},
+      {"PointSet", &read_x3d_lines}};
+  const auto at = kReaders.find(type);
+  return at == kReaders.end() ? nullptr : at->second;
+}
 
 class MeshBuilder {
  public:
-  MeshBuilder(const X3dNode& node, const X3dValues& values, bool linear)
-      : node_(node), values_(values), linear_(linear) {
-    if (const X3dNode* coord = node.child("coord")) points_ = values.floats(*coord, "point", 3);
-    faces_ = read_x3d_faces(node, values, points_.size() / 3);
+  MeshBuilder(const X3dNode& node, const X3dValues& values, const X3dMeshOptions& options)
+      : node_(node),
+        values_(values),
+        options_(options),
+        faces_(find_reader(node.type)(node, values)),
+        points_(faces_.points) {
     corners_.resize(faces_.polygons.corners.size());
     for (size_t c = 0; c < corners_.size(); ++c) corners_[c].position = faces_.polygons.corners[c];
   }
@@ -47,6 +69,7 @@ class MeshBuilder {
     if (!colors_.empty()) mesh.colors = vertices_.gather(colors_, 4, &MeshCorner::color);
     mesh.triangles = std::move(triangles_);
     out.has_colors = !colors_.empty();
+    out.has_color_alpha = has_color_alpha_;
     out.mesh = store_mesh(std::move(mesh), blobs);
     return out;
   }
@@ -69,6 +92,11 @@ class MeshBuilder {
     }
   }
 
+  uint32_t coordinate(size_t corner) const {
+    return faces_.corner_coordinates.empty() ? faces_.polygons.corners[corner]
+                                             : faces_.corner_coordinates[corner];
+  }
+
   /// Gives each corner its index into `count` values, by the index field called `name` where the
   /// node has one, else by coordinate or face.
   void assign(uint32_t MeshCorner::*member, std::string_view name, bool per_vertex, size_t count) {
@@ -77,15 +105,15 @@ class MeshBuilder {
     const Polygons& polygons = faces_.polygons;
     for (size_t f = 0; f < polygons.size(); ++f) {
       for (size_t c = polygons.starts[f]; c < polygons.starts[f + 1]; ++c) {
-        const size_t slot = per_vertex ? faces_.corner_slots[c] : faces_.numbers[f];
-        const bool indexed = !index.values.empty();
+        const bool indexed = !index.values.empty() && !faces_.corner_slots.empty();
+        const size_t slot = !indexed ? 0 : per_vertex ? faces_.corner_slots[c] : faces_.numbers[f];
         if (indexed && slot >= index.values.size())
           throw values_.document().error(
               field->offset,
               fmt::format("{} of {} ends before face {}", name, describe(node_), faces_.numbers[f]),
               per_vertex ? "an entry for each of coordIndex" : "an entry for each face");
         const int64_t value = indexed      ? index.values[slot]
-                              : per_vertex ? polygons.corners[c]
+                              : per_vertex ? coordinate(c)
                                            : faces_.numbers[f];
         if (value < 0 || value >= static_cast<int64_t>(count))
           throw values_.document().error(
@@ -101,7 +129,7 @@ class MeshBuilder {
   void read_colors() {
     const X3dNode* node = node_.child("color");
     if (!node || (node->type != "Color" && node->type != "ColorRGBA")) return;
-    const bool alpha = node->type == "ColorRGBA";
+    const bool alpha = has_color_alpha_ = node->type == "ColorRGBA";
     const std::vector<float> values = values_.floats(*node, "color", alpha ? 4 : 3);
     const size_t width = alpha ? 4 : 3;
     for (size_t i = 0; i < values.size(); i += width) {
@@ -109,7 +137,7 @@ class MeshBuilder {
         const float c = std::clamp(values[i + k], 0.f, 1.f);
         if (c != values[i + k])
           values_.warnings().add(fmt::format("color of {} outside 0 to 1 is clamped", node->type));
-        colors_.push_back(linear_ ? static_cast<float>(linear_from_srgb(c)) : c);
+        colors_.push_back(options_.linear ? static_cast<float>(linear_from_srgb(c)) : c);
       }
       colors_.push_back(alpha ? std::clamp(values[i + 3], 0.f, 1.f) : 1.f);
     }
@@ -126,8 +154,11 @@ class MeshBuilder {
       normalize_all();
       return;
     }
-    const bool creased = node_.type == "IndexedFaceSet";
-    const double angle = creased      ? values_.number(node_, "creaseAngle", 0)
+    if (is_x3d_lines(node_.type)) return;
+    if (node_.type == "Text") return;
+    const bool creased = node_.type == "IndexedFaceSet" || node_.type == "ElevationGrid" ||
+                         node_.type == "Extrusion";
+    const double angle = creased      ? values_.angle(node_, "creaseAngle", 0)
                          : per_vertex ? std::numbers::pi
                                       : 0;
     if (angle < 0)
@@ -153,9 +184,41 @@ class MeshBuilder {
 
   void read_uvs() {
     const X3dNode* node = node_.child("texCoord");
-    if (!node || node->type != "TextureCoordinate" || corners_.empty()) return;
-    uvs_ = values_.floats(*node, "point", 2);
-    assign(&MeshCorner::uv, "texCoordIndex", true, uvs_.size() / 2);
+    if (node && node->type == "MultiTextureCoordinate") node = node->child("texCoord");
+    if (corners_.empty()) return;
+    if (node && node->type == "TextureCoordinate") {
+      uvs_ = values_.floats(*node, "point", 2);
+      assign(&MeshCorner::uv, "texCoordIndex", true, uvs_.size() / 2);
+    } else if (options_.textured && faces_.corner_uvs.empty()) {
+      make_box_uvs();
+    } else if (options_.textured) {
+      uvs_ = std::move(faces_.uvs);
+      for (size_t c = 0; c < corners_.size(); ++c) corners_[c].uv = faces_.corner_uvs[c];
+    }
+  }
+
+  /// S along the longest side of the bounding box, T along the second longest, in one scale.
+  void make_box_uvs() {
+    Bounds3 box;
+    for (const MeshCorner& c : corners_) box.extend(point(c.position));
+    const Vec3 size = box.diagonal();
+    int s = 0;
+    for (int a = 1; a < 3; ++a)
+      if (size[a] > size[s]) s = a;
+    int t = s == 0 ? 1 : 0;
+    for (int a = t + 1; a < 3; ++a)
+      if (a != s && size[a] > size[t]) t = a;
+    for (size_t p = 0; p < points_.size() / 3; ++p) {
+      for (const int a : {s, t}) {
+        const double along = points_[3 * p + static_cast<size_t>(a)] - box.min[a];
+        uvs_.push_back(static_cast<float>(size[s] > 0 ? along / size[s] : 0));
+      }
+    }
+    for (MeshCorner& c : corners_) c.uv = c.position;
+  }
+
+  Point3 point(uint32_t p) const {
+    return {points_[3 * size_t{p}], points_[3 * size_t{p} + 1], points_[3 * size_t{p} + 2]};
   }
 
   void cut_up() {
@@ -185,10 +248,11 @@ class MeshBuilder {
 
   const X3dNode& node_;
   const X3dValues& values_;
-  const bool linear_;
-  bool ccw_ = true;
-  std::vector<float> points_, normals_, uvs_, colors_;
+  const X3dMeshOptions& options_;
+  bool ccw_ = true, has_color_alpha_ = false;
   X3dFaces faces_;
+  const std::vector<float>& points_;
+  std::vector<float> normals_, uvs_, colors_;
   std::vector<MeshCorner> corners_;
   std::vector<Vec3> areas_, face_points_;
   VertexTable vertices_;
@@ -197,13 +261,15 @@ class MeshBuilder {
 
 }  // namespace
 
-bool is_x3d_polygons(std::string_view type) {
-  return std::find(kPolygonNodes.begin(), kPolygonNodes.end(), type) != kPolygonNodes.end();
+bool is_x3d_mesh(std::string_view type) { return find_reader(type) != nullptr; }
+
+bool is_x3d_lines(std::string_view type) {
+  return type == "IndexedLineSet" || type == "LineSet" || type == "PointSet";
 }
 
-X3dMesh build_x3d_mesh(const X3dNode& node, const X3dValues& values, bool linear,
+X3dMesh build_x3d_mesh(const X3dNode& node, const X3dValues& values, const X3dMeshOptions& options,
                        BlobStore& blobs) {
-  return MeshBuilder(node, values, linear).build(blobs);
+  return MeshBuilder(node, values, options).build(blobs);
 }
 
 double linear_from_srgb(double value) {
