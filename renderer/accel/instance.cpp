@@ -35,8 +35,8 @@ bool query_local(const Instance& instance, const Ray& ray, const Query& query) {
 
 }  // namespace
 
-bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
-                    TraversalCounters& counters) {
+bool closest_hit_of_any(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
+                        TraversalCounters& counters) {
   // Of hits at equal t the smaller instance counts, whatever its primitive.
   Hit candidate = hit;
   if (number < hit.instance) candidate.primitive = std::numeric_limits<uint32_t>::max();
@@ -50,7 +50,7 @@ bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, H
   return true;
 }
 
-bool any_hit_of(const Instance& instance, const Ray& ray, TraversalCounters& counters) {
+bool any_hit_of_any(const Instance& instance, const Ray& ray, TraversalCounters& counters) {
   if (!instance.casts_shadow) return false;
   return query_local(instance, ray,
                      [&](const Ray& local) { return instance.shape->any_hit(local, counters); });
