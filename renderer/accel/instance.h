@@ -37,8 +37,9 @@ inline bool is_simple(const Instance& instance, const Ray& ray) {
   return instance.shape->kind() != ShapeKind::other && instance.world_from_object.is_identity() &&
          ray.cull == Cull::none;
 }
-/// Where the ray meets a shape that is tested where it stands, and that has but one primitive.
-inline bool in_place(const Instance& instance, const Ray& ray, double& t,
+/// Where the ray meets, at t <= `limit`, a shape that is tested where it stands and has but one
+/// primitive.
+inline bool in_place(const Instance& instance, const Ray& ray, double limit, double& t,
                      TraversalCounters& counters) {
   ++counters.primitive_tests;
   Cull cull = instance.cull;
@@ -46,8 +47,8 @@ inline bool in_place(const Instance& instance, const Ray& ray, double& t,
     cull = cull == Cull::back ? Cull::front : Cull::back;
   }
   return instance.shape->kind() == ShapeKind::plane
-             ? static_cast<const Plane&>(*instance.shape).intersect(ray, cull, t)
-             : static_cast<const Sphere&>(*instance.shape).intersect(ray, cull, t);
+             ? static_cast<const Plane&>(*instance.shape).intersect(ray, cull, limit, t)
+             : static_cast<const Sphere&>(*instance.shape).intersect(ray, cull, limit, t);
 }
 
 /// As Shape::closest_hit for instance `number` and a ray in world space; sets hit.instance.
@@ -55,7 +56,7 @@ inline bool closest_hit_of(const Instance& instance, uint32_t number, const Ray&
                            TraversalCounters& counters) {
   if (!is_simple(instance, ray)) return closest_hit_of_any(instance, number, ray, hit, counters);
   double t;
-  if (!in_place(instance, ray, t, counters) || t > hit.t) return false;
+  if (!in_place(instance, ray, hit.t, t, counters)) return false;
   // Of hits at equal t the smaller instance counts, whatever its primitive.
   if (t == hit.t && (number > hit.instance || (number == hit.instance && hit.primitive == 0))) {
     return false;
@@ -67,7 +68,7 @@ inline bool closest_hit_of(const Instance& instance, uint32_t number, const Ray&
 inline bool any_hit_of(const Instance& instance, const Ray& ray, TraversalCounters& counters) {
   if (!is_simple(instance, ray)) return any_hit_of_any(instance, ray, counters);
   double t;
-  return instance.casts_shadow && in_place(instance, ray, t, counters);
+  return instance.casts_shadow && in_place(instance, ray, ray.t_max, t, counters);
 }
 /// In world space. Endless for an endless shape.
 Bounds3 bounds_of(const Instance& instance);

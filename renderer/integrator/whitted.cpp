@@ -62,16 +62,18 @@ class WhittedIntegrator final : public Integrator {
       if (!is_black(medium)) throughput = throughput * transmittance(medium, hit.t);
       coverage = straight_coverage(point);
     }
-    const double clearness = scene_->fog.clearness(segment.view_distance + hit.t);
+    const bool foggy = scene_->fog.kind != FogKind::none;
+    const double clearness = foggy ? scene_->fog.clearness(segment.view_distance + hit.t) : 1.0;
     Color result = kBlack;
     if (coverage.covered > 0) {
       Color seen = local_radiance<kShadows, kRich>(*scene_, point, -segment.ray.direction, medium,
                                                    path_length, state.counters);
       if (point.material->grain > 0) seen = seen - kWhite * grain(*point.material, segment, key);
-      seen = seen * clearness + scene_->fog.color * (1 - clearness);
+      if (foggy) seen = seen * clearness + scene_->fog.color * (1 - clearness);
       result = throughput * seen * coverage.covered;
     }
     if constexpr (kSecondary) {
+      if (coverage.through <= 0 && !branches(*point.material)) return result;
       const PathSegment end{.ray = segment.ray,
                             .throughput = throughput,
                             .medium = medium,
@@ -84,6 +86,11 @@ class WhittedIntegrator final : public Integrator {
     }
     return result;
   }
+
+  static bool bends(const Material& material) {
+    return material.transmission == Transmission::refract && material.transparency > 0;
+  }
+  static bool branches(const Material& material) { return bends(material) || material.is_mirror(); }
 
   double grain(const Material& material, const PathSegment& segment, const SampleKey& key) const {
     const auto use = static_cast<SampleUse>(static_cast<uint32_t>(SampleUse::grain) +
@@ -109,14 +116,13 @@ class WhittedIntegrator final : public Integrator {
   Color branch(const PathSegment& end, const SurfacePoint& point, double weight,
                TraceState& state) const {
     const Material& material = *point.material;
-    const bool bends = material.transmission == Transmission::refract && material.transparency > 0;
-    if (!bends && !material.is_mirror()) return kBlack;
+    if (!branches(material)) return kBlack;
     const Vec3 d = end.ray.direction;
     const Vec3 n = dot(point.normal, d) < 0 ? point.normal : point.geometric_normal;
     const double cosine = std::min(1.0, -dot(d, n));
     Color mirrored = kRich ? mirrored_share(material, cosine) : material.reflectivity;
     Color result = kBlack;
-    if (bends) {
+    if (bends(material)) {
       const bool from_inside = point.is_back && !material.thin;
       const double eta = from_inside ? 1 / material.refractive_index : material.refractive_index;
       double fresnel = fresnel_dielectric(cosine, eta);

@@ -24,8 +24,7 @@ Bounds3 Plane::bounds() const {
 bool Plane::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
   ++counters.primitive_tests;
   double t;
-  if (!intersect(ray, ray.cull, t)) return false;
-  if (t > hit.t || (t == hit.t && hit.primitive == 0)) return false;
+  if (!intersect(ray, ray.cull, hit.t, t) || (t == hit.t && hit.primitive == 0)) return false;
   hit = {t, 0, 0, hit.instance, 0};
   return true;
 }

@@ -19,13 +19,14 @@ class Plane final : public Solid {
   void crossings(const Ray& ray, const RayError& error,
                  std::vector<SolidEvent>& events) const override;
 
-  /// Where `ray` meets the sides that `cull` leaves, if it does; ray.cull does not count.
-  bool intersect(const Ray& ray, Cull cull, double& t) const {
+  /// Where `ray` meets the sides that `cull` leaves, if it does at t <= `limit`; ray.cull does not
+  /// count.
+  bool intersect(const Ray& ray, Cull cull, double limit, double& t) const {
     const double approach = dot(normal_, ray.direction);
     if (cull == Cull::none ? approach == 0 : (approach < 0) == (cull == Cull::front)) return false;
     const double height = signed_distance(ray.origin);
     t = -height / approach;
-    if (!(t > ray.t_min && t < ray.t_max)) return false;
+    if (!(t > ray.t_min && t < ray.t_max && t <= limit)) return false;
     // An origin on the plane, as far as can be told, does not meet it again.
     return std::abs(height) > distance_error(ray.origin);
   }

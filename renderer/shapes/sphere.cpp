@@ -39,8 +39,7 @@ bool Sphere::roots(const Vec3& d, const Vec3& f, double& t0, double& t1) const {
 bool Sphere::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
   ++counters.primitive_tests;
   double t;
-  if (!intersect(ray, ray.cull, t)) return false;
-  if (t > hit.t || (t == hit.t && hit.primitive == 0)) return false;
+  if (!intersect(ray, ray.cull, hit.t, t) || (t == hit.t && hit.primitive == 0)) return false;
   hit = {t, 0, 0, hit.instance, 0};
   return true;
 }

@@ -18,8 +18,9 @@ class Sphere final : public Solid {
   void crossings(const Ray& ray, const RayError& error,
                  std::vector<SolidEvent>& events) const override;
 
-  /// Where `ray` first meets the sides that `cull` leaves, if it does; ray.cull does not count.
-  bool intersect(const Ray& ray, Cull cull, double& t) const {
+  /// Where `ray` first meets the sides that `cull` leaves, if it does at t <= `limit`; ray.cull
+  /// does not count.
+  bool intersect(const Ray& ray, Cull cull, double limit, double& t) const {
     const Vec3 f = ray.origin - center_;
     if (surely_missed(ray, f)) return false;
     double roots_of[2];
@@ -28,7 +29,7 @@ class Sphere final : public Solid {
       // Entering shows the front, leaving the back.
       if (cull == (i == 0 ? Cull::front : Cull::back)) continue;
       t = roots_of[i];
-      if (t > ray.t_min && t < ray.t_max) return true;
+      if (t > ray.t_min && t < ray.t_max) return t <= limit;
     }
     return false;
   }

@@ -32,56 +32,45 @@ Point3 offset_origin(const SurfaceInteraction& from, const Vec3& direction) {
   return origin;
 }
 
-void place_moved(const LocalSurface& surface, const Transform& world_from_object,
-                 SurfaceInteraction& s) {
-  s.point = world_from_object.point(surface.point);
-  s.point_error = world_from_object.point_error(surface.point, surface.point_error) +
+void place_moved(const Transform& world_from_object, LocalSurface& s) {
+  const LocalSurface local = s;
+  s.point = world_from_object.point(local.point);
+  s.point_error = world_from_object.point_error(local.point, local.point_error) +
                   round_trip_error(world_from_object, s.point);
-  s.geometric_normal = normalize(world_from_object.normal(surface.geometric_normal));
-  s.shading_normal = surface.shading_normal == surface.geometric_normal
+  s.geometric_normal = normalize(world_from_object.normal(local.geometric_normal));
+  s.shading_normal = local.shading_normal == local.geometric_normal
                          ? s.geometric_normal
-                         : normalize(world_from_object.normal(surface.shading_normal));
-  s.dpdu = world_from_object.vector(surface.dpdu);
-  s.dpdv = world_from_object.vector(surface.dpdv);
+                         : normalize(world_from_object.normal(local.shading_normal));
+  s.dpdu = world_from_object.vector(local.dpdu);
+  s.dpdv = world_from_object.vector(local.dpdv);
 }
 
-/// What place_moved() gives, to the last bit, under the identity.
-void place_unmoved(const LocalSurface& surface, SurfaceInteraction& s) {
+/// What place_moved() does, to the last bit, under the identity.
+void place_unmoved(LocalSurface& s) {
   const Vec3 zero{};
-  s.point = surface.point + zero;  // no -0
-  for (int a = 0; a < 3; ++a) {
-    const double size = gamma(4) * std::abs(s.point[a]);
-    s.point_error[a] = (gamma(3) + 1) * surface.point_error[a] + size + size;
-  }
   const auto placed = [&](const Normal3& n) {
     return to_normal(normalize(static_cast<Vec3>(n) + zero));
   };
-  s.geometric_normal = placed(surface.geometric_normal);
-  s.shading_normal = surface.shading_normal == surface.geometric_normal
-                         ? s.geometric_normal
-                         : placed(surface.shading_normal);
-  s.dpdu = surface.dpdu;
-  s.dpdv = surface.dpdv;
+  const bool is_flat = s.shading_normal == s.geometric_normal;
+  s.point = s.point + zero;  // no -0
+  const Vec3 size = abs(s.point - Point3{}) * gamma(4);
+  s.point_error = s.point_error * (gamma(3) + 1) + size + size;
+  s.geometric_normal = placed(s.geometric_normal);
+  s.shading_normal = is_flat ? s.geometric_normal : placed(s.shading_normal);
 }
 
 }  // namespace
 
 SurfaceInteraction to_world(const LocalSurface& surface, const Transform& world_from_object,
                             bool flip_normals, uint32_t instance) {
-  SurfaceInteraction s;
+  SurfaceInteraction s{surface, instance};
   if (world_from_object.is_identity()) {
-    place_unmoved(surface, s);
+    place_unmoved(s);
   } else {
-    place_moved(surface, world_from_object, s);
+    place_moved(world_from_object, s);
   }
   if (flip_normals) s.geometric_normal = -s.geometric_normal, s.shading_normal = -s.shading_normal;
   if (dot(s.geometric_normal, s.shading_normal) < 0) s.shading_normal = -s.shading_normal;
-  s.uv = surface.uv;
-  s.vertex_color = surface.vertex_color;
-  s.vertex_alpha = surface.vertex_alpha;
-  s.has_vertex_color = surface.has_vertex_color;
-  s.material = surface.material;
-  s.instance = instance;
   return s;
 }
 

@@ -5,19 +5,10 @@
 
 namespace tessera {
 
-/// The surface at a hit in world space: what shading sees.
-struct SurfaceInteraction {
-  Point3 point;
-  Vec3 point_error;          ///< bounds |point - true surface| on each axis, rounding of later
-                             ///< transforms of the point included
-  Normal3 geometric_normal;  ///< unit; the front of the surface, out of a solid
-  Normal3 shading_normal;    ///< unit, on the same side
-  Vec2 uv;
-  Vec3 dpdu, dpdv;
-  Color vertex_color = kWhite;
-  double vertex_alpha = 1;
-  bool has_vertex_color = false;
-  uint32_t material = 0;  ///< index into the shape's materials
+/// The surface at a hit in world space: what shading sees. Its geometric normal shows the front,
+/// the shading normal is on the same side, and the error bound counts the rounding of later
+/// transforms of the point.
+struct SurfaceInteraction : LocalSurface {
   uint32_t instance = 0;
 };
 
