@@ -82,7 +82,8 @@ void CsgSweep::gather(const CsgGates& gates, const Ray& ray, const RayError& err
     const CsgGates::Gate& gate = all[i];
     if (gate.kind != CsgGates::Kind::leaf) {
       state(gates, i).first_event = events_.size();
-      i = line_range(gate.bounds, ray).empty() ? gate.end : i + 1;
+      // That the line meets the whole is known.
+      i = i > 0 && line_range(gate.bounds, ray).empty() ? gate.end : i + 1;
       continue;
     }
     const CsgGates::Leaf& leaf = gates.leaves()[gate.leaf];

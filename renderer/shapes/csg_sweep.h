@@ -20,7 +20,8 @@ struct CsgEvent {
 /// Walks along a line through a combination of solids. One per thread and nesting depth; reused.
 class CsgSweep {
  public:
-  /// Gathers and sorts the crossings of all operands that matter on this line.
+  /// Gathers and sorts the crossings of all operands that matter on this line, which meets the
+  /// bounds of the whole.
   void gather(const CsgGates& gates, const Ray& ray, const RayError& error,
               TraversalCounters* counters);
   /// The next change of the whole: its event, or null at the end.

@@ -20,18 +20,6 @@ Vec3 round_trip_error(const Transform& world_from_object, const Point3& world) {
   return error;
 }
 
-Point3 offset_origin(const SurfaceInteraction& from, const Vec3& direction) {
-  const Vec3 n = static_cast<Vec3>(from.geometric_normal);
-  const double reach = dot(abs(n), from.point_error);
-  const Vec3 offset = n * (dot(n, direction) < 0 ? -reach : reach);
-  Point3 origin = from.point + offset;
-  for (int a = 0; a < 3; ++a) {
-    if (offset[a] > 0) origin[a] = next_up(origin[a]);
-    if (offset[a] < 0) origin[a] = next_down(origin[a]);
-  }
-  return origin;
-}
-
 void place_moved(const Transform& world_from_object, LocalSurface& s) {
   const LocalSurface local = s;
   s.point = world_from_object.point(local.point);
@@ -74,15 +62,17 @@ SurfaceInteraction to_world(const LocalSurface& surface, const Transform& world_
   return s;
 }
 
-Ray spawn_ray(const SurfaceInteraction& from, const Vec3& direction) {
-  return {offset_origin(from, direction), direction};
-}
-
-Ray spawn_ray_to(const SurfaceInteraction& from, const Point3& target) {
-  Ray ray{offset_origin(from, target - from.point), {}};
-  ray.direction = target - ray.origin;
-  ray.t_max = 1;
-  return ray;
+void RayOrigins::work_out(bool behind) {
+  const Vec3 n = static_cast<Vec3>(from_.geometric_normal);
+  const double reach = dot(abs(n), from_.point_error);
+  const Vec3 offset = n * (behind ? -reach : reach);
+  Point3& origin = origins_[behind];
+  origin = from_.point + offset;
+  for (int a = 0; a < 3; ++a) {
+    if (offset[a] > 0) origin[a] = next_up(origin[a]);
+    if (offset[a] < 0) origin[a] = next_down(origin[a]);
+  }
+  known_[behind] = true;
 }
 
 }  // namespace tessera

@@ -17,11 +17,42 @@ struct SurfaceInteraction : LocalSurface {
 SurfaceInteraction to_world(const LocalSurface& surface, const Transform& world_from_object,
                             bool flip_normals, uint32_t instance);
 
-/// A ray from the surface to the side that `direction` points to, its origin moved off by the error
-/// bound and rounded outward (PBRT 4ed, 6.8.6): it does not meet the surface that it starts on.
-Ray spawn_ray(const SurfaceInteraction& from, const Vec3& direction);
-/// The stretch from the surface up to `target`, a point that lies on no surface (a point light):
-/// direction target - origin, t_max 1.
-Ray spawn_ray_to(const SurfaceInteraction& from, const Point3& target);
+/// Where rays that leave a surface start, worked out once for each side of it: moved off by the
+/// error bound and rounded outward (PBRT 4ed, 6.8.6), so that they do not meet the surface that
+/// they start on.
+class RayOrigins {
+ public:
+  /// `from` must outlive this.
+  explicit RayOrigins(const SurfaceInteraction& from) : from_(from) {}
+  /// A ray to the side that `direction` points to.
+  Ray spawn(const Vec3& direction) { return {towards(direction), direction}; }
+  /// The stretch up to `target`, a point that lies on no surface (a point light): direction
+  /// target - origin, t_max 1.
+  Ray spawn_to(const Point3& target) {
+    Ray ray{towards(target - from_.point), {}};
+    ray.direction = target - ray.origin;
+    ray.t_max = 1;
+    return ray;
+  }
+
+ private:
+  const Point3& towards(const Vec3& direction) {
+    const bool behind = dot(from_.geometric_normal, direction) < 0;
+    if (!known_[behind]) work_out(behind);
+    return origins_[behind];
+  }
+  void work_out(bool behind);
+
+  const SurfaceInteraction& from_;
+  Point3 origins_[2];
+  bool known_[2] = {false, false};
+};
+
+inline Ray spawn_ray(const SurfaceInteraction& from, const Vec3& direction) {
+  return RayOrigins(from).spawn(direction);
+}
+inline Ray spawn_ray_to(const SurfaceInteraction& from, const Point3& target) {
+  return RayOrigins(from).spawn_to(target);
+}
 
 }  // namespace tessera
