@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/option_values.h"
+#include "cli/output_settings.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 
@@ -30,6 +31,7 @@ struct RenderOptions {
   std::optional<double> time;
   std::optional<std::string> camera;
   bool pinhole = false;
+  OutputOptions output;
 
   std::optional<int> workers;
   std::optional<int> threads;
