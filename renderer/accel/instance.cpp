@@ -62,8 +62,11 @@ Bounds3 bounds_of(const Instance& instance) {
 
 SurfaceInteraction surface_at(std::span<const Instance> instances, const Ray& ray, const Hit& hit) {
   const Instance& instance = instances[hit.instance];
-  const LocalSurface local = instance.shape->surface(to_object(instance, ray), hit);
-  return to_world(local, instance.world_from_object, instance.flip_normals, hit.instance);
+  const bool is_moved = !instance.world_from_object.is_identity();
+  SurfaceInteraction surface = is_moved ? instance.shape->surface(to_object(instance, ray), hit)
+                                        : instance.shape->surface(ray, hit);
+  take_to_world(instance.world_from_object, instance.flip_normals, hit.instance, surface);
+  return surface;
 }
 
 }  // namespace tessera

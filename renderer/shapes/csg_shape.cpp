@@ -92,13 +92,7 @@ LocalSurface CsgShape::surface(const Ray& ray, const Hit& hit) const {
   if (leaf.moved) {
     const Affine& m = leaf.csg_from_solid.inverse_matrix();
     s = leaf.solid->surface({m(ray.origin), m(ray.direction)}, local_hit);
-    const SurfaceInteraction moved = to_world(s, leaf.csg_from_solid, leaf.complement, 0);
-    s.point = moved.point;
-    s.point_error = moved.point_error;
-    s.geometric_normal = moved.geometric_normal;
-    s.shading_normal = moved.shading_normal;
-    s.dpdu = moved.dpdu;
-    s.dpdv = moved.dpdv;
+    take_to_world(leaf.csg_from_solid, leaf.complement, 0, s);
   } else {
     s = leaf.solid->surface(ray, local_hit);
     if (leaf.complement)

@@ -25,6 +25,7 @@ struct LocalSurface {
   double vertex_alpha = 1;
   bool has_vertex_color = false;
   uint32_t material = 0;  ///< index into the shape's materials
+  uint32_t instance = 0;  ///< in world space: whose shape it is
 };
 
 /// Shapes that are tested without a virtual call: what a test of them takes is less than the call.

@@ -49,9 +49,8 @@ void place_unmoved(LocalSurface& s) {
 
 }  // namespace
 
-SurfaceInteraction to_world(const LocalSurface& surface, const Transform& world_from_object,
-                            bool flip_normals, uint32_t instance) {
-  SurfaceInteraction s{surface, instance};
+void take_to_world(const Transform& world_from_object, bool flip_normals, uint32_t instance,
+                   LocalSurface& s) {
   if (world_from_object.is_identity()) {
     place_unmoved(s);
   } else {
@@ -59,7 +58,7 @@ SurfaceInteraction to_world(const LocalSurface& surface, const Transform& world_
   }
   if (flip_normals) s.geometric_normal = -s.geometric_normal, s.shading_normal = -s.shading_normal;
   if (dot(s.geometric_normal, s.shading_normal) < 0) s.shading_normal = -s.shading_normal;
-  return s;
+  s.instance = instance;
 }
 
 void RayOrigins::work_out(bool behind) {

@@ -7,15 +7,19 @@ namespace tessera {
 
 /// The surface at a hit in world space: what shading sees. Its geometric normal shows the front,
 /// the shading normal is on the same side, and the error bound counts the rounding of later
-/// transforms of the point.
-struct SurfaceInteraction : LocalSurface {
-  uint32_t instance = 0;
-};
+/// transforms of the point. Of the same type, so that none need be copied into the other: wide
+/// loads of what was written in parts make the processor wait.
+using SurfaceInteraction = LocalSurface;
 
-/// Normals go by the inverse transpose, so that the front stays the front under a mirroring
-/// transform too; `flip_normals` turns them round.
-SurfaceInteraction to_world(const LocalSurface& surface, const Transform& world_from_object,
-                            bool flip_normals, uint32_t instance);
+/// Takes the surface into world space where it stands. Normals go by the inverse transpose, so that
+/// the front stays the front under a mirroring transform too; `flip_normals` turns them round.
+void take_to_world(const Transform& world_from_object, bool flip_normals, uint32_t instance,
+                   LocalSurface& surface);
+inline SurfaceInteraction to_world(LocalSurface surface, const Transform& world_from_object,
+                                   bool flip_normals, uint32_t instance) {
+  take_to_world(world_from_object, flip_normals, instance, surface);
+  return surface;
+}
 
 /// Where rays that leave a surface start, worked out once for each side of it: moved off by the
 /// error bound and rounded outward (PBRT 4ed, 6.8.6), so that they do not meet the surface that
