@@ -10,13 +10,11 @@ namespace {
 /// The stretch between a point and a light on which occluders count.
 [[gnu::always_inline]] inline Ray shadow_ray(RayOrigins& origins, const Light& light,
                                              const LightSample& sample) {
-  if (light.kind == LightKind::point || light.kind == LightKind::spot) {
-    Ray ray = origins.spawn_to(light.position);
-    ray.t_max = std::min(ray.t_max, light.shadow_distance / sample.distance);
-    return ray;
-  }
-  Ray ray = origins.spawn(sample.wi);
-  ray.t_max = std::min(sample.distance, light.shadow_distance);
+  const bool placed = light.kind == LightKind::point || light.kind == LightKind::spot;
+  Ray ray = placed ? origins.spawn_to(light.position) : origins.spawn(sample.wi);
+  const double reach = placed ? ray.t_max : sample.distance;
+  const double bound = placed ? light.shadow_distance / sample.distance : light.shadow_distance;
+  ray.t_max = std::min(reach, bound);
   return ray;
 }
 
