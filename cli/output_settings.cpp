@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/error.h"
 
 namespace tessera {
@@ -33,14 +36,49 @@ TransferCurve transfer_curve(v1::Output::Transfer transfer) {
   }
 }
 
+size_t index_of(const std::vector<std::string>& names, const std::string& name) {
+  return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+void lay_over(const OutputOptions& options, OutputSettings& settings) {
+  static constexpr ToneCurve kCurves[] = {ToneCurve::clamp, ToneCurve::reinhard,
+                                          ToneCurve::reinhard_luminance, ToneCurve::filmic,
+                                          ToneCurve::linear};
+  static constexpr TransferCurve kTransfers[] = {TransferCurve::srgb, TransferCurve::display,
+                                                 TransferCurve::gamma};
+  if (options.tone_map) {
+    settings.tone_curve = kCurves[index_of(tone_map_names(), *options.tone_map)];
+  }
+  if (options.gamma) {
+    settings.gamma = *options.gamma;
+    settings.transfer = TransferCurve::gamma;
+  }
+  if (options.transfer) {
+    settings.transfer = kTransfers[index_of(transfer_names(), *options.transfer)];
+  }
+  if (options.exposure) settings.exposure = *options.exposure;
+}
+
 }  // namespace
 
-OutputSettings output_settings(const std::string& scene_file, const v1::Output& output) {
+const std::vector<std::string>& tone_map_names() {
+  static const std::vector<std::string> names{"clamp", "reinhard", "reinhard-luminance", "filmic",
+                                              "linear"};
+  return names;
+}
+
+const std::vector<std::string>& transfer_names() {
+  static const std::vector<std::string> names{"srgb", "display", "gamma"};
+  return names;
+}
+
+OutputSettings output_settings(const std::string& scene_file, const v1::Output& output,
+                               const OutputOptions& options) {
   OutputSettings result;
   result.tone_curve = tone_curve(output.tone_map());
   result.transfer = transfer_curve(output.transfer());
   if (output.has_gamma()) result.gamma = output.gamma();
-  if (!(result.gamma > 0)) {
+  if (!(result.gamma > 0 && std::isfinite(result.gamma))) {
     throw scene_error({scene_file}, fmt::format("settings: output.gamma is {}", result.gamma),
                       "above 0");
   }
@@ -55,6 +93,7 @@ OutputSettings output_settings(const std::string& scene_file, const v1::Output& 
         fmt::format("settings: output.response has {} numbers", output.response_size()),
         "3 or none");
   }
+  lay_over(options, result);
   return result;
 }
 

@@ -1,14 +1,28 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "proto/tessera/v1/scene.pb.h"
 #include "renderer/film/tone_map.h"
 
 namespace tessera {
 
-/// What the scene in that file asks of its picture. Throws scene_error for numbers out of their
-/// range.
-OutputSettings output_settings(const std::string& scene_file, const v1::Output& output);
+/// What the command line asks of the picture's numbers; what is absent comes from the scene. The
+/// names are among those below.
+struct OutputOptions {
+  std::optional<std::string> tone_map{}, transfer{};
+  std::optional<double> gamma{};  ///< > 0; asks for the gamma curve too, unless `transfer` is there
+  std::optional<double> exposure{};  ///< stops
+};
+
+const std::vector<std::string>& tone_map_names();
+const std::vector<std::string>& transfer_names();
+
+/// What the scene in that file asks of its picture, with the options laid over it. Throws
+/// scene_error for numbers of the scene out of their range.
+OutputSettings output_settings(const std::string& scene_file, const v1::Output& output,
+                               const OutputOptions& options = {});
 
 }  // namespace tessera

@@ -156,7 +156,7 @@ class RenderRun {
   ExitCode render_frame(std::optional<int> frame, bool last) {
     const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
     const OutputSettings output =
-        output_settings(options_.scene, loaded_.scene.settings().output());
+        output_settings(options_.scene, loaded_.scene.settings().output(), options_.output);
     const JobResult result = trace(settings, frame, last);
     const JobReport& report = result.report;
     if (report.end == JobReport::End::interrupted) {

@@ -70,6 +70,34 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       [&options](const std::string& text) { options.frames = parse_frames("--frames", text); });
 }
 
+/// Formats of floats hold the linear picture whatever these say.
+void add_output_options(CLI::App& command, OutputOptions& options) {
+  const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
+    command.add_option_function<std::string>(name, assign, text)
+        ->type_name(type)
+        ->group("From light to bytes (PNG, JPEG ...)");
+  };
+  const auto of_scene = [](const std::vector<std::string>& names) {
+    return fmt::format("{} or {} [the scene's, or {}]",
+                       fmt::join(names.begin(), names.end() - 1, ", "), names.back(),
+                       names.front());
+  };
+  add("--exposure", "STOPS", "Twice the light for each, before all else [the scene's, or 0]",
+      [&options](const std::string& text) { options.exposure = parse_number("--exposure", text); });
+  add("--tone-map", "KIND", of_scene(tone_map_names()), [&options](const std::string& text) {
+    options.tone_map = parse_choice("--tone-map", text, tone_map_names());
+  });
+  add("--transfer", "KIND", of_scene(transfer_names()), [&options](const std::string& text) {
+    options.transfer = parse_choice("--transfer", text, transfer_names());
+  });
+  add("--gamma", "G", "--transfer gamma with this exponent [the scene's, or 2.2]",
+      [&options](const std::string& text) {
+        const double gamma = parse_number("--gamma", text);
+        if (!(gamma > 0)) throw usage_error(fmt::format("--gamma: {}; expected above 0", text));
+        options.gamma = gamma;
+      });
+}
+
 void add_tracing_options(CLI::App& command, RenderOptions& options) {
   const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
     command.add_option_function<std::string>(name, assign, text)->type_name(type)->group("Tracing");
@@ -182,6 +210,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->type_name("FILE");
   add_place_option(command, options.reading.placements);
   add_picture_options(command, options);
+  add_output_options(command, options.output);
   add_tracing_options(command, options);
   add_read_options(command, options.reading);
   add_farm_options(command, options);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/option_values.h"
+#include "cli/output_settings.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "scenes/import/loaded_scene.h"
@@ -33,6 +34,7 @@ struct RenderOptions {
   bool pinhole = false;
   bool frame_all = false;
   ReadOptions reading{};
+  OutputOptions output;
 
   std::optional<int> workers;
   std::optional<int> threads;

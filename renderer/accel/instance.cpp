@@ -35,8 +35,8 @@ bool query_local(const Instance& instance, const Ray& ray, const Query& query) {
 
 }  // namespace
 
-bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
-                    TraversalCounters& counters) {
+bool closest_hit_of_any(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
+                        TraversalCounters& counters) {
   // Of hits at equal t the smaller instance counts, whatever its primitive.
   Hit candidate = hit;
   if (number < hit.instance) candidate.primitive = std::numeric_limits<uint32_t>::max();
@@ -50,7 +50,7 @@ bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, H
   return true;
 }
 
-bool any_hit_of(const Instance& instance, const Ray& ray, TraversalCounters& counters) {
+bool any_hit_of_any(const Instance& instance, const Ray& ray, TraversalCounters& counters) {
   if (!instance.casts_shadow) return false;
   return query_local(instance, ray,
                      [&](const Ray& local) { return instance.shape->any_hit(local, counters); });
@@ -62,8 +62,11 @@ Bounds3 bounds_of(const Instance& instance) {
 
 SurfaceInteraction surface_at(std::span<const Instance> instances, const Ray& ray, const Hit& hit) {
   const Instance& instance = instances[hit.instance];
-  const LocalSurface local = instance.shape->surface(to_object(instance, ray), hit);
-  return to_world(local, instance.world_from_object, instance.flip_normals, hit.instance);
+  const bool is_moved = !instance.world_from_object.is_identity();
+  SurfaceInteraction surface = is_moved ? instance.shape->surface(to_object(instance, ray), hit)
+                                        : instance.shape->surface(ray, hit);
+  take_to_world(instance.world_from_object, instance.flip_normals, hit.instance, surface);
+  return surface;
 }
 
 }  // namespace tessera

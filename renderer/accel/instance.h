@@ -5,7 +5,9 @@
 #include <span>
 
 #include "renderer/math/transform.h"
+#include "renderer/shapes/plane.h"
 #include "renderer/shapes/shape.h"
+#include "renderer/shapes/sphere.h"
 #include "renderer/shapes/surface_interaction.h"
 
 namespace tessera {
@@ -25,11 +27,49 @@ inline bool can_hit(const Ray& ray) {
   return is_finite(ray.origin - Point3{}) && is_finite(ray.direction) && ray.direction != Vec3{};
 }
 
+/// The two below for any shape, any transform and any ray.
+bool closest_hit_of_any(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
+                        TraversalCounters& counters);
+bool any_hit_of_any(const Instance& instance, const Ray& ray, TraversalCounters& counters);
+
+/// Whether in_place() can answer.
+inline bool is_simple(const Instance& instance, const Ray& ray) {
+  return instance.shape->kind() != ShapeKind::other && instance.world_from_object.is_identity() &&
+         ray.cull == Cull::none;
+}
+/// Where the ray meets, at t <= `limit`, a shape that is tested where it stands and has but one
+/// primitive.
+inline bool in_place(const Instance& instance, const Ray& ray, double limit, double& t,
+                     TraversalCounters& counters) {
+  ++counters.primitive_tests;
+  Cull cull = instance.cull;
+  if (instance.flip_normals && cull != Cull::none) {
+    cull = cull == Cull::back ? Cull::front : Cull::back;
+  }
+  return instance.shape->kind() == ShapeKind::plane
+             ? static_cast<const Plane&>(*instance.shape).intersect(ray, cull, limit, t)
+             : static_cast<const Sphere&>(*instance.shape).intersect(ray, cull, limit, t);
+}
+
 /// As Shape::closest_hit for instance `number` and a ray in world space; sets hit.instance.
-bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
-                    TraversalCounters& counters);
+inline bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
+                           TraversalCounters& counters) {
+  if (!is_simple(instance, ray)) return closest_hit_of_any(instance, number, ray, hit, counters);
+  double t;
+  if (!in_place(instance, ray, hit.t, t, counters)) return false;
+  // Of hits at equal t the smaller instance counts, whatever its primitive.
+  if (t == hit.t && (number > hit.instance || (number == hit.instance && hit.primitive == 0))) {
+    return false;
+  }
+  hit = {t, 0, 0, number, 0};
+  return true;
+}
 /// As Shape::any_hit; never for an instance that casts no shadow.
-bool any_hit_of(const Instance& instance, const Ray& ray, TraversalCounters& counters);
+inline bool any_hit_of(const Instance& instance, const Ray& ray, TraversalCounters& counters) {
+  if (!is_simple(instance, ray)) return any_hit_of_any(instance, ray, counters);
+  double t;
+  return instance.casts_shadow && in_place(instance, ray, ray.t_max, t, counters);
+}
 /// In world space. Endless for an endless shape.
 Bounds3 bounds_of(const Instance& instance);
 

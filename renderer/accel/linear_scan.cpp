@@ -48,8 +48,9 @@ InstanceLinearScan::InstanceLinearScan(std::vector<Instance> instances)
 bool InstanceLinearScan::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
   if (!can_hit(ray)) return false;
   bool found = false;
-  for (size_t i = 0; i < instances_.size(); ++i)
-    if (closest_hit_of(instances_[i], static_cast<uint32_t>(i), ray, hit, counters)) found = true;
+  uint32_t number = 0;
+  for (const Instance& instance : instances_)
+    if (closest_hit_of(instance, number++, ray, hit, counters)) found = true;
   return found;
 }
 

@@ -85,20 +85,26 @@ Rgb before_transfer(const OutputSettings& settings, double scale, const float* l
   return c;
 }
 
-template <typename Value, typename Convert>
-std::vector<Value> convert(const Film& film, const OutputSettings& settings, Convert to_value) {
+template <typename Convert>
+std::vector<uint8_t> convert(const Film& film, const OutputSettings& settings, Convert to_byte) {
   const std::span<const float> values = film.values();
   const double scale = exposure_scale(settings);
-  std::vector<Value> result(values.size());
+  std::vector<uint8_t> result(values.size());
   for (size_t i = 0; i + 2 < values.size(); i += kFilmChannels) {
     const Rgb mapped = before_transfer(settings, scale, &values[i]);
-    for (size_t c = 0; c < kFilmChannels; ++c) result[i + c] = to_value(mapped[c]);
+    for (size_t c = 0; c < kFilmChannels; ++c) result[i + c] = to_byte(mapped[c]);
   }
   return result;
 }
 
 double transferred(const OutputSettings& settings, double v) {
   return std::clamp(apply_transfer(settings, v), 0.0, 1.0);
+}
+
+/// `value` in [0, 1] to a byte.
+uint8_t quantize(double value, Quantization how) {
+  const double scaled = value * 255;
+  return static_cast<uint8_t>(how == Quantization::round ? scaled + 0.5 : scaled);
 }
 
 /// Where each byte begins: the smallest values whose transferred and quantized value is 1, 2, ...
@@ -112,8 +118,7 @@ std::array<double, 255> byte_thresholds(const OutputSettings& settings) {
     while (true) {
       const double middle = low + (high - low) / 2;
       if (middle <= low || middle >= high) break;
-      const bool reached =
-          quantize(transferred(settings, middle), 255, settings.quantization) >= byte;
+      const bool reached = quantize(transferred(settings, middle), settings.quantization) >= byte;
       (reached ? high : low) = middle;
     }
     thresholds[byte - 1] = high;
@@ -123,39 +128,15 @@ std::array<double, 255> byte_thresholds(const OutputSettings& settings) {
 
 }  // namespace
 
-std::array<double, 3> tone_map(const OutputSettings& settings, const std::array<float, 3>& linear) {
-  Rgb c = before_transfer(settings, exposure_scale(settings), linear.data());
-  for (double& v : c) v = transferred(settings, v);
-  return c;
-}
-
-uint32_t quantize(double value, uint32_t largest, Quantization how) {
-  const double scaled = value * largest;
-  return static_cast<uint32_t>(how == Quantization::round ? scaled + 0.5 : scaled);
-}
-
 std::vector<uint8_t> to_8_bit(const Film& film, const OutputSettings& settings) {
   if (settings.transfer == TransferCurve::display) {
-    return convert<uint8_t>(film, settings, [&](double v) {
-      return static_cast<uint8_t>(quantize(v, 255, settings.quantization));
-    });
+    return convert(film, settings, [&](double v) { return quantize(v, settings.quantization); });
   }
   const std::array<double, 255> thresholds = byte_thresholds(settings);
-  return convert<uint8_t>(film, settings, [&](double v) {
+  return convert(film, settings, [&](double v) {
     return static_cast<uint8_t>(std::upper_bound(thresholds.begin(), thresholds.end(), v) -
                                 thresholds.begin());
   });
-}
-
-std::vector<uint16_t> to_16_bit(const Film& film, const OutputSettings& settings) {
-  return convert<uint16_t>(film, settings, [&](double v) {
-    return static_cast<uint16_t>(quantize(transferred(settings, v), 65535, settings.quantization));
-  });
-}
-
-std::vector<float> to_display_float(const Film& film, const OutputSettings& settings) {
-  return convert<float>(film, settings,
-                        [&](double v) { return static_cast<float>(transferred(settings, v)); });
 }
 
 }  // namespace tessera

@@ -8,15 +8,13 @@ namespace tessera {
 namespace {
 
 /// The stretch between a point and a light on which occluders count.
-[[gnu::always_inline]] inline Ray shadow_ray(const SurfacePoint& point, const Light& light,
+[[gnu::always_inline]] inline Ray shadow_ray(RayOrigins& origins, const Light& light,
                                              const LightSample& sample) {
-  if (light.kind == LightKind::point || light.kind == LightKind::spot) {
-    Ray ray = spawn_ray_to(point.surface, light.position);
-    ray.t_max = std::min(ray.t_max, light.shadow_distance / sample.distance);
-    return ray;
-  }
-  Ray ray = spawn_ray(point.surface, sample.wi);
-  ray.t_max = std::min(sample.distance, light.shadow_distance);
+  const bool placed = light.kind == LightKind::point || light.kind == LightKind::spot;
+  Ray ray = placed ? origins.spawn_to(light.position) : origins.spawn(sample.wi);
+  const double reach = placed ? ray.t_max : sample.distance;
+  const double bound = placed ? light.shadow_distance / sample.distance : light.shadow_distance;
+  ray.t_max = std::min(reach, bound);
   return ray;
 }
 
@@ -57,10 +55,10 @@ Color clear_transmittance(const Scene& scene, Ray ray, Color medium, [[maybe_unu
 
 /// `medium` is that on the viewer's side of the point.
 template <bool kRich>
-Color visibility(const Scene& scene, const SurfacePoint& point, const Color& medium,
-                 const Light& light, const LightSample& sample, double width,
+Color visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
+                 const Color& medium, const Light& light, const LightSample& sample, double width,
                  TraceCounters& counters) {
-  const Ray ray = shadow_ray(point, light, sample);
+  const Ray ray = shadow_ray(origins, light, sample);
   ++counters.rays_shadow;
   Color visible = kWhite;
   if (scene.opaque_occluders && scene.opaque_occluders->any_hit(ray, counters.traversal)) {
@@ -97,6 +95,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
   const Color kept_diffuse = diffuse * kept;
   Color ambient = scene.settings.ambient;
   Color sum = material.emission;
+  [[maybe_unused]] RayOrigins origins(point.surface);
   scene.for_each_light(point.surface.instance, [&](uint32_t index) {
     const Light& light = scene.lights[index];
     if (!light.ambient_attenuated) ambient += light.ambient;
@@ -127,7 +126,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
         return;
       }
       if (light.casts_shadow)
-        arriving = arriving * visibility<kRich>(scene, point, medium, light, sample,
+        arriving = arriving * visibility<kRich>(scene, point, origins, medium, light, sample,
                                                 cone_width(scene, path_length), counters);
     }
     sum += arriving * share;

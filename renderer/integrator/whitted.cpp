@@ -13,6 +13,9 @@ namespace {
 /// cost 2^depth rays. Far below what a float pixel resolves.
 constexpr double kNegligible = 1e-9;
 
+/// What precedes a camera ray.
+const PathSegment kWholePath{};
+
 template <bool kShadows, bool kSecondary, bool kRich>
 class WhittedIntegrator final : public Integrator {
  public:
@@ -20,7 +23,7 @@ class WhittedIntegrator final : public Integrator {
 
   Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const override {
     ++state.counters.rays_primary;
-    Color sum = follow({.ray = ray}, key, state);
+    Color sum = follow(ray, kWholePath, key, state);
     if constexpr (kSecondary) {
       for (uint32_t segments = 1; !state.stack.empty(); ++segments) {
         if (segments >= kMaxSegments) {
@@ -30,7 +33,7 @@ class WhittedIntegrator final : public Integrator {
         }
         const PathSegment segment = state.stack.back();
         state.stack.pop_back();
-        sum += follow(segment, key, state);
+        sum += follow(segment.ray, segment, key, state);
       }
     }
     return sum;
@@ -41,18 +44,19 @@ class WhittedIntegrator final : public Integrator {
   }
 
  private:
-  /// What the segment brings by itself; what is to be followed from its end goes on the stack.
-  Color follow(const PathSegment& segment, const SampleKey& key, TraceState& state) const {
+  /// What the segment along `ray` brings by itself; what is to be followed from its end goes on the
+  /// stack. segment.ray does not count: a camera ray is not copied.
+  Color follow(const Ray& ray, const PathSegment& segment, const SampleKey& key,
+               TraceState& state) const {
     Hit hit;
-    if (!scene_->surfaces ||
-        !scene_->surfaces->closest_hit(segment.ray, hit, state.counters.traversal)) {
-      return segment.throughput * background(segment.ray);
+    if (!scene_->surfaces || !scene_->surfaces->closest_hit(ray, hit, state.counters.traversal)) {
+      return segment.throughput * background(ray);
     }
     ++state.counters.hits;
     const double path_length = segment.path_length + hit.t;
-    SurfacePoint point(*scene_, hit.instance, segment.ray, hit);
+    SurfacePoint point(*scene_, hit.instance, ray, hit);
     if constexpr (kRich) {
-      look_up_textures(*scene_, segment.ray, cone_width(*scene_, path_length), point);
+      look_up_textures(*scene_, ray, cone_width(*scene_, path_length), point);
     }
     Color throughput = segment.throughput;
     Color medium = kBlack;
@@ -62,17 +66,19 @@ class WhittedIntegrator final : public Integrator {
       if (!is_black(medium)) throughput = throughput * transmittance(medium, hit.t);
       coverage = straight_coverage(point);
     }
-    const double clearness = scene_->fog.clearness(segment.view_distance + hit.t);
+    const bool foggy = scene_->fog.kind != FogKind::none;
+    const double clearness = foggy ? scene_->fog.clearness(segment.view_distance + hit.t) : 1.0;
     Color result = kBlack;
     if (coverage.covered > 0) {
-      Color seen = local_radiance<kShadows, kRich>(*scene_, point, -segment.ray.direction, medium,
+      Color seen = local_radiance<kShadows, kRich>(*scene_, point, -ray.direction, medium,
                                                    path_length, state.counters);
       if (point.material->grain > 0) seen = seen - kWhite * grain(*point.material, segment, key);
-      seen = seen * clearness + scene_->fog.color * (1 - clearness);
+      if (foggy) seen = seen * clearness + scene_->fog.color * (1 - clearness);
       result = throughput * seen * coverage.covered;
     }
     if constexpr (kSecondary) {
-      const PathSegment end{.ray = segment.ray,
+      if (coverage.through <= 0 && !branches(*point.material)) return result;
+      const PathSegment end{.ray = ray,
                             .throughput = throughput,
                             .medium = medium,
                             .path_length = path_length,
@@ -84,6 +90,11 @@ class WhittedIntegrator final : public Integrator {
     }
     return result;
   }
+
+  static bool bends(const Material& material) {
+    return material.transmission == Transmission::refract && material.transparency > 0;
+  }
+  static bool branches(const Material& material) { return bends(material) || material.is_mirror(); }
 
   double grain(const Material& material, const PathSegment& segment, const SampleKey& key) const {
     const auto use = static_cast<SampleUse>(static_cast<uint32_t>(SampleUse::grain) +
@@ -109,14 +120,13 @@ class WhittedIntegrator final : public Integrator {
   Color branch(const PathSegment& end, const SurfacePoint& point, double weight,
                TraceState& state) const {
     const Material& material = *point.material;
-    const bool bends = material.transmission == Transmission::refract && material.transparency > 0;
-    if (!bends && !material.is_mirror()) return kBlack;
+    if (!branches(material)) return kBlack;
     const Vec3 d = end.ray.direction;
     const Vec3 n = dot(point.normal, d) < 0 ? point.normal : point.geometric_normal;
     const double cosine = std::min(1.0, -dot(d, n));
     Color mirrored = kRich ? mirrored_share(material, cosine) : material.reflectivity;
     Color result = kBlack;
-    if (bends) {
+    if (bends(material)) {
       const bool from_inside = point.is_back && !material.thin;
       const double eta = from_inside ? 1 / material.refractive_index : material.refractive_index;
       double fresnel = fresnel_dielectric(cosine, eta);

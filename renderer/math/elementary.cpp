@@ -116,9 +116,16 @@ double angle_of(DoubleDouble y, DoubleDouble x) {
   const bool steep = y.high > x.high;
   if (steep) std::swap(x, y);
   // Bring the larger one near 1, so that nothing in the exact division leaves the range.
-  const int scale = -std::ilogb(x.high);
-  x = {std::ldexp(x.high, scale), std::ldexp(x.low, scale)};
-  y = {std::ldexp(y.high, scale), std::ldexp(y.low, scale)};
+  if (x.high >= 0x1p-500 && x.high < 0x1p500) [[likely]] {
+    const auto exponent = std::bit_cast<uint64_t>(x.high) >> 52;
+    const double scale = std::bit_cast<double>((2046 - exponent) << 52);  // 2^-ilogb(x)
+    x = {x.high * scale, x.low * scale};
+    y = {y.high * scale, y.low * scale};
+  } else {
+    const int scale = -std::ilogb(x.high);
+    x = {std::ldexp(x.high, scale), std::ldexp(x.low, scale)};
+    y = {std::ldexp(y.high, scale), std::ldexp(y.low, scale)};
+  }
   DoubleDouble a{y.high / x.high, 0};
   if (a.high > 1e-280) a = divide(y, x);
   a = arc_kernel(a);

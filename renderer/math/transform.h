@@ -50,7 +50,6 @@ class Transform {
   const Affine& inverse_matrix() const { return from_; }
   /// Whether nothing moves at all, so that rays need not be taken into the frame.
   bool is_identity() const { return is_identity_; }
-  bool mirrors() const { return to_.determinant() < 0; }
 
   Point3 point(const Point3& p) const { return to_(p); }
   Vec3 vector(const Vec3& v) const { return to_(v); }

@@ -50,11 +50,11 @@ BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSou
   return built;
 }
 
-std::shared_ptr<const Shape> build_sphere(const Where& where, const v1::Sphere& in) {
+std::shared_ptr<const Shape> build_sphere(const Where& where, const v1::Sphere& in, bool keep_uvs) {
   const Point3 center = checked_point(where, "sphere.center", in.center());
   const double radius =
       in.has_radius() ? checked(where, "sphere.radius", in.radius(), kPositive) : 1;
-  return std::make_shared<Sphere>(center, radius);
+  return std::make_shared<Sphere>(center, radius, keep_uvs);
 }
 
 std::shared_ptr<const Shape> build_plane(const Where& where, const v1::Plane& in) {
@@ -134,11 +134,12 @@ std::shared_ptr<const Shape> build_torus(const Where& where, const v1::Torus& in
 }
 
 /// A shape of one primitive; what its constructor refuses is told with its place.
-std::shared_ptr<const Shape> build_simple(const Where& where, const v1::Shape& shape) {
+std::shared_ptr<const Shape> build_simple(const Where& where, const v1::Shape& shape,
+                                          bool keep_uvs) {
   try {
     switch (shape.kind_case()) {
       case v1::Shape::kSphere:
-        return build_sphere(where, shape.sphere());
+        return build_sphere(where, shape.sphere(), keep_uvs);
       case v1::Shape::kPlane:
         return build_plane(where, shape.plane());
       case v1::Shape::kBox:
@@ -168,7 +169,7 @@ std::shared_ptr<const Shape> build_simple(const Where& where, const v1::Shape& s
 
 /// A mesh as a solid: CSG asks for crossings, which the accelerators do not know.
 BuiltShape build_solid(const Where& where, const v1::Shape& shape, const ShapeSource& source) {
-  if (!shape.has_mesh()) return {build_simple(where, shape)};
+  if (!shape.has_mesh()) return {build_simple(where, shape, source.keep_uvs)};
   auto mesh = std::make_shared<TriangleMesh>(
       read_mesh(where, shape.mesh(), source.blobs, static_cast<size_t>(shape.materials_size())));
   BuiltShape built;
@@ -217,7 +218,7 @@ BuiltShape read_csg(const CsgPlan& plan, const ShapeSource& source) {
 
 BuiltShape read_shape(const Where& where, const v1::Shape& shape, const ShapeSource& source) {
   if (shape.has_mesh()) return build_mesh(where, shape, source);
-  return {build_simple(where, shape)};
+  return {build_simple(where, shape, source.keep_uvs)};
 }
 
 }  // namespace tessera

@@ -16,6 +16,7 @@
 #include "renderer/scene/read_shading.h"
 #include "renderer/scene/read_shape.h"
 #include "renderer/scene/scene_graph.h"
+#include "renderer/shapes/plane.h"
 
 namespace tessera {
 
@@ -279,6 +280,23 @@ class SceneBuilder {
     }
   }
 
+  /// Whether it is a plane that is seen, and casts shadows, from its front alone, where every light
+  /// is: what lies before it is on the lights' side too.
+  bool shades_nothing(const Instance& instance) const {
+    if (instance.shape->kind() != ShapeKind::plane || instance.cull != Cull::back) return false;
+    if (!instance.world_from_object.is_identity() || instance.flip_normals) return false;
+    const auto& plane = static_cast<const Plane&>(*instance.shape);
+    constexpr double kClearly = 1e-9;  // far above the rounding of what follows
+    return std::all_of(scene_->lights.begin(), scene_->lights.end(), [&](const Light& light) {
+      if (!light.casts_shadow) return true;
+      if (light.kind == LightKind::directional || light.kind == LightKind::cylinder) {
+        return dot(plane.normal(), light.direction) < -kClearly;
+      }
+      const double height = plane.signed_distance(light.position);
+      return height > kClearly * (std::abs(height) + length(light.position - Point3{}));
+    });
+  }
+
   void build_accelerators() {
     const std::vector<Instance>& instances = scene_->instances;
     if (instances.empty()) return;
@@ -296,13 +314,16 @@ class SceneBuilder {
     for (size_t i = 0; i < instances.size(); ++i) {
       if (!instances[i].casts_shadow) continue;
       has_casters = true;
+      if (shades_nothing(instances[i])) {
+        ++scene_->counters["planes_without_shadow"];
+        continue;
+      }
       (is_clear_[i] ? clear : opaque).push_back(instances[i]);
       if (is_clear_[i]) scene_->clear_instances.push_back(static_cast<uint32_t>(i));
     }
     scene_->features.shadows = has_casters;
-    // With nothing transparent the one structure serves both: its any_hit passes by what casts
-    // none.
-    scene_->opaque_occluders = clear.empty() ? scene_->surfaces : make(std::move(opaque));
+    const bool are_all = opaque.size() == instances.size();
+    scene_->opaque_occluders = are_all ? scene_->surfaces : make(std::move(opaque));
     scene_->clear_occluders = make(std::move(clear));
   }
 

@@ -44,9 +44,12 @@ int64_t wrapped(int64_t i, int64_t size, ImageTextureSettings::Wrap wrap) {
   return -1;
 }
 
+Color mix(const Color& a, const Color& b, double weight_of_b) {
+  return a * (1 - weight_of_b) + b * weight_of_b;
+}
+
 Texel mix(const Texel& a, const Texel& b, double weight_of_b) {
-  return {a.color * (1 - weight_of_b) + b.color * weight_of_b,
-          a.alpha * (1 - weight_of_b) + b.alpha * weight_of_b};
+  return {mix(a.color, b.color, weight_of_b), a.alpha * (1 - weight_of_b) + b.alpha * weight_of_b};
 }
 
 }  // namespace
@@ -92,6 +95,10 @@ double ImageTexture::channel(size_t offset) const {
 Texel ImageTexture::texel(const Level& level, int64_t x, int64_t y) const {
   x = wrapped(x, level.width, settings_.wrap_s);
   y = wrapped(y, level.height, settings_.wrap_t);
+  return texel_at(level, x, y);
+}
+
+Texel ImageTexture::texel_at(const Level& level, int64_t x, int64_t y) const {
   if (x < 0 || y < 0) return {kBlack, settings_.has_alpha() ? 0.0 : 1.0};
   const size_t pixel = static_cast<size_t>(y) * level.width + static_cast<size_t>(x);
   const size_t channels = settings_.channels;
@@ -119,8 +126,23 @@ Texel ImageTexture::bilinear(const Level& level, double s, double t) const {
   const double left = std::floor(x), top = std::floor(y);
   const auto ix = static_cast<int64_t>(left), iy = static_cast<int64_t>(top);
   if (nearest) return texel(level, ix, iy);
-  return mix(mix(texel(level, ix, iy), texel(level, ix + 1, iy), x - left),
-             mix(texel(level, ix, iy + 1), texel(level, ix + 1, iy + 1), x - left), y - top);
+  const int64_t x0 = wrapped(ix, level.width, settings_.wrap_s);
+  const int64_t x1 = wrapped(ix + 1, level.width, settings_.wrap_s);
+  const int64_t y0 = wrapped(iy, level.height, settings_.wrap_t);
+  const int64_t y1 = wrapped(iy + 1, level.height, settings_.wrap_t);
+  if (settings_.channels == 3 && settings_.bits == 8 && (x0 | x1 | y0 | y1) >= 0) [[likely]] {
+    const std::byte* const texels = texels_->data() + level.offset;
+    const auto color = [&](int64_t column, int64_t row) {
+      const std::byte* const at = texels + 3 * (row * int64_t{level.width} + column);
+      const auto channel_at = [&](int c) { return linear_[static_cast<size_t>(at[c])]; };
+      return Color{channel_at(0), channel_at(1), channel_at(2)};
+    };
+    return {mix(mix(color(x0, y0), color(x1, y0), x - left),
+                mix(color(x0, y1), color(x1, y1), x - left), y - top),
+            1};
+  }
+  return mix(mix(texel_at(level, x0, y0), texel_at(level, x1, y0), x - left),
+             mix(texel_at(level, x0, y1), texel_at(level, x1, y1), x - left), y - top);
 }
 
 Texel ImageTexture::trilinear(double s, double t, double level) const {

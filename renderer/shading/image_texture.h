@@ -60,6 +60,8 @@ class ImageTexture {
   };
   double channel(size_t offset) const;
   Texel texel(const Level& level, int64_t x, int64_t y) const;
+  /// As texel() for places that wrapped() gave.
+  Texel texel_at(const Level& level, int64_t x, int64_t y) const;
   Texel bilinear(const Level& level, double s, double t) const;
   Texel trilinear(double s, double t, double level) const;
 

@@ -9,13 +9,6 @@ namespace tessera {
 
 namespace {
 
-double attenuation_factor(const LightAttenuation& a, double d) {
-  double denominator = a.constant + d * (a.linear + d * a.quadratic);
-  if (a.constant == 0 && a.linear == 0 && a.quadratic == 0) denominator = 1;
-  if (a.at_most_one) denominator = std::max(denominator, 1.0);
-  return denominator > 0 ? a.scale / denominator : 0;
-}
-
 /// By the arc tangent: the arc cosine of a dot product loses half of the digits near the axis.
 double angle_between(const Vec3& a, const Vec3& b) {
   return portable::atan2(length(cross(a, b)), dot(a, b));
@@ -50,25 +43,17 @@ double spot_factor(double angle, double beam_width, double cut_off) {
   return (angle - cut_off) / (beam_width - cut_off);
 }
 
-bool sample_light(const Light& light, const Point3& p, double path_length, LightSample& sample) {
+bool sample_shaped_light(const Light& light, const Point3& p, double path_length,
+                         LightSample& sample) {
   if (light.kind == LightKind::directional) {
     sample = {-light.direction, std::numeric_limits<double>::infinity(), 1};
     return true;
   }
   if (light.kind == LightKind::cylinder) {
-    if (!sample_cylinder(light, p, sample)) return false;
-  } else {
-    const Vec3 to_light = light.position - p;
-    sample.distance = length(to_light);
-    if (!(sample.distance > 0)) return false;
-    sample.wi = to_light / sample.distance;
+    return sample_cylinder(light, p, sample) && attenuate(light, path_length, sample);
   }
-  const double reach = sample.distance * light.frame_scale;
-  if (reach > light.radius) return false;
-  const double way =
-      light.attenuation.whole_path ? (sample.distance + path_length) * light.frame_scale : reach;
-  sample.factor = attenuation_factor(light.attenuation, way);
-  if (light.kind == LightKind::spot) sample.factor *= spot_factor_towards(light, -sample.wi);
+  if (!sample_place(light, p, sample) || !attenuate(light, path_length, sample)) return false;
+  sample.factor *= spot_factor_towards(light, -sample.wi);
   return sample.factor > 0;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -49,8 +50,38 @@ struct LightSample {
   double factor = 0;    ///< attenuation * beam shape
 };
 
+/// Sets where the light's place lies as seen from `p`; false if that is where it is.
+inline bool sample_place(const Light& light, const Point3& p, LightSample& sample) {
+  const Vec3 to_light = light.position - p;
+  sample.distance = length(to_light);
+  if (!(sample.distance > 0)) return false;
+  sample.wi = to_light / sample.distance;
+  return true;
+}
+
+/// Sets the factor by the distance; false where nothing is left.
+inline bool attenuate(const Light& light, double path_length, LightSample& sample) {
+  const double reach = sample.distance * light.frame_scale;
+  if (reach > light.radius) return false;
+  const LightAttenuation& a = light.attenuation;
+  const double d = a.whole_path ? (sample.distance + path_length) * light.frame_scale : reach;
+  double denominator = a.constant + d * (a.linear + d * a.quadratic);
+  if (a.constant == 0 && a.linear == 0 && a.quadratic == 0) denominator = 1;
+  if (a.at_most_one) denominator = std::max(denominator, 1.0);
+  sample.factor = denominator > 0 ? a.scale / denominator : 0;
+  return sample.factor > 0;
+}
+
+/// sample_light() of any kind but point.
+bool sample_shaped_light(const Light& light, const Point3& p, double path_length,
+                         LightSample& sample);
+
 /// False where nothing arrives at `p`; `path_length` is that from the camera to `p`.
-bool sample_light(const Light& light, const Point3& p, double path_length, LightSample& sample);
+inline bool sample_light(const Light& light, const Point3& p, double path_length,
+                         LightSample& sample) {
+  if (light.kind != LightKind::point) return sample_shaped_light(light, p, path_length, sample);
+  return sample_place(light, p, sample) && attenuate(light, path_length, sample);
+}
 
 /// Sets cos_full and cos_none from the angles, so that most points need no arc.
 void set_spot_cosines(Light& light);

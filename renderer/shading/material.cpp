@@ -10,18 +10,6 @@ namespace tessera {
 
 namespace {
 
-double diffuse_factor(const Material& material, double n_dot_l) {
-  switch (material.diffuse_model) {
-    case DiffuseModel::lambert:
-      return std::max(n_dot_l, 0.0);
-    case DiffuseModel::signed_lambert:
-      return n_dot_l;
-    case DiffuseModel::half_lambert:
-      break;
-  }
-  return portable::pow(std::clamp((n_dot_l + 1) / 2, 0.0, 1.0), material.diffuse_exponent);
-}
-
 double specular_factor(const Material& material, const Vec3& n, const Vec3& wi, const Vec3& wo) {
   double cosine;
   if (material.specular_model == SpecularModel::blinn_phong) {
@@ -121,14 +109,12 @@ Color ambient_share(const Material& material, const Color& diffuse) {
          (material.occlusion * (1 - material.metallic * mirror_weight(material.roughness)));
 }
 
-Color reflected_share(const Material& material, const Color& diffuse, const Vec3& n, const Vec3& wi,
-                      const Vec3& wo) {
-  const double n_dot_l = dot(n, wi);
-  Color share = diffuse * diffuse_factor(material, n_dot_l);
-  if (n_dot_l > 0 && !is_black(material.specular)) {
-    share += material.specular * specular_factor(material, n, wi, wo);
-  }
-  return share;
+double half_lambert(double n_dot_l, double exponent) {
+  return portable::pow(std::clamp((n_dot_l + 1) / 2, 0.0, 1.0), exponent);
+}
+
+Color highlight(const Material& material, const Vec3& n, const Vec3& wi, const Vec3& wo) {
+  return material.specular * specular_factor(material, n, wi, wo);
 }
 
 double fresnel_dielectric(double cos_i, double eta) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "renderer/math/color.h"
@@ -60,11 +61,27 @@ struct Material {
   }
 };
 
+/// ((n . l + 1) / 2)^exponent.
+double half_lambert(double n_dot_l, double exponent);
+/// The specular term, for light before the surface.
+Color highlight(const Material& material, const Vec3& n, const Vec3& wi, const Vec3& wo);
+
 /// The share of a light's radiant intensity that leaves towards `wo`: diffuse and specular term.
 /// `diffuse` is the material's, after vertex colours; `n`, `wi` (to the light) and `wo` (to the
 /// viewer) are of unit length. The specular term is zero where the light is behind the surface.
-Color reflected_share(const Material& material, const Color& diffuse, const Vec3& n, const Vec3& wi,
-                      const Vec3& wo);
+inline Color reflected_share(const Material& material, const Color& diffuse, const Vec3& n,
+                             const Vec3& wi, const Vec3& wo) {
+  const double n_dot_l = dot(n, wi);
+  double factor = n_dot_l;
+  if (material.diffuse_model == DiffuseModel::lambert) {
+    factor = std::max(n_dot_l, 0.0);
+  } else if (material.diffuse_model == DiffuseModel::half_lambert) {
+    factor = half_lambert(n_dot_l, material.diffuse_exponent);
+  }
+  Color share = diffuse * factor;
+  if (n_dot_l > 0 && !is_black(material.specular)) share += highlight(material, n, wi, wo);
+  return share;
+}
 
 /// The same of a material of any model; in all but the classic one light behind the surface gives
 /// nothing.

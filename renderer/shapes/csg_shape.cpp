@@ -45,7 +45,7 @@ bool CsgShape::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters
   if (range.empty() || range.high < ray.t_min || range.low > std::min(ray.t_max, hit.t))
     return false;
   const CsgSweep::Lease sweep;
-  sweep->gather(gates_, ray, {}, &counters);
+  sweep->gather(gates_, ray, range, {}, &counters);
   while (const CsgEvent* e = sweep->next(gates_)) {
     // Entering shows the front, leaving the back.
     if (ray.cull == (e->inward ? Cull::front : Cull::back)) continue;
@@ -65,9 +65,11 @@ bool CsgShape::any_hit(const Ray& ray, TraversalCounters& counters) const {
 
 void CsgShape::crossings(const Ray& ray, const RayError& error,
                          std::vector<SolidEvent>& events) const {
-  if (!can_cross(ray) || line_range(bounds(), ray).empty()) return;
+  if (!can_cross(ray)) return;
+  const LineRange range = line_range(bounds(), ray);
+  if (range.empty()) return;
   const CsgSweep::Lease sweep;
-  sweep->gather(gates_, ray, error, nullptr);
+  sweep->gather(gates_, ray, range, error, nullptr);
   while (const CsgEvent* e = sweep->next(gates_)) {
     const bool endless = std::isinf(e->t);
     const double reach = std::max(e->t - sweep->low(), sweep->high() - e->t);
@@ -90,13 +92,7 @@ LocalSurface CsgShape::surface(const Ray& ray, const Hit& hit) const {
   if (leaf.moved) {
     const Affine& m = leaf.csg_from_solid.inverse_matrix();
     s = leaf.solid->surface({m(ray.origin), m(ray.direction)}, local_hit);
-    const SurfaceInteraction moved = to_world(s, leaf.csg_from_solid, leaf.complement, 0);
-    s.point = moved.point;
-    s.point_error = moved.point_error;
-    s.geometric_normal = moved.geometric_normal;
-    s.shading_normal = moved.shading_normal;
-    s.dpdu = moved.dpdu;
-    s.dpdv = moved.dpdv;
+    take_to_world(leaf.csg_from_solid, leaf.complement, 0, s);
   } else {
     s = leaf.solid->surface(ray, local_hit);
     if (leaf.complement)

@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "renderer/math/rounding.h"
-#include "renderer/shapes/line_box.h"
 
 namespace tessera {
 namespace {
@@ -46,9 +45,8 @@ CsgSweep::State& CsgSweep::state(const CsgGates& gates, uint32_t gate) {
   return s;
 }
 
-void CsgSweep::gather_leaf(const CsgGates::Leaf& leaf, const Bounds3& bounds, uint32_t number,
+void CsgSweep::gather_leaf(const CsgGates::Leaf& leaf, const LineRange& range, uint32_t number,
                            const Ray& ray, const RayError& error) {
-  const LineRange range = line_range(bounds, ray);
   if (range.empty()) return;
   leaf_events_.clear();
   if (leaf.moved) {
@@ -70,8 +68,8 @@ void CsgSweep::gather_leaf(const CsgGates::Leaf& leaf, const Bounds3& bounds, ui
   }
 }
 
-void CsgSweep::gather(const CsgGates& gates, const Ray& ray, const RayError& error,
-                      TraversalCounters* counters) {
+void CsgSweep::gather(const CsgGates& gates, const Ray& ray, const LineRange& range,
+                      const RayError& error, TraversalCounters* counters) {
   events_.clear();
   ++line_;
   at_ = 0;
@@ -82,13 +80,16 @@ void CsgSweep::gather(const CsgGates& gates, const Ray& ray, const RayError& err
     const CsgGates::Gate& gate = all[i];
     if (gate.kind != CsgGates::Kind::leaf) {
       state(gates, i).first_event = events_.size();
-      i = line_range(gate.bounds, ray).empty() ? gate.end : i + 1;
+      // That the line meets the whole is known.
+      i = i > 0 && line_range(gate.bounds, ray).empty() ? gate.end : i + 1;
       continue;
     }
     const CsgGates::Leaf& leaf = gates.leaves()[gate.leaf];
     const size_t before = events_.size();
     if (counters) ++counters->primitive_tests;
-    gather_leaf(leaf, gate.bounds, gate.leaf, ray, error);
+    // The first operand of a difference has the bounds of the whole.
+    const bool as_whole = gate.bounds == all[0].bounds;
+    gather_leaf(leaf, as_whole ? range : line_range(gate.bounds, ray), gate.leaf, ray, error);
     ++i;
     // An intersection one of whose solids the line misses is empty: what is below it is not looked
     // at, and what was found below it is dropped, so that the order of operands makes no

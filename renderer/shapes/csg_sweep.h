@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "renderer/shapes/csg_gates.h"
+#include "renderer/shapes/line_box.h"
 
 namespace tessera {
 
@@ -20,8 +21,9 @@ struct CsgEvent {
 /// Walks along a line through a combination of solids. One per thread and nesting depth; reused.
 class CsgSweep {
  public:
-  /// Gathers and sorts the crossings of all operands that matter on this line.
-  void gather(const CsgGates& gates, const Ray& ray, const RayError& error,
+  /// Gathers and sorts the crossings of all operands that matter on this line, which is inside the
+  /// bounds of the whole in `range`.
+  void gather(const CsgGates& gates, const Ray& ray, const LineRange& range, const RayError& error,
               TraversalCounters* counters);
   /// The next change of the whole: its event, or null at the end.
   const CsgEvent* next(const CsgGates& gates);
@@ -51,7 +53,7 @@ class CsgSweep {
     size_t first_event = 0;
   };
   State& state(const CsgGates& gates, uint32_t gate);
-  void gather_leaf(const CsgGates::Leaf& leaf, const Bounds3& bounds, uint32_t number,
+  void gather_leaf(const CsgGates::Leaf& leaf, const LineRange& range, uint32_t number,
                    const Ray& ray, const RayError& error);
   /// Passes an event; says whether the whole changes there.
   bool pass(const CsgGates& gates, const CsgEvent& event);

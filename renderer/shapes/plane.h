@@ -1,5 +1,6 @@
 #pragma once
 
+#include "renderer/math/rounding.h"
 #include "renderer/shapes/solid.h"
 
 namespace tessera {
@@ -18,9 +19,32 @@ class Plane final : public Solid {
   void crossings(const Ray& ray, const RayError& error,
                  std::vector<SolidEvent>& events) const override;
 
+  /// Where `ray` meets the sides that `cull` leaves, if it does at t <= `limit`; ray.cull does not
+  /// count.
+  bool intersect(const Ray& ray, Cull cull, double limit, double& t) const {
+    const double approach = dot(normal_, ray.direction);
+    if (cull == Cull::none ? approach == 0 : (approach < 0) == (cull == Cull::front)) return false;
+    const double height = signed_distance(ray.origin);
+    t = -height / approach;
+    if (!(t > ray.t_min && t < ray.t_max && t <= limit)) return false;
+    // An origin on the plane, as far as can be told, does not meet it again.
+    return std::abs(height) > distance_error(ray.origin);
+  }
+  /// Of unit length.
+  const Vec3& normal() const { return normal_; }
+  double signed_distance(const Point3& p) const {
+    return normal_.x * p.x + normal_.y * p.y + normal_.z * p.z - offset_;
+  }
+  /// Bound on the absolute error of signed_distance(p).
+  double distance_error(const Point3& p) const {
+    return gamma(4) * (std::abs(normal_.x * p.x) + std::abs(normal_.y * p.y) +
+                       std::abs(normal_.z * p.z) + std::abs(offset_));
+  }
+
  private:
   Vec3 normal_;
   double offset_;
+  Vec3 dpdu_, dpdv_;
 };
 
 }  // namespace tessera

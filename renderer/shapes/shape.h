@@ -25,12 +25,18 @@ struct LocalSurface {
   double vertex_alpha = 1;
   bool has_vertex_color = false;
   uint32_t material = 0;  ///< index into the shape's materials
+  uint32_t instance = 0;  ///< in world space: whose shape it is
 };
+
+/// Shapes that are tested without a virtual call: what a test of them takes is less than the call.
+enum class ShapeKind : uint8_t { sphere, plane, other };
 
 /// A surface in its own frame. Immutable after construction; all calls may run on many threads.
 class Shape {
  public:
+  explicit Shape(ShapeKind kind = ShapeKind::other) : kind_(kind) {}
   virtual ~Shape() = default;
+  ShapeKind kind() const { return kind_; }
   virtual Bounds3 bounds() const = 0;
   /// Replaces `hit` by a hit of this shape that is nearer, or equally near with a smaller primitive
   /// number, inside (ray.t_min, min(ray.t_max, hit.t)]; says whether it did. Leaves hit.instance.
@@ -40,6 +46,9 @@ class Shape {
   /// What lies at a hit that closest_hit reported for this ray.
   virtual LocalSurface surface(const Ray& ray, const Hit& hit) const = 0;
   virtual size_t primitive_count() const { return 1; }
+
+ private:
+  ShapeKind kind_;
 };
 
 }  // namespace tessera

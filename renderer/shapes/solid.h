@@ -23,6 +23,7 @@ struct SolidEvent {
 /// A shape with an inside, so that CSG can combine it. A Shape that is no Solid is open.
 class Solid : public Shape {
  public:
+  using Shape::Shape;
   /// False for a shape with an inside of which parts are left out: CSG refuses it.
   virtual bool closed() const { return true; }
   /// Appends all crossings of the whole line origin + t direction, t_min and t_max notwithstanding,

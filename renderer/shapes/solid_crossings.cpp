@@ -14,7 +14,8 @@ constexpr double kEndless = Bounds3::kInfinity;
 void Sphere::crossings(const Ray& ray, const RayError& error,
                        std::vector<SolidEvent>& events) const {
   double t[2];
-  if (!roots(ray, t[0], t[1])) return;
+  const Vec3 f = ray.origin - center_;
+  if (!roots(ray.direction, f, t[0], t[1])) return;
   const Vec3 size = abs(center_ - Point3{});
   const Vec3 from = abs(ray.origin - Point3{}) + abs(ray.origin - center_);
   const double speed = length(ray.direction);

@@ -14,11 +14,9 @@ Bounds3 Sphere::bounds() const {
   return box;
 }
 
-bool Sphere::roots(const Ray& ray, double& t0, double& t1) const {
+bool Sphere::roots(const Vec3& d, const Vec3& f, double& t0, double& t1) const {
   // Haines, Guenther, Akenine-Moller: Precision Improvements for Ray/Sphere Intersection (Ray
   // Tracing Gems 7). The distance of the line from the centre is taken before it is squared.
-  const Vec3& d = ray.direction;
-  const Vec3 f = ray.origin - center_;
   const double a = dot(d, d);
   const double b = -dot(f, d);
   const Vec3 nearest = f + d * (b / a);
@@ -40,17 +38,10 @@ bool Sphere::roots(const Ray& ray, double& t0, double& t1) const {
 
 bool Sphere::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
   ++counters.primitive_tests;
-  double t[2];
-  if (!roots(ray, t[0], t[1])) return false;
-  for (int i = 0; i < 2; ++i) {
-    // Entering shows the front, leaving the back.
-    if (ray.cull == (i == 0 ? Cull::front : Cull::back)) continue;
-    if (!(t[i] > ray.t_min && t[i] < ray.t_max)) continue;
-    if (t[i] > hit.t || (t[i] == hit.t && hit.primitive == 0)) return false;
-    hit = {t[i], 0, 0, hit.instance, 0};
-    return true;
-  }
-  return false;
+  double t;
+  if (!intersect(ray, ray.cull, hit.t, t) || (t == hit.t && hit.primitive == 0)) return false;
+  hit = {t, 0, 0, hit.instance, 0};
+  return true;
 }
 
 bool Sphere::any_hit(const Ray& ray, TraversalCounters& counters) const {
@@ -67,6 +58,7 @@ LocalSurface Sphere::surface(const Ray& ray, const Hit& hit) const {
     s.point_error[a] = kUnitRoundoff *
                        (std::abs(center_[a]) + 5 * radius_ * std::abs(n[a]) + std::abs(s.point[a]));
   s.geometric_normal = s.shading_normal = to_normal(n);
+  if (!keep_uv_) return s;
   const double turn = atan2(-n.x, -n.z) / (2 * kPi);
   s.uv = {turn < 0 ? turn + 1 : turn, acos(std::max(-1.0, std::min(1.0, -n.y))) / kPi};
   s.dpdu = Vec3{n.z, 0, -n.x} * (2 * kPi * radius_);

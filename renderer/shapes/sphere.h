@@ -8,7 +8,9 @@ namespace tessera {
 /// counter-clockwise seen from +y from the seam at -z, v from 0 at -y to 1 at +y.
 class Sphere final : public Solid {
  public:
-  Sphere(const Point3& center, double radius) : center_(center), radius_(radius) {}
+  /// Without `keep_uv` surface() leaves texture coordinates, and derivatives by them, zero.
+  Sphere(const Point3& center, double radius, bool keep_uv = true)
+      : Solid(ShapeKind::sphere), center_(center), radius_(radius), keep_uv_(keep_uv) {}
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
@@ -16,12 +18,39 @@ class Sphere final : public Solid {
   void crossings(const Ray& ray, const RayError& error,
                  std::vector<SolidEvent>& events) const override;
 
+  /// Where `ray` first meets the sides that `cull` leaves, if it does at t <= `limit`; ray.cull
+  /// does not count.
+  bool intersect(const Ray& ray, Cull cull, double limit, double& t) const {
+    const Vec3 f = ray.origin - center_;
+    if (surely_missed(ray, f)) return false;
+    double roots_of[2];
+    if (!roots(ray.direction, f, roots_of[0], roots_of[1])) return false;
+    for (int i = 0; i < 2; ++i) {
+      // Entering shows the front, leaving the back.
+      if (cull == (i == 0 ? Cull::front : Cull::back)) continue;
+      t = roots_of[i];
+      if (t > ray.t_min && t < ray.t_max) return t <= limit;
+    }
+    return false;
+  }
+
  private:
-  /// Roots in ascending order; false where the ray misses.
-  bool roots(const Ray& ray, double& t0, double& t1) const;
+  /// A cheap test, without roots and divisions, that most misses pass; where it says nothing the
+  /// roots decide. `f` leads from the centre to the ray's origin.
+  bool surely_missed(const Ray& ray, const Vec3& f) const {
+    constexpr double kMargin = 0x1p-44;  // hundreds of times the rounding of the squares
+    const double a = dot(ray.direction, ray.direction), ff = dot(f, f), b = dot(f, ray.direction);
+    const double rr = radius_ * radius_, all = a * ff;
+    if (!(all > 1e-280)) return false;
+    if (b > 0 && ray.t_min >= 0 && ff - rr > kMargin * ff) return true;  // it lies behind
+    return all - b * b - a * rr > kMargin * all;
+  }
+  /// Roots in ascending order; false where the line misses.
+  bool roots(const Vec3& direction, const Vec3& f, double& t0, double& t1) const;
 
   Point3 center_;
   double radius_;
+  bool keep_uv_;
 };
 
 }  // namespace tessera

@@ -20,52 +20,58 @@ Vec3 round_trip_error(const Transform& world_from_object, const Point3& world) {
   return error;
 }
 
-Point3 offset_origin(const SurfaceInteraction& from, const Vec3& direction) {
-  const Vec3 n = static_cast<Vec3>(from.geometric_normal);
-  const double reach = dot(abs(n), from.point_error);
-  const Vec3 offset = n * (dot(n, direction) < 0 ? -reach : reach);
-  Point3 origin = from.point + offset;
-  for (int a = 0; a < 3; ++a) {
-    if (offset[a] > 0) origin[a] = next_up(origin[a]);
-    if (offset[a] < 0) origin[a] = next_down(origin[a]);
-  }
-  return origin;
+void place_moved(const Transform& world_from_object, LocalSurface& s) {
+  const LocalSurface local = s;
+  s.point = world_from_object.point(local.point);
+  s.point_error = world_from_object.point_error(local.point, local.point_error) +
+                  round_trip_error(world_from_object, s.point);
+  s.geometric_normal = normalize(world_from_object.normal(local.geometric_normal));
+  s.shading_normal = local.shading_normal == local.geometric_normal
+                         ? s.geometric_normal
+                         : normalize(world_from_object.normal(local.shading_normal));
+  s.dpdu = world_from_object.vector(local.dpdu);
+  s.dpdv = world_from_object.vector(local.dpdv);
+}
+
+/// What place_moved() does, to the last bit, under the identity.
+void place_unmoved(LocalSurface& s) {
+  const Vec3 zero{};
+  const auto placed = [&](const Normal3& n) {
+    return to_normal(normalize(static_cast<Vec3>(n) + zero));
+  };
+  const bool is_flat = s.shading_normal == s.geometric_normal;
+  s.point = s.point + zero;  // no -0
+  const Vec3 size = abs(s.point - Point3{}) * gamma(4);
+  s.point_error = s.point_error * (gamma(3) + 1) + size + size;
+  s.geometric_normal = placed(s.geometric_normal);
+  s.shading_normal = is_flat ? s.geometric_normal : placed(s.shading_normal);
 }
 
 }  // namespace
 
-SurfaceInteraction to_world(const LocalSurface& surface, const Transform& world_from_object,
-                            bool flip_normals, uint32_t instance) {
-  SurfaceInteraction s;
-  s.point = world_from_object.point(surface.point);
-  s.point_error = world_from_object.point_error(surface.point, surface.point_error) +
-                  round_trip_error(world_from_object, s.point);
-  s.geometric_normal = normalize(world_from_object.normal(surface.geometric_normal));
-  s.shading_normal = surface.shading_normal == surface.geometric_normal
-                         ? s.geometric_normal
-                         : normalize(world_from_object.normal(surface.shading_normal));
+void take_to_world(const Transform& world_from_object, bool flip_normals, uint32_t instance,
+                   LocalSurface& s) {
+  if (world_from_object.is_identity()) {
+    place_unmoved(s);
+  } else {
+    place_moved(world_from_object, s);
+  }
   if (flip_normals) s.geometric_normal = -s.geometric_normal, s.shading_normal = -s.shading_normal;
   if (dot(s.geometric_normal, s.shading_normal) < 0) s.shading_normal = -s.shading_normal;
-  s.uv = surface.uv;
-  s.dpdu = world_from_object.vector(surface.dpdu);
-  s.dpdv = world_from_object.vector(surface.dpdv);
-  s.vertex_color = surface.vertex_color;
-  s.vertex_alpha = surface.vertex_alpha;
-  s.has_vertex_color = surface.has_vertex_color;
-  s.material = surface.material;
   s.instance = instance;
-  return s;
 }
 
-Ray spawn_ray(const SurfaceInteraction& from, const Vec3& direction) {
-  return {offset_origin(from, direction), direction};
-}
-
-Ray spawn_ray_to(const SurfaceInteraction& from, const Point3& target) {
-  Ray ray{offset_origin(from, target - from.point), {}};
-  ray.direction = target - ray.origin;
-  ray.t_max = 1;
-  return ray;
+void RayOrigins::work_out(bool behind) {
+  const Vec3 n = static_cast<Vec3>(from_.geometric_normal);
+  const double reach = dot(abs(n), from_.point_error);
+  const Vec3 offset = n * (behind ? -reach : reach);
+  Point3& origin = origins_[behind];
+  origin = from_.point + offset;
+  for (int a = 0; a < 3; ++a) {
+    if (offset[a] > 0) origin[a] = next_up(origin[a]);
+    if (offset[a] < 0) origin[a] = next_down(origin[a]);
+  }
+  known_[behind] = true;
 }
 
 }  // namespace tessera

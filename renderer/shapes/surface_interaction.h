@@ -5,32 +5,58 @@
 
 namespace tessera {
 
-/// The surface at a hit in world space: what shading sees.
-struct SurfaceInteraction {
-  Point3 point;
-  Vec3 point_error;          ///< bounds |point - true surface| on each axis, rounding of later
-                             ///< transforms of the point included
-  Normal3 geometric_normal;  ///< unit; the front of the surface, out of a solid
-  Normal3 shading_normal;    ///< unit, on the same side
-  Vec2 uv;
-  Vec3 dpdu, dpdv;
-  Color vertex_color = kWhite;
-  double vertex_alpha = 1;
-  bool has_vertex_color = false;
-  uint32_t material = 0;  ///< index into the shape's materials
-  uint32_t instance = 0;
+/// The surface at a hit in world space: what shading sees. Its geometric normal shows the front,
+/// the shading normal is on the same side, and the error bound counts the rounding of later
+/// transforms of the point. Of the same type, so that none need be copied into the other: wide
+/// loads of what was written in parts make the processor wait.
+using SurfaceInteraction = LocalSurface;
+
+/// Takes the surface into world space where it stands. Normals go by the inverse transpose, so that
+/// the front stays the front under a mirroring transform too; `flip_normals` turns them round.
+void take_to_world(const Transform& world_from_object, bool flip_normals, uint32_t instance,
+                   LocalSurface& surface);
+inline SurfaceInteraction to_world(LocalSurface surface, const Transform& world_from_object,
+                                   bool flip_normals, uint32_t instance) {
+  take_to_world(world_from_object, flip_normals, instance, surface);
+  return surface;
+}
+
+/// Where rays that leave a surface start, worked out once for each side of it: moved off by the
+/// error bound and rounded outward (PBRT 4ed, 6.8.6), so that they do not meet the surface that
+/// they start on.
+class RayOrigins {
+ public:
+  /// `from` must outlive this.
+  explicit RayOrigins(const SurfaceInteraction& from) : from_(from) {}
+  /// A ray to the side that `direction` points to.
+  Ray spawn(const Vec3& direction) { return {towards(direction), direction}; }
+  /// The stretch up to `target`, a point that lies on no surface (a point light): direction
+  /// target - origin, t_max 1.
+  Ray spawn_to(const Point3& target) {
+    Ray ray{towards(target - from_.point), {}};
+    ray.direction = target - ray.origin;
+    ray.t_max = 1;
+    return ray;
+  }
+
+ private:
+  const Point3& towards(const Vec3& direction) {
+    const bool behind = dot(from_.geometric_normal, direction) < 0;
+    if (!known_[behind]) work_out(behind);
+    return origins_[behind];
+  }
+  void work_out(bool behind);
+
+  const SurfaceInteraction& from_;
+  Point3 origins_[2];
+  bool known_[2] = {false, false};
 };
 
-/// Normals go by the inverse transpose, so that the front stays the front under a mirroring
-/// transform too; `flip_normals` turns them round.
-SurfaceInteraction to_world(const LocalSurface& surface, const Transform& world_from_object,
-                            bool flip_normals, uint32_t instance);
-
-/// A ray from the surface to the side that `direction` points to, its origin moved off by the error
-/// bound and rounded outward (PBRT 4ed, 6.8.6): it does not meet the surface that it starts on.
-Ray spawn_ray(const SurfaceInteraction& from, const Vec3& direction);
-/// The stretch from the surface up to `target`, a point that lies on no surface (a point light):
-/// direction target - origin, t_max 1.
-Ray spawn_ray_to(const SurfaceInteraction& from, const Point3& target);
+inline Ray spawn_ray(const SurfaceInteraction& from, const Vec3& direction) {
+  return RayOrigins(from).spawn(direction);
+}
+inline Ray spawn_ray_to(const SurfaceInteraction& from, const Point3& target) {
+  return RayOrigins(from).spawn_to(target);
+}
 
 }  // namespace tessera

@@ -10,37 +10,6 @@
 namespace tessera {
 namespace {
 
-CrtValue make_point_light(CrtAttributes& in, CrtHeap& heap) {
-  CrtLight made;
-  v1::Light& light = made.message;
-  put(in.vector("origin"), light.mutable_point()->mutable_position());
-  put(in.color("color"), light.mutable_color());
-  light.set_ambient_intensity(in.number("ambient", kCrtNotNegative, 0));
-  if (const double falloff = in.number("falloff", {}, -1); falloff > 0) {
-    v1::Attenuation& attenuation = *light.mutable_attenuation();
-    attenuation.set_scale(falloff);
-    attenuation.set_quadratic(1);
-    attenuation.set_distance(v1::Attenuation::PATH);
-  }
-  if (!in.finish()) return CrtFailed{};
-  return heap.add(std::move(made), in.where());
-}
-
-CrtValue make_parallel_light(CrtAttributes& in, CrtHeap& heap) {
-  constexpr double kDistance = 10000;  // occluders that are farther off cast no shadow
-  CrtLight made;
-  v1::Light& light = made.message;
-  const Vec3 from = in.vector("from"), pointing = in.vector("pointing");
-  if (in.has("from") && in.has("pointing") && !(length(pointing - from) > 0))
-    in.fail(in.where(), "ParallelLight from where it points to", "two different points");
-  put(normalize(pointing - from), light.mutable_directional()->mutable_direction());
-  put(in.color("color"), light.mutable_color());
-  light.set_ambient_intensity(in.number("ambient", kCrtNotNegative, 0));
-  light.set_shadow_distance(kDistance);
-  if (!in.finish()) return CrtFailed{};
-  return heap.add(std::move(made), in.where());
-}
-
 CrtValue make_material(CrtAttributes& in, CrtHeap& heap) {
   CrtMaterial made;
   v1::Classic& classic = *made.message.mutable_classic();
@@ -67,6 +36,12 @@ CrtValue make_material(CrtAttributes& in, CrtHeap& heap) {
     classic.mutable_transparency()->set_value(transparency);
     classic.set_refractive_index(index);
   }
+  const Color absorption = in.color("absorption", kBlack);
+  if (std::min({absorption.r, absorption.g, absorption.b}) < 0)
+    in.wrong(*in.find("absorption"), "a colour without negative parts");
+  if (!is_black(absorption)) put(absorption, classic.mutable_absorption());
+  made.bump = in.thing<CrtTexture>("bump", "a texture", false);
+  made.bump_height = in.number("bumpheight", {}, 0.1);
   if (!in.finish()) return CrtFailed{};
   return heap.add(std::move(made), in.where());
 }
@@ -126,11 +101,12 @@ CrtValue make_noise(v1::Texture::Noise::Kind kind, CrtAttributes& in, CrtHeap& h
   return heap.add(std::move(made), in.where());
 }
 
-constexpr std::array<std::string_view, 23> kObjects{
-    "Camera", "PointLight", "ParallelLight", "Material",     "Background", "Sphere",
-    "Box",    "Plane",      "HalfPlane",     "Disc",         "Triangle",   "Cylinder",
-    "Cone",   "Torus",      "Mesh",          "Checker",      "Noise",      "Turbulence",
-    "Marble", "Wood",       "Union",         "Intersection", "Difference"};
+constexpr std::array<std::string_view, 25> kObjects{
+    "Camera",    "PointLight", "ParallelLight", "SpotLight",    "CylinderLight",
+    "Material",  "Background", "Sphere",        "Box",          "Plane",
+    "HalfPlane", "Disc",       "Triangle",      "Cylinder",     "Cone",
+    "Torus",     "Mesh",       "Checker",       "Noise",        "Turbulence",
+    "Marble",    "Wood",       "Union",         "Intersection", "Difference"};
 
 }  // namespace
 
@@ -154,8 +130,7 @@ std::vector<std::string> crt_object_names() { return {kObjects.begin(), kObjects
 
 CrtValue make_crt_object(std::string_view name, CrtAttributes& attributes, CrtHeap& heap) {
   if (name == "Camera") return make_crt_camera(attributes, heap);
-  if (name == "PointLight") return make_point_light(attributes, heap);
-  if (name == "ParallelLight") return make_parallel_light(attributes, heap);
+  if (name.ends_with("Light")) return make_crt_light(name, attributes, heap);
   if (name == "Material") return make_material(attributes, heap);
   if (name == "Background") return make_background(attributes, heap);
   if (name == "Checker") return make_checker(attributes, heap);

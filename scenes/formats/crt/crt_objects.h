@@ -15,6 +15,7 @@ CrtValue make_crt_object(std::string_view name, CrtAttributes& attributes, CrtHe
 
 // By kind; each file has its own.
 CrtValue make_crt_camera(CrtAttributes& attributes, CrtHeap& heap);
+CrtValue make_crt_light(std::string_view name, CrtAttributes& attributes, CrtHeap& heap);
 CrtValue make_crt_shape(std::string_view name, CrtAttributes& attributes, CrtHeap& heap);
 
 void put(const Vec3& from, v1::Vec3* to);

@@ -32,6 +32,8 @@ struct CrtTexture {
 struct CrtMaterial {
   v1::Material message;
   const CrtTexture* color = nullptr;  ///< of the surface, if it is not one colour
+  const CrtTexture* bump = nullptr;
+  double bump_height = 0;
 };
 struct CrtBackground {
   v1::Background message;

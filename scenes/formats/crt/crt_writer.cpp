@@ -149,6 +149,10 @@ class Writer {
     if (one_sided) made.set_sides(v1::Material::FRONT_ONLY);
     if (material.color)
       made.mutable_classic()->mutable_diffuse()->set_texture(texture_name(*material.color));
+    if (material.bump) {
+      made.mutable_bump()->set_texture(texture_name(*material.bump));
+      made.mutable_bump()->set_value(material.bump_height);
+    }
     return at->second;
   }
 

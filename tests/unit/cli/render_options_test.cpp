@@ -146,5 +146,30 @@ TEST(OutputSettings, AreTheScenes) {
   EXPECT_EQ(code_of([&] { output_settings("a.tessera", output); }), ExitCode::bad_scene);
 }
 
+TEST(OutputSettings, OptionsAreLaidOverTheScene) {
+  v1::Output output;
+  output.set_tone_map(v1::Output::FILMIC);
+  output.set_transfer(v1::Output::DISPLAY);
+  output.set_exposure(1);
+  EXPECT_EQ(output_settings("a.tessera", output).tone_curve, ToneCurve::filmic);
+  OutputSettings laid_over = output_settings("a.tessera", output, {.exposure = -2});
+  EXPECT_EQ(laid_over.tone_curve, ToneCurve::filmic);
+  EXPECT_EQ(laid_over.transfer, TransferCurve::display);
+  EXPECT_EQ(laid_over.exposure, -2);
+  laid_over =
+      output_settings("a.tessera", output, {.tone_map = "reinhard-luminance", .gamma = 1.8});
+  EXPECT_EQ(laid_over.tone_curve, ToneCurve::reinhard_luminance);
+  EXPECT_EQ(laid_over.transfer, TransferCurve::gamma);
+  EXPECT_EQ(laid_over.gamma, 1.8);
+  EXPECT_EQ(output_settings("a.tessera", output, {.transfer = "srgb", .gamma = 3}).transfer,
+            TransferCurve::srgb);
+  const ToneCurve curves[] = {ToneCurve::clamp, ToneCurve::reinhard, ToneCurve::reinhard_luminance,
+                              ToneCurve::filmic, ToneCurve::linear};
+  for (size_t i = 0; i < tone_map_names().size(); ++i) {
+    EXPECT_EQ(output_settings("a.tessera", output, {.tone_map = tone_map_names()[i]}).tone_curve,
+              curves[i]);
+  }
+}
+
 }  // namespace
 }  // namespace tessera

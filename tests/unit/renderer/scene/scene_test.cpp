@@ -58,6 +58,27 @@ TEST(Scene, scopes_hold_their_own_lights_only) {
   }
 }
 
+TEST(Scene, planes_that_no_light_is_behind_are_left_out_of_shadow_rays) {
+  const auto scene = [](const std::string& sides, const std::string& light) {
+    return build("materials { name: 'm' " + sides + " } nodes { light { " + light +
+                 " } } nodes { shape { materials: 'm' plane {} } } nodes { shape { sphere {} } }");
+  };
+  const auto left_out = [](const std::shared_ptr<const Scene>& built) {
+    return built->counters.contains("planes_without_shadow");
+  };
+  const std::string above = "point { position { x: 3 y: 2 } }",
+                    below = "point { position { y: -2 } }";
+  const auto lit_from_above = scene("sides: FRONT_ONLY", above);
+  EXPECT_TRUE(left_out(lit_from_above));
+  EXPECT_EQ(lit_from_above->opaque_occluders->statistics().primitives, 1u);
+  EXPECT_EQ(lit_from_above->surfaces->statistics().primitives, 2u);
+  EXPECT_TRUE(left_out(scene("sides: FRONT_ONLY", "directional { direction { y: -1 } }")));
+  EXPECT_FALSE(left_out(scene("sides: FRONT_ONLY", below)));
+  EXPECT_FALSE(left_out(scene("sides: FRONT_ONLY", "directional { direction { y: 1 } }")));
+  EXPECT_FALSE(left_out(scene("sides: FRONT_ONLY", "point { position { x: 5 } }")));
+  EXPECT_FALSE(left_out(scene("", above)));
+}
+
 TEST(Scene, too_many_lights_are_refused) {
   std::string text = "objects { name: 'o' ";
   for (int i = 0; i < 400; ++i) text += "nodes { light { point {} } } ";

@@ -58,6 +58,20 @@ TEST(Sphere, SurfaceHasNormalAndTextureCoordinatesOfX3d) {
   EXPECT_DOUBLE_EQ(sphere.surface(left, *closest(sphere, left)).uv.x, 0.25);
 }
 
+TEST(Sphere, WithoutTextureCoordinatesTheRestStays) {
+  const Sphere full({1, 2, 3}, 2), bare({1, 2, 3}, 2, false);
+  const Ray ray{{0.5, 2.5, 9}, {0.05, -0.1, -1}};
+  Hit hit;
+  ASSERT_TRUE(bare.closest_hit(ray, hit, counters));
+  const LocalSurface a = full.surface(ray, hit), b = bare.surface(ray, hit);
+  EXPECT_EQ(a.point, b.point);
+  EXPECT_EQ(a.point_error, b.point_error);
+  EXPECT_EQ(a.geometric_normal, b.geometric_normal);
+  EXPECT_NE(a.uv, Vec2{});
+  EXPECT_EQ(b.uv, Vec2{});
+  EXPECT_EQ(b.dpdu, Vec3{});
+}
+
 TEST(Plane, SeesItsFrontAndItsBack) {
   const Plane plane({0, 2, 0}, 1);
   Ray down{{0, 4, 0}, {1, -1, 0}};

@@ -100,6 +100,47 @@ TEST(CrtScene, LightsReachAllTheWay) {
   EXPECT_FALSE(sun.has_attenuation());
 }
 
+TEST(CrtScene, SpotsAndRoundBeams) {
+  const v1::Scene scene = scene_of(
+      "l = SpotLight { origin -> vec3(1, 2, 3) pointing -> vec3(1, 0, 3) color -> rgb(1, 1, 1) "
+      "angle -> 30 beam -> 20 falloff -> 5 }\n"
+      "s = CylinderLight { origin -> vec3(0, 2, 0) pointing -> vec3(3, 2, 0) color -> rgb(1, 1, 1) "
+      "radius -> .5 ambient -> .1 }",
+      "", "lights -> [l, s]");
+  ASSERT_EQ(scene.nodes_size(), 2);
+  const v1::Light::Spot& spot = scene.nodes(0).light().spot();
+  EXPECT_EQ(spot.position().z(), 3);
+  EXPECT_EQ(spot.direction().y(), -1);
+  EXPECT_EQ(spot.cut_off(), 30);
+  EXPECT_EQ(spot.beam_width(), 20);
+  EXPECT_EQ(scene.nodes(0).light().attenuation().scale(), 5);
+  const v1::Light& beam = scene.nodes(1).light();
+  EXPECT_EQ(beam.cylinder().direction().x(), 1);
+  EXPECT_EQ(beam.cylinder().beam_radius(), .5);
+  EXPECT_EQ(beam.ambient_intensity(), .1);
+  EXPECT_THAT(complaint_of("l = SpotLight { origin -> vec3(1, 2, 3) pointing -> vec3(1, 2, 3) "
+                           "color -> rgb(1, 1, 1) angle -> 20 }"),
+              HasSubstr("a light where it points to"));
+  EXPECT_THAT(complaint_of("l = SpotLight { origin -> vec3(1, 2, 3) pointing -> vec3(1, 0, 3) "
+                           "color -> rgb(1, 1, 1) angle -> 20 beam -> 21 }"),
+              HasSubstr("beam"));
+}
+
+TEST(CrtScene, GlassAbsorbsAndReliefBumps) {
+  const v1::Scene scene = scene_of(
+      "g = Material { color -> rgb(1, 1, 1) transparency -> .9 refractIndex -> 1.5 "
+      "absorption -> rgb(.5, 1, 2) bump -> Noise { frequency -> 4 } bumpheight -> .2 }",
+      "Sphere { center -> vec3(0,0,0) radius -> 1 material -> g }");
+  const v1::Material& glass = scene.materials(0);
+  EXPECT_EQ(glass.classic().absorption().b(), 2);
+  EXPECT_EQ(glass.classic().refractive_index(), 1.5);
+  EXPECT_EQ(glass.bump().value(), .2);
+  ASSERT_EQ(scene.textures_size(), 1);
+  EXPECT_EQ(glass.bump().texture(), scene.textures(0).name());
+  EXPECT_THAT(complaint_of("g = Material { color -> rgb(1, 1, 1) absorption -> rgb(0, -1, 0) }"),
+              HasSubstr("absorption"));
+}
+
 TEST(CrtScene, MaterialsShareOutTheirLight) {
   const v1::Scene scene = scene_of("r = Material { color -> rgb(1, .5, 1.6) reflectivity -> .25 }",
                                    "Sphere { center -> vec3(0,0,0) radius -> 1 material -> r }");
