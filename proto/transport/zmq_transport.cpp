@@ -264,9 +264,10 @@ class ZmqClient final : public ClientTransport {
     line.socket.set(zmq::sockopt::reconnect_ivl, kReconnectMs);
     line.socket.set(zmq::sockopt::reconnect_ivl_max, kReconnectMaxMs);
     if (endpoint.host.starts_with("[")) line.socket.set(zmq::sockopt::ipv6, 1);
-    try {
-      line.socket.connect(endpoint.str());
-    } catch (const zmq::error_t& error) {
+    // A signal may come at any moment; who is told to end by one shall do so in order.
+    while (zmq_connect(line.socket.handle(), endpoint.str().c_str()) != 0) {
+      const zmq::error_t error;
+      if (error.num() == EINTR) continue;
       throw usage_error(
           fmt::format("cannot connect to endpoint '{}': {}; expected that of a "
                       "coordinator",

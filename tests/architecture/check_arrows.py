@@ -43,6 +43,8 @@ WALLS = [
     (["coordinator"], ["worker", "cli", "bench", "scenes", "renderer/accel", "renderer/integrator",
                        "renderer/scene", "renderer/render"],
      "the coordinator neither traces nor knows the worker's code"),
+    (["coordinator/store"], ["renderer/accel", "renderer/scene", "scenes", "worker", "cli"],
+     "a store keeps tiles and knows nothing of what traces them"),
     (["worker"], ["coordinator", "cli", "bench", "scenes", "renderer/image"],
      "the worker knows neither the coordinator's code nor files"),
 ]

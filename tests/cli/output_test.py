@@ -87,7 +87,8 @@ class Render(TesseraTest):
         for name in ("hits", "primitive_tests", "bytes_shipped", "peak_memory_bytes"):
             self.assertGreater(stats[name], 0, name)
         self.assertGreaterEqual(stats["node_visits"], 0)
-        self.assertEqual({"total": 6, "done": 6, "failed": 0, "retries": 0, "mismatches": 0},
+        self.assertEqual({"total": 6, "done": 6, "restored": 0, "failed": 0, "retries": 0,
+                          "mismatches": 0},
                          {k: v for k, v in stats["tiles"].items()
                           if k not in ("speculative", "duplicates")})
         self.assertEqual(stats["bytes_shipped"], sum(stats["bytes"].values()))
