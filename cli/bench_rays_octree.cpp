@@ -112,6 +112,12 @@ void add_tracing_benches(CLI::App& bench, Action& action) {
   auto options = std::make_shared<TracingBenchOptions>();
   CLI::App* rays_command = bench.add_subcommand("rays", "Rays a second, beside Embree's");
   rays_command->add_option("SCENE", options->scenes, "Files, or as icosphere:6 [icosphere:6]");
+  rays_command->footer(
+      "Rays of each kind through each of our accelerators and Embree's, by turns; the hits that\n"
+      "differ are counted. Scenes are of triangles only; icosphere:N and soup:N are made up.\n"
+      "Examples:\n"
+      "  tessera bench rays bunny.obj\n"
+      "  tessera bench rays icosphere:6 soup:100000 --rounds 9 --json rays.json");
   add_common(*rays_command, *options, options->rays.rounds);
   rays_command->callback([options, &action] {
     if (options->scenes.empty()) options->scenes = {"icosphere:6"};
@@ -121,6 +127,12 @@ void add_tracing_benches(CLI::App& bench, Action& action) {
   octree_command->add_option(
       "SCENE", options->scenes,
       fmt::format("{}, or files [the study's]", fmt::join(octree_scene_names(), ", ")));
+  octree_command->footer(
+      "Node visits and object tests a ray, and seconds, of the uniform and the non-uniform "
+      "octree.\n"
+      "Examples:\n"
+      "  tessera bench octree teapot --size 960x540\n"
+      "  tessera bench octree --compare                     every scene through every tree");
   add_common(*octree_command, *options, options->octree.rounds);
   octree_command
       ->add_option_function<std::string>(

@@ -8,6 +8,8 @@
 
 #include "base/digest.h"
 #include "cli/command_line.h"
+#include "cli/picture_warnings.h"
+#include "cli/plural.h"
 #include "cli/render_options.h"
 #include "cli/say.h"
 #include "proto/wire/scene_codec.h"
@@ -54,6 +56,9 @@ SceneInfo inspect(const std::string& path) {
                  .warnings = loaded.warnings};
   check_builds(path, loaded, info.frame);
   for (const auto& [digest, data] : loaded.blobs.all()) info.blob_bytes += data->size();
+  for (const std::string& warning : picture_warnings(options, loaded)) {
+    info.warnings.push_back(warning);
+  }
   for (const v1::Camera& camera : loaded.scene.cameras()) info.cameras.push_back(camera.name());
   return info;
 }
@@ -80,8 +85,8 @@ void print_list(const char* title, const std::vector<std::string>& lines) {
 
 void print_text(const SceneInfo& info) {
   say("{:<20} {}\n", "digest", info.digest);
-  say("{:<20} {}x{}, {} samples per pixel\n", "picture", info.frame.width(), info.frame.height(),
-      info.frame.samples_per_pixel());
+  say("{:<20} {}x{}, {} per pixel\n", "picture", info.frame.width(), info.frame.height(),
+      counted(info.frame.samples_per_pixel(), "sample"));
   say("{:<20} {}\n", "bytes of blobs", info.blob_bytes);
   for (const auto& [what, count] : info.summary.counts) say("{:<20} {}\n", what, count);
   for (size_t i = 0; i < info.cameras.size(); ++i) {

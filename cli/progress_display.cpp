@@ -1,11 +1,13 @@
 #include "cli/progress_display.h"
-#include "cli/say.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <utility>
+
+#include "cli/plural.h"
+#include "cli/say.h"
 
 namespace tessera {
 namespace {
@@ -45,7 +47,7 @@ std::string progress_text(const JobProgress& progress, bool with_bar) {
   text +=
       fmt::format("{:3.0f} %  {}/{} tiles", share * 100, progress.tiles_done, progress.tiles_total);
   if (progress.workers > 0) {
-    text += fmt::format("  {} worker{}", progress.workers, progress.workers == 1 ? "" : "s");
+    text += "  " + counted(progress.workers, "worker");
   }
   if (progress.remaining_seconds >= 0 && progress.tiles_done < progress.tiles_total) {
     text += fmt::format("  ETA {}", duration_text(progress.remaining_seconds));

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "base/digest.h"
 #include "base/file.h"
@@ -14,6 +15,8 @@
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
 #include "cli/output_settings.h"
+#include "cli/picture_warnings.h"
+#include "cli/plural.h"
 #include "cli/progress_display.h"
 #include "cli/render_options.h"
 #include "cli/say.h"
@@ -59,6 +62,7 @@ class RenderRun {
   explicit RenderRun(const RenderOptions& options) : options_(options) {}
 
   ExitCode run() {
+    check_options();
     check_outputs();
     if (options_.resume) store_ = std::make_shared<SqliteTileStore>(store_path());
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
@@ -77,7 +81,10 @@ class RenderRun {
   ExitCode render_frames() {
     if (!options_.frames) return render_frame(std::nullopt, true);
     for (int frame = options_.frames->first; frame <= options_.frames->last; ++frame) {
-      if (loaded_.depends_on_frame && frame > options_.frames->first) read(frame);
+      if (frame > options_.frames->first) {
+        began_ = Clock::now();
+        if (loaded_.depends_on_frame) read(frame);
+      }
       const bool last = frame == options_.frames->last;
       if (const ExitCode code = render_frame(frame, last); code != ExitCode::done) return code;
       ++frames_written_;
@@ -95,6 +102,20 @@ class RenderRun {
     return frame ? numbered_path(path, *frame) : path;
   }
 
+  /// What excludes each other, and what has no place in a pipe.
+  void check_options() const {
+    if (options_.frames && options_.time) {
+      throw usage_error("--time: a frame of --frames has its own instant; expected one of the two");
+    }
+    if (options_.scene == "-") {
+      throw usage_error("SCENE: '-'; expected a file: standard input is not read");
+    }
+    for (const auto& path : options_.outputs) {
+      if (path != "-") continue;
+      throw usage_error("--output: '-'; expected a file: no picture goes to standard output");
+    }
+  }
+
   /// What cannot be written in the end is better known before.
   void check_outputs() const {
     if (options_.resume && options_.connect) {
@@ -102,7 +123,9 @@ class RenderRun {
     }
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
     for (const auto& path : picture_paths(options_)) check_writable(path_for(path, first));
-    if (options_.stats) check_output_file(path_for(*options_.stats, first), "--stats");
+    if (options_.stats && !stats_to_standard_output(options_)) {
+      check_output_file(path_for(*options_.stats, first), "--stats");
+    }
     check_distinct();
     check_input_file(options_.scene, UINT64_MAX);
   }
@@ -115,7 +138,7 @@ class RenderRun {
       throw usage_error(fmt::format("{}: '{}' is given twice", option, path.string()));
     };
     for (const auto& path : picture_paths(options_)) take("--output", path);
-    if (options_.stats) take("--stats", *options_.stats);
+    if (options_.stats && !stats_to_standard_output(options_)) take("--stats", *options_.stats);
   }
 
   std::unique_ptr<TracingFarm> start_farm() const {
@@ -137,6 +160,9 @@ class RenderRun {
     if (options_.quiet) return;
     for (const std::string& warning : loaded_.warnings) {
       say(stderr, "tessera: warning: {}\n", warning);
+    }
+    for (const std::string& warning : picture_warnings(options_, loaded_)) {
+      if (warned_.insert(warning).second) say(stderr, "tessera: warning: {}\n", warning);
     }
   }
 
@@ -166,8 +192,9 @@ class RenderRun {
                              report.tiles_done, report.tiles_total, store_path().string())
                : "no tile was kept, as --resume does";
     if (!options_.frames) return "no picture was written; " + kept;
-    return fmt::format("{} of {} frames were written; of the next, {}", frames_written_,
-                       options_.frames->last - options_.frames->first + 1, kept);
+    const int frames = options_.frames->last - options_.frames->first + 1;
+    return fmt::format("{} of {} {} written; of the next, {}", frames_written_,
+                       counted(frames, "frame"), frames == 1 ? "was" : "were", kept);
   }
 
   JobResult trace(const v1::FrameSettings& settings, std::optional<int> frame, bool last) {
@@ -218,7 +245,7 @@ class RenderRun {
                                .frame = settings,
                                .width = result.film.width(),
                                .height = result.film.height(),
-                               .seconds = {.parse = parse_seconds_,
+                               .seconds = {.parse = std::exchange(parse_seconds_, 0),
                                            .write = seconds_since(start),
                                            .total = seconds_since(began_)},
                                .report = result.report,
@@ -226,32 +253,42 @@ class RenderRun {
                                .pixels_sha256 = {}};
     if (options_.stats) {
       statistics.pixels_sha256 = result.film.pixels_sha256();
-      write_output_file(path_for(*options_.stats, frame),
-                        statistics_json(statistics).dump(2) + "\n");
+      const std::string text = statistics_json(statistics).dump(2) + "\n";
+      if (stats_to_standard_output(options_)) {
+        say("{}", text);
+        std::fflush(stdout);
+      } else {
+        write_output_file(path_for(*options_.stats, frame), text);
+      }
     }
-    if (!options_.quiet) print_end(result, statistics, frame);
+    if (!options_.quiet && !stats_to_standard_output(options_)) {
+      print_end(result, statistics, frame);
+    }
   }
 
   void print_end(const JobResult& result, const FrameStatistics& statistics,
                  std::optional<int> frame) const {
     for (const auto& path : picture_paths(options_)) {
-      say("{}  {}x{}, {} tiles by {} workers, {} retries, {}\n", path_for(path, frame).string(),
-          result.film.width(), result.film.height(), result.report.tiles_done,
-          result.report.workers_seen, result.report.retries,
-          duration_text(statistics.seconds.total));
+      const JobReport& report = result.report;
+      const std::string retries =
+          report.retries == 1 ? "1 retry" : fmt::format("{} retries", report.retries);
+      say("{}  {}x{}, {} by {}, {}, {}\n", path_for(path, frame).string(), result.film.width(),
+          result.film.height(), counted(report.tiles_done, "tile"),
+          counted(report.workers_seen, "worker"), retries, duration_text(statistics.seconds.total));
     }
     std::fflush(stdout);
   }
 
   const RenderOptions& options_;
-  Clock::time_point began_ = Clock::now();
+  Clock::time_point began_ = Clock::now();  ///< the work on this frame
   std::unique_ptr<TracingFarm> farm_;
   std::shared_ptr<SqliteTileStore> store_;  ///< null: tiles are not kept
   LoadedScene loaded_;
   std::string scene_digest_;
-  double parse_seconds_ = 0;
+  double parse_seconds_ = 0;  ///< of what was read for this frame
   uint64_t peak_worker_bytes_ = 0;
   int frames_written_ = 0;
+  std::set<std::string> warned_;  ///< each once, not once a frame
 };
 
 }  // namespace

@@ -66,7 +66,7 @@ Complaint expectation(const std::string& message) {
   if (found.starts_with("found ")) found = found.substr(6, found.size() - 7);
   if (found.size() >= 2 && found.front() == '"') found = found.substr(1, found.size() - 2);
   if (expected.size() >= 2 && expected.front() == '"')
-    expected = "'" + expected.substr(1, expected.size() - 2) + "'";
+    expected = fmt::format("'{}'", expected.substr(1, expected.size() - 2));
   if (expected == "identifier") expected = "a field's name";
   if (expected == "integer") expected = "an integer in the field's range";
   if (expected == "double" || expected == "float") expected = "a number";
