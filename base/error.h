@@ -20,8 +20,10 @@ struct SourcePlace {
 /// The process exit codes of the command-line contract.
 enum class ExitCode { done = 0, bad_scene = 1, bad_usage = 2, render_failed = 3, interrupted = 4 };
 
-/// What the user has to know of a failure that is not our own bug: thrown where it is found, caught
-/// once in the command line. Messages read "place: what was found; what was expected".
+/// What the user has to know of a failure that is not our own bug: thrown where it is found, told
+/// in the command line. Between them it is caught only to add the place that the thrower did not
+/// know, or where one job or worker fails and others go on. Messages read "place: what was found;
+/// what was expected".
 class Error : public std::runtime_error {
  public:
   Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}

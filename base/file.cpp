@@ -202,6 +202,11 @@ std::optional<fs::path> resolve_inside(const fs::path& folder, const std::string
   if (failure) return std::nullopt;
   const fs::path inside = target.lexically_relative(root);
   if (inside.empty() || *inside.begin() == "..") return std::nullopt;
+  // A link to nothing is not followed: it would lead out as soon as there were something.
+  fs::path part = root;
+  for (const fs::path& step : inside) {
+    if (fs::is_symlink(part /= step, failure)) return std::nullopt;
+  }
   return target;
 }
 

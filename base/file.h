@@ -29,7 +29,7 @@ void write_output_file(const std::string& path, std::string_view bytes);
 void remove_unfinished_output();
 
 /// The file that `reference`, as written in a file of `folder`, means: relative, and inside the
-/// folder even after links are followed; nothing otherwise. It need not exist.
+/// folder even after links are followed; nothing otherwise. It need not exist, its links must.
 std::optional<std::filesystem::path> resolve_inside(const std::filesystem::path& folder,
                                                     const std::string& reference);
 

@@ -18,16 +18,16 @@ struct BenchOptions {
   std::string json_file;
 };
 
-/// The rows as a table: a column a key, in the order of the first row that has it.
+/// The rows as a table of fixed columns; a cell is empty where a row lacks its key.
 void print_table(const nlohmann::json& rows) {
   say("{:<60} {:>10} {:>10} {:>7} {:>7}\n", "measure", "seconds", "reference", "ratio", "limit");
   const auto cell = [](const nlohmann::json& row, const char* key, int precision) {
     return row.contains(key) ? fmt::format("{:.{}f}", row[key].get<double>(), precision) : "";
   };
   for (const auto& row : rows) {
-    say("{:<60} {:>10} {:>10} {:>7} {:>7}\n", row["measure"].get<std::string>(),
+    say("{:<60} {:>10} {:>10} {:>7} {:>7}{}\n", row["measure"].get<std::string>(),
         cell(row, "seconds", 4), cell(row, "reference_seconds", 4), cell(row, "ratio", 3),
-        cell(row, "limit", 2));
+        cell(row, "limit", 2), row["beyond_limit"].get<bool>() ? "  BEYOND" : "");
   }
 }
 
@@ -58,6 +58,7 @@ void add_bench_command(CLI::App& app, Action& action) {
   CLI::App* farm = command->add_subcommand("farm", "What distribution costs");
   farm->footer(
       "Pairs are measured in turns; seconds are medians, ratios medians of the pairs' ratios.\n"
+      "Limits are of the ratio, or of the seconds where there is none; BEYOND marks what is over.\n"
       "Leave the machine alone meanwhile, and use a release build.\n"
       "Example:\n"
       "  tessera bench farm bunny.obj --json farm.json");

@@ -160,8 +160,13 @@ json worker_row(const BenchFarmOptions& options, const TemporaryFolder& folder) 
 
 json bench_farm(const BenchFarmOptions& options) {
   const TemporaryFolder folder;
-  return json::array({processes_row(options, folder), one_sphere_row(options, folder),
-                      worker_row(options, folder)});
+  json rows = json::array({processes_row(options, folder), one_sphere_row(options, folder),
+                           worker_row(options, folder)});
+  for (json& row : rows) {
+    const double measured = row[row.contains("ratio") ? "ratio" : "seconds"];
+    row["beyond_limit"] = measured > row["limit"].get<double>();
+  }
+  return rows;
 }
 
 }  // namespace tessera

@@ -11,8 +11,9 @@ struct BenchFarmOptions {
   int repeats = 5;
 };
 
-/// What distribution costs, one row a measure: `measure, seconds, reference_seconds, ratio, limit`.
-/// Each pair is measured in turns; seconds are medians, the ratio is the median of the pairs'.
+/// What distribution costs, one row a measure: `measure, seconds, reference_seconds, ratio, limit,
+/// beyond_limit`. Each pair is measured in turns; seconds are medians, the ratio is the median of
+/// the pairs'. What is no pair has no ratio: its limit is of the seconds.
 nlohmann::json bench_farm(const BenchFarmOptions& options);
 
 }  // namespace tessera

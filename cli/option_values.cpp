@@ -39,6 +39,16 @@ std::optional<std::vector<int>> split_numbers(std::string_view text, char separa
   }
 }
 
+void check_frame_size(std::string_view what, int64_t width, int64_t height) {
+  const bool sides_fit =
+      width >= 1 && height >= 1 && width <= kMaxFrameSide && height <= kMaxFrameSide;
+  if (!sides_fit || width * height > kMaxFramePixels) {
+    throw usage_error(
+        fmt::format("{}: {}x{}; expected sides from 1 to {} and at most {} pixels in all", what,
+                    width, height, kMaxFrameSide, kMaxFramePixels));
+  }
+}
+
 }  // namespace
 
 int64_t parse_whole(std::string_view option, std::string_view text, int64_t least, int64_t most) {
@@ -53,16 +63,6 @@ double parse_number(std::string_view option, std::string_view text) {
   const auto value = whole_text_as<double>(text);
   if (!value || !std::isfinite(*value)) throw bad_value(option, text, "a finite number");
   return *value;
-}
-
-void check_frame_size(std::string_view what, int64_t width, int64_t height) {
-  const bool sides_fit =
-      width >= 1 && height >= 1 && width <= kMaxFrameSide && height <= kMaxFrameSide;
-  if (!sides_fit || width * height > kMaxFramePixels) {
-    throw usage_error(
-        fmt::format("{}: {}x{}; expected sides from 1 to {} and at most {} pixels in all", what,
-                    width, height, kMaxFrameSide, kMaxFramePixels));
-  }
 }
 
 FrameSize parse_size(std::string_view option, std::string_view text) {

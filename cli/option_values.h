@@ -27,8 +27,6 @@ int64_t parse_whole(std::string_view option, std::string_view text, int64_t leas
 double parse_number(std::string_view option, std::string_view text);
 /// "WxH", each from 1 to kMaxFrameSide, their product at most kMaxFramePixels.
 FrameSize parse_size(std::string_view option, std::string_view text);
-/// Throws where a frame of that size is too large to render.
-void check_frame_size(std::string_view what, int64_t width, int64_t height);
 /// "X0,Y0,X1,Y1": pixels X0 <= x < X1, Y0 <= y < Y1.
 PixelRect parse_crop(std::string_view option, std::string_view text);
 /// "A-B" or "A", with 0 <= A <= B.

@@ -35,13 +35,14 @@ TransferCurve transfer_curve(v1::Output::Transfer transfer) {
 
 }  // namespace
 
-OutputSettings output_settings(const v1::Output& output) {
+OutputSettings output_settings(const std::string& scene_file, const v1::Output& output) {
   OutputSettings result;
   result.tone_curve = tone_curve(output.tone_map());
   result.transfer = transfer_curve(output.transfer());
   if (output.has_gamma()) result.gamma = output.gamma();
   if (!(result.gamma > 0)) {
-    throw scene_error(fmt::format("settings: output: gamma {}; expected above 0", result.gamma));
+    throw scene_error({scene_file}, fmt::format("settings: output.gamma is {}", result.gamma),
+                      "above 0");
   }
   result.exposure = output.exposure();
   if (output.quantization() == v1::Output::TRUNCATE) result.quantization = Quantization::truncate;
@@ -49,8 +50,10 @@ OutputSettings output_settings(const v1::Output& output) {
     result.has_response = true;
     for (int i = 0; i < 3; ++i) result.response[static_cast<size_t>(i)] = output.response(i);
   } else if (output.response_size() != 0) {
-    throw scene_error(fmt::format("settings: output: response has {} numbers; expected 3 or none",
-                                  output.response_size()));
+    throw scene_error(
+        {scene_file},
+        fmt::format("settings: output.response has {} numbers", output.response_size()),
+        "3 or none");
   }
   return result;
 }

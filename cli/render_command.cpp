@@ -12,11 +12,11 @@
 #include "base/digest.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/plural.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
 #include "cli/output_settings.h"
 #include "cli/picture_warnings.h"
-#include "cli/plural.h"
 #include "cli/progress_display.h"
 #include "cli/render_options.h"
 #include "cli/say.h"
@@ -104,6 +104,13 @@ class RenderRun {
 
   /// What excludes each other, and what has no place in a pipe.
   void check_options() const {
+    if (options_.connect && (options_.workers || options_.threads)) {
+      throw usage_error(fmt::format("{}: cannot be chosen with --connect, whose farm has its own",
+                                    options_.workers ? "--workers" : "--threads"));
+    }
+    if (options_.resume && options_.connect) {
+      throw usage_error("--resume: tiles are kept where the coordinator is; expected no --connect");
+    }
     if (options_.frames && options_.time) {
       throw usage_error("--time: a frame of --frames has its own instant; expected one of the two");
     }
@@ -118,9 +125,6 @@ class RenderRun {
 
   /// What cannot be written in the end is better known before.
   void check_outputs() const {
-    if (options_.resume && options_.connect) {
-      throw usage_error("--resume: tiles are kept where the coordinator is; expected no --connect");
-    }
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
     for (const auto& path : picture_paths(options_)) check_writable(path_for(path, first));
     if (options_.stats && !stats_to_standard_output(options_)) {
@@ -168,7 +172,8 @@ class RenderRun {
 
   ExitCode render_frame(std::optional<int> frame, bool last) {
     const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
-    const OutputSettings output = output_settings(loaded_.scene.settings().output());
+    const OutputSettings output =
+        output_settings(options_.scene, loaded_.scene.settings().output());
     const JobResult result = trace(settings, frame, last);
     const JobReport& report = result.report;
     if (report.end == JobReport::End::interrupted) {
@@ -237,7 +242,9 @@ class RenderRun {
     const ImageMetadata metadata{.scene_digest = scene_digest_,
                                  .seed = settings.seed(),
                                  .samples_per_pixel = settings.samples_per_pixel(),
-                                 .render_seconds = result.report.trace_seconds};
+                                 .render_seconds = result.report.trace_seconds,
+                                 .frame_width = static_cast<int>(settings.width()),
+                                 .frame_height = static_cast<int>(settings.height())};
     for (const auto& path : picture_paths(options_)) {
       write_image(path_for(path, frame), result.film, output, metadata);
     }

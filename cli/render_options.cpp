@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "cli/plural.h"
+#include "base/plural.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/scene/read_settings.h"
 
@@ -124,11 +124,12 @@ void add_report_options(CLI::App& command, RenderOptions& options) {
 }
 
 /// The default where the scene leaves a number out; else the number, held against its range.
-int64_t ranged_setting(const char* what, bool present, int64_t value, int64_t fallback,
-                       int64_t most) {
+int64_t ranged_setting(const std::string& scene_file, const char* what, bool present, int64_t value,
+                       int64_t fallback, int64_t most) {
   if (!present) return fallback;
   if (value < 1 || value > most) {
-    throw scene_error(fmt::format("settings: {} is {}; expected 1 to {}", what, value, most));
+    throw scene_error({scene_file}, fmt::format("settings: {} is {}", what, value),
+                      fmt::format("1 to {}", most));
   }
   return value;
 }
@@ -160,11 +161,14 @@ std::string named_setting(const std::string& scene_file, const char* what,
 
 double frame_time(const RenderOptions& options, const v1::Settings& settings,
                   std::optional<int> frame) {
-  if (options.time) return *options.time;
-  if (!frame) return settings.time();
   const double rate =
       settings.frames().has_per_second() ? settings.frames().per_second() : kDefaultFramesPerSecond;
-  if (!(rate > 0)) throw scene_error(fmt::format("settings: {} frames per second", rate));
+  if (!(rate > 0)) {
+    throw scene_error({options.scene}, fmt::format("settings: frames.per_second is {}", rate),
+                      "above 0");
+  }
+  if (options.time) return *options.time;
+  if (!frame) return settings.time();
   return *frame / rate;
 }
 
@@ -201,20 +205,21 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
     result.set_width(static_cast<uint32_t>(options.size->width));
     result.set_height(static_cast<uint32_t>(options.size->height));
   } else {
-    const int64_t width = ranged_setting("width", settings.has_width(), settings.width(),
-                                         kDefaultWidth, kMaxFrameSide);
-    const int64_t height = ranged_setting("height", settings.has_height(), settings.height(),
-                                          kDefaultHeight, kMaxFrameSide);
+    const int64_t width = ranged_setting(options.scene, "width", settings.has_width(),
+                                         settings.width(), kDefaultWidth, kMaxFrameSide);
+    const int64_t height = ranged_setting(options.scene, "height", settings.has_height(),
+                                          settings.height(), kDefaultHeight, kMaxFrameSide);
     if (width * height > kMaxFramePixels) {
-      throw scene_error(
-          fmt::format("settings: {}x{} are more than {} pixels", width, height, kMaxFramePixels));
+      throw scene_error({options.scene},
+                        fmt::format("settings: a frame of {}x{} pixels", width, height),
+                        fmt::format("at most {} in all", kMaxFramePixels));
     }
     result.set_width(static_cast<uint32_t>(width));
     result.set_height(static_cast<uint32_t>(height));
   }
-  result.set_samples_per_pixel(options.samples_per_pixel.value_or(
-      static_cast<uint32_t>(ranged_setting("samples_per_pixel", sampling.has_samples_per_pixel(),
-                                           sampling.samples_per_pixel(), 1, kMaxSamplesPerPixel))));
+  result.set_samples_per_pixel(options.samples_per_pixel.value_or(static_cast<uint32_t>(
+      ranged_setting(options.scene, "samples_per_pixel", sampling.has_samples_per_pixel(),
+                     sampling.samples_per_pixel(), 1, kMaxSamplesPerPixel))));
   result.set_seed(options.seed.value_or(sampling.seed()));
   result.set_integrator(named_setting(options.scene, "integrator.kind", options.integrator,
                                       settings.integrator().kind(), integrator_names()));

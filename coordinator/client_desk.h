@@ -53,7 +53,6 @@ class ClientDesk {
 
  private:
   void on_submit(const PeerId& peer, const v1::SubmitJob& request, Time now);
-  /// The running state of the client's job is `progress`, if it is known to be running.
   void on_query(const PeerId& peer, const v1::JobQuery& query, Time now);
   void on_release(const v1::JobRelease& release);
   struct Submission {
@@ -74,6 +73,7 @@ class ClientDesk {
   void advance(uint64_t id, Submission& submission, Time now);
   void answer(const Submission& submission);
   std::optional<JobSpec> read_spec(Submission& submission);
+  void log_end(uint64_t id, const JobReport& report) const;
   void fail(Submission& submission, ExitCode code, const std::string& why);
 
   CoordinatorOptions options_;

@@ -56,7 +56,7 @@ class Coordinator {
   /// better killed and replaced.
   std::vector<pid_t> take_stuck_processes();
   /// Adds to the running job's report.
-  void note_assembling(double seconds);
+  void note_assembling(Time spent);
 
   const WorkerRegistry& workers() const { return workers_; }
 

@@ -8,10 +8,9 @@
 
 namespace tessera {
 
-/// When the coordinator gives up on whom. Lengths of time, all above zero.
+/// How a coordinator behaves; the defaults are for a farm.
 struct CoordinatorOptions {
-  /// Another at each start of a coordinator, below 2^44; 0: RenderLoop takes it from the clock.
-  uint64_t epoch = 0;
+  // When it gives up on whom: lengths of time, all above zero.
   Time heartbeat = std::chrono::seconds(1);
   Time suspect_after = std::chrono::seconds(3);   ///< silence: no new work for it
   Time lost_after = std::chrono::seconds(5);      ///< silence: its work is given to others
@@ -20,14 +19,21 @@ struct CoordinatorOptions {
   Time client_timeout = std::chrono::seconds(15);
   /// A second copy of a tile is issued no sooner than this after the first.
   Time speculate_after = std::chrono::milliseconds(100);
+
+  // How much it takes on.
   /// What all submissions of clients together may come to take: blobs, scenes and films.
   uint64_t client_budget_bytes = uint64_t{32} << 30;
-  int expected_workers = 4;      ///< for the choice of a tile size
+  int expected_workers = 4;  ///< threads that trace, for the choice of a tile size; above 0
+
+  // What it tells workers of itself.
+  uint32_t protocol_major = kProtocolMajor;
+  std::string numerics_id = kNumericsId;
+
+  // What RenderLoop fills in, from its transport, this host and the clock.
   bool compress_pixels = false;  ///< saves network, costs time: for workers on other machines
   std::string bulk_endpoint;     ///< as in Welcome
   std::string host;              ///< of the coordinator: whose process ids are its own
-  uint32_t protocol_major = kProtocolMajor;
-  std::string numerics_id = kNumericsId;
+  uint64_t epoch = 0;            ///< another at each start of a coordinator, below 2^44
 };
 
 }  // namespace tessera

@@ -25,6 +25,7 @@ constexpr int kMessagesPerRound = 256;
 
 CoordinatorOptions completed(CoordinatorOptions options, const ServerTransport& transport) {
   options.bulk_endpoint = transport.bulk_endpoint();
+  options.compress_pixels = transport.endpoint().starts_with("tcp://");
   // Workers of the coordinator that was here before must not take our jobs for its.
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
   if (options.epoch == 0) {
@@ -52,19 +53,21 @@ JobResult RenderLoop::run(JobSpec job, const ProgressCallback& progress,
   const uint64_t id = coordinator_->submit(std::move(job), monotonic_now());
   tiles_done_ = 0;
   Time next_progress{};
-  std::optional<JobResult> result;
-  while (!(result = coordinator_->take_result(id))) {
+  while (true) {
     deliver();
     step(kLongestWait);
     const Time now = monotonic_now();
     if (stop) coordinator_->interrupt(id, now);
+    // Of a job that has ended there is no progress.
+    if (auto result = coordinator_->take_result(id)) {
+      deliver();
+      return std::move(*result);
+    }
     if (progress && now >= next_progress) {
       progress(coordinator_->progress(now));
       next_progress = now + kTellProgress;
     }
   }
-  deliver();
-  return std::move(*result);
 }
 
 void RenderLoop::serve(const std::atomic<bool>& stop) {
@@ -110,12 +113,12 @@ void RenderLoop::receive() {
     }
     // Counted before the job may end with this very band, so the writing of the last one is not.
     if (message->has_tile_band()) {
-      coordinator_->note_assembling(to_seconds(monotonic_now() - start));
+      coordinator_->note_assembling(monotonic_now() - start);
     }
     const Time handling = monotonic_now();
     coordinator_->on_message(received->channel, received->peer, *message, handling);
     if (message->has_tile_band()) {
-      coordinator_->note_assembling(to_seconds(monotonic_now() - handling));
+      coordinator_->note_assembling(monotonic_now() - handling);
     }
     deliver();
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "proto/wire/printable.h"
 
@@ -59,7 +60,6 @@ WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hel
   WorkerRecord& worker = it->second;
   if (inserted) {
     worker.id = hello.worker_id();
-    ++seen_;
   } else if (hello.session() < worker.hello.session()) {
     return {};
   }
@@ -74,6 +74,7 @@ WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hel
   worker.hello = hello;
   worker.last_heard = now;
   worker.state = WorkerState::active;
+  count(worker);
   if (anew) {
     worker.ready_job = 0;
     worker.foreign = 0;
@@ -103,7 +104,20 @@ bool WorkerRegistry::heard(WorkerRecord& worker, Time now) {
   const bool back = worker.state == WorkerState::lost;
   worker.state = WorkerState::active;
   worker.last_heard = now;
+  count(worker);
   return back;
+}
+
+void WorkerRegistry::count(WorkerRecord& worker) {
+  if (!std::exchange(worker.counted, true)) ++seen_;
+}
+
+void WorkerRegistry::start_counting() {
+  seen_ = lost_ = 0;
+  for (auto& [id, worker] : workers_) {
+    worker.counted = false;
+    if (worker.state != WorkerState::lost) count(worker);
+  }
 }
 
 void WorkerRegistry::lose(WorkerRecord& worker) {

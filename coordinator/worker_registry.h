@@ -30,6 +30,7 @@ struct WorkerRecord {
   uint64_t ready_job = 0;  ///< the job whose scene it has built; 0: none
   Time told_job{};         ///< when it was last sent the running job
   size_t foreign = 0;      ///< tiles that keep it busy though they are no longer its own
+  bool counted = false;    ///< in WorkerRegistry::seen()
 
   /// "host:process", for messages.
   std::string name() const;
@@ -70,10 +71,16 @@ class WorkerRegistry {
   std::vector<WorkerRecord*> present();
   int present_count() const;
 
+  /// Counts anew from here on: those present, and who comes or is lost later.
+  void start_counting();
+  /// Different workers that there were.
   uint64_t seen() const { return seen_; }
+  /// How often one of them was lost.
   uint64_t lost() const { return lost_; }
 
  private:
+  void count(WorkerRecord& worker);
+
   CoordinatorOptions options_;
   std::map<WorkerId, WorkerRecord> workers_;
   std::unordered_map<PeerId, WorkerId> by_peer_;

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <random>
+#include <utility>
 #include <variant>
 
 #include "base/log.h"
+#include "base/plural.h"
 #include "base/version.h"
 #include "proto/wire/frame.h"
 #include "proto/wire/version.h"
@@ -21,7 +23,7 @@ namespace {
 
 // How soon `stop` is noticed.
 constexpr Time kLongestWait = std::chrono::milliseconds(100);
-// Cancelled tiles stop within a row; this long their number may keep the messages waiting.
+// After so many messages, what is traced and what is due by the clock has its turn.
 constexpr size_t kMessagesPerRound = 256;
 
 std::string host_name() {
@@ -53,7 +55,8 @@ class WorkerLoop {
   WorkerLoop(ClientTransport& transport, const WorkerOptions& options)
       : transport_(transport),
         service_(options.make_renderer, options.threads, [&transport] { transport.wake(); }),
-        session_(session_options(options), monotonic_now()) {}
+        session_(session_options(options), monotonic_now()),
+        threads_(options.threads) {}
 
   WorkerEnd run(const std::atomic<bool>& stop) {
     while (true) {
@@ -74,6 +77,7 @@ class WorkerLoop {
         session_.on_traced(std::move(*traced), monotonic_now());
       }
       if (session_.next_deadline() <= monotonic_now()) session_.on_tick(monotonic_now());
+      tell_connection();
     }
     // Nothing waits for the tiles any more.
     session_.leave(end_.reason);
@@ -84,10 +88,7 @@ class WorkerLoop {
   static SessionOptions session_options(const WorkerOptions& options) {
     SessionOptions result;
     result.hello = make_hello(options);
-    if (options.orphan_timeout_seconds >= 0) {
-      result.orphan_timeout = std::chrono::duration_cast<Time>(
-          std::chrono::duration<double>(std::min(options.orphan_timeout_seconds, 1e9)));
-    }
+    result.orphan_timeout = options.orphan_timeout;
     return result;
   }
 
@@ -101,6 +102,15 @@ class WorkerLoop {
       } else {
         spdlog::warn("dropped a message of {} bytes that is none of ours", received->bytes.size());
       }
+    }
+  }
+
+  void tell_connection() {
+    if (session_.is_welcome() == std::exchange(told_welcome_, session_.is_welcome())) return;
+    if (told_welcome_) {
+      spdlog::info("connected, with {}", counted(threads_, "thread"));
+    } else {
+      spdlog::warn("the coordinator is silent; connecting again");
     }
   }
 
@@ -129,6 +139,8 @@ class WorkerLoop {
   RenderService service_;
   WorkerSession session_;
   WorkerEnd end_;
+  int threads_;
+  bool told_welcome_ = false;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/monotonic.h"
 #include "proto/transport/transport.h"
 #include "renderer/render/tile_renderer.h"
 
@@ -19,10 +20,8 @@ using TileRendererFactory = std::function<std::shared_ptr<const TileRenderer>(
 
 struct WorkerOptions {
   int threads = 1;
-  /// Ends after so long without a word from the coordinator; below 0: never.
-  double orphan_timeout_seconds = 60;
-  /// The process that started this one and must outlive it; 0: none.
-  pid_t parent = 0;
+  /// Ends after so long without a word from the coordinator; Time::max(): never.
+  Time orphan_timeout = std::chrono::seconds(60);
   TileRendererFactory make_renderer;
   /// What it says of itself; other values are for tests.
   uint32_t protocol_major = 0;  ///< 0: kProtocolMajor

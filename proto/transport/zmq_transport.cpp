@@ -297,9 +297,9 @@ class ZmqClient final : public ClientTransport {
 
 }  // namespace
 
-std::unique_ptr<ServerTransport> bind_server(const std::string& endpoint, bool allow_public) {
+std::unique_ptr<ServerTransport> bind_server(const std::string& endpoint) {
   const Endpoint parsed = parse_endpoint(endpoint);
-  if (!parsed.loopback() && !allow_public) {
+  if (!parsed.loopback()) {
     throw usage_error(
         fmt::format("endpoint '{}' can be reached from other machines; expected a "
                     "loopback address such as tcp://127.0.0.1:PORT",

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "proto/tessera/v1/scene.pb.h"
+#include "proto/wire/scene_codec.h"
 #include "proto/wire/scene_errors.h"
 
 namespace tessera {
@@ -99,7 +100,7 @@ Complaint reword(const std::string& message) {
   if (message.starts_with("Extension") || message.starts_with("Ext "))
     return {"'['", "a field's name", "["};
   if (message.starts_with("Message is too deep"))
-    return {"messages nested too deep", "at most 100 levels", ""};
+    return {"messages nested too deep", fmt::format("at most {} levels", kMaxSceneDepth), ""};
   if (message.starts_with("Expected ")) return expectation(message);
   return {message, "", ""};
 }

@@ -45,7 +45,6 @@ struct TilePixels {
   PixelRect rect;
   std::vector<float> values;
   CounterMap counters;
-  double seconds = 0;
 };
 
 }  // namespace tessera

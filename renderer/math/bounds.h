@@ -29,11 +29,6 @@ struct Bounds3 {
   }
   Vec3 diagonal() const { return max - min; }
   Point3 center() const { return min + diagonal() * 0.5; }
-  double surface_area() const {
-    if (empty()) return 0;
-    const Vec3 d = diagonal();
-    return 2 * (d.x * d.y + d.y * d.z + d.z * d.x);
-  }
   bool contains(const Point3& p) const {
     return p.x >= min.x && p.x <= max.x && p.y >= min.y && p.y <= max.y && p.z >= min.z &&
            p.z <= max.z;

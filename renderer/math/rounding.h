@@ -13,7 +13,6 @@ namespace tessera {
 
 /// Half an ulp of 1: the largest relative error of one rounding.
 inline constexpr double kUnitRoundoff = std::numeric_limits<double>::epsilon() * 0.5;
-inline constexpr double kFloatUnitRoundoff = std::numeric_limits<float>::epsilon() * 0.5;
 
 /// Bound on the relative error of n roundings in a row.
 inline constexpr double gamma(int n) { return n * kUnitRoundoff / (1 - n * kUnitRoundoff); }

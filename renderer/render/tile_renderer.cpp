@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "base/error.h"
@@ -42,7 +41,6 @@ class SceneTileRenderer final : public TileRenderer {
     TESSERA_CHECK(!task.rect.empty() && frame.contains(task.rect) && task.sample_count > 0,
                   fmt::format("[{},{})x[{},{}) of {}x{}, {} samples", task.rect.x0, task.rect.x1,
                               task.rect.y0, task.rect.y1, frame.x1, frame.y1, task.sample_count));
-    const auto start = std::chrono::steady_clock::now();
     TilePixels tile;
     tile.rect = task.rect;
     tile.values.reserve(static_cast<size_t>(task.rect.area()) * kFilmChannels);
@@ -69,7 +67,6 @@ class SceneTileRenderer final : public TileRenderer {
     tile.counters["rays_background_skipped"] = unseen_pixels * task.sample_count;
     tile.counters["tiles_background"] =
         unseen_pixels == static_cast<uint64_t>(task.rect.area()) ? 1 : 0;
-    tile.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return tile;
   }
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Plants each kind of violation in a small tree and looks whether check_arrows finds it."""
 import pathlib
+import re
 import tempfile
 import unittest
 
@@ -64,6 +65,28 @@ class Arrows(unittest.TestCase):
     def test_the_renderer_sees_no_sockets(self):
         self.assert_one("renderer/image: reaches proto/transport", {},
                         {"renderer/image": ["proto/transport"]})
+
+    def test_the_documented_rooms_have_their_walls(self):
+        """Each row of the table but the program's names the rooms of one wall, in the same order."""
+        page = (pathlib.Path(__file__).parents[2] / "docs/architecture.md").read_text()
+        table = page.partition("| room |")[2].partition("\n\n")[0]
+        rows = []
+        for line in table.splitlines()[2:]:
+            rooms = re.findall("`([^`]+)`", line.split("|")[1])
+            if rooms == ["cli"]:
+                continue
+            folder = rooms[0].rpartition("/")[0]
+            rows.append([room if "/" in room or not folder else f"{folder}/{room}" for room in rooms])
+        self.assertEqual([[p + "/*" if p == "scenes" else p for p in prefixes]
+                          for prefixes, _, _ in check_arrows.WALLS], rows)
+
+    def test_every_wall_stands(self):
+        for prefixes, forbidden, why in check_arrows.WALLS:
+            for prefix in prefixes:
+                for room in forbidden:
+                    with self.subTest(wall=prefix, room=room):
+                        lines = self.found({}, {f"{prefix}/x": [f"{room}/y"], f"{room}/y": []})
+                        self.assertIn(f"{prefix}/x: reaches {room}/y; {why}", lines)
 
     def test_walls_hold_through_other_rooms(self):
         found = self.found({}, {"scenes/formats": ["proto/extra"],

@@ -51,6 +51,11 @@ class BadCommandLine(TesseraTest):
             with self.subTest(option=option, value=value):
                 self.refused("render", self.scene, f"{option}={value}", says=[option, value])
 
+    def test_a_farm_has_its_own_workers(self):
+        for option in ("--workers", "--threads"):
+            self.refused("render", self.scene, "--connect", "tcp://127.0.0.1:1", option, "2",
+                         says=[option, "--connect"])
+
     def test_a_crop_beyond_the_frame(self):
         self.refused("render", self.scene, "--size", "8x8", "--crop", "4,4,9,8", says=["--crop"])
 
@@ -145,7 +150,14 @@ class BadScenes(TesseraTest):
                          "sampling { samples_per_pixel: 0 }", "sampling { samples_per_pixel: 4294967295 }"]:
             with self.subTest(settings=settings):
                 path = self.write("scene.tessera", f"settings {{ {settings} }}\n" + scenes.ONE_SPHERE)
-                self.assert_error(self.run_program("render", path), 1, "settings")
+                self.assert_error(self.run_program("render", path), 1, path.name, "settings")
+
+    def test_what_only_the_picture_needs(self):
+        for settings in ["output { gamma: 0 }", "output { response: [1, 2] }",
+                         "frames { per_second: 0 }"]:
+            self.refused("scene.tessera", f"settings {{ {settings} }}\n" + scenes.ONE_SPHERE,
+                         "settings")
+            (self.folder / "scene.tessera").unlink()
 
     def test_names_of_settings(self):
         for settings, name in [('integrator { kind: "pathh" }', "'pathh'"),

@@ -1,11 +1,16 @@
 #!/usr/bin/env python3
 """What a new user tries: help, slips of the pen, animations, pipes."""
+import fcntl
 import json
 import os
+import pty
+import signal
+import struct
+import termios
 import unittest
 
 import scenes
-from tessera_process import TesseraTest
+from tessera_process import PROGRAM, TesseraTest
 
 SMALL = ["--size", "48x32", "--workers", "0", "--threads", "1"]
 MOVING = """
@@ -110,6 +115,102 @@ class Pipes(TesseraTest):
     def test_pictures_and_scenes_are_files(self):
         self.assert_error(self.run_program("render", self.scene, "-o", "-"), 2, "--output", "'-'")
         self.assert_error(self.run_program("render", "-"), 2, "SCENE", "'-'")
+
+
+class Farm(TesseraTest):
+    def test_everyone_tells_what_happens(self):
+        scene = self.write("scene.tessera", scenes.ONE_SPHERE)
+        with open(self.folder / "serve", "w") as log:
+            serve = self.start("serve", "--bind", "tcp://127.0.0.1:*", stderr=log)
+        endpoint = serve.stdout.readline().split()[-1]
+        render = self.start("render", scene, "--connect", endpoint)
+        self.assertIn("waiting for workers", render.stderr.readline())
+        logs = {}
+        for name, options in (("loud", []), ("quiet", ["--quiet"])):
+            logs[name] = self.start("worker", "--connect", endpoint, "--threads", 1, *options)
+        self.assertEqual(0, render.wait(30))
+        serve.terminate()
+        self.assertEqual(0, serve.wait(10))
+        told = {name: worker.communicate(timeout=10)[1] for name, worker in logs.items()}
+        self.assertEqual("", told["quiet"])
+        self.assertRegex(told["loud"], rf"(?s)connecting to {endpoint}\n.*connected, with 1 thread\n"
+                         ".*the coordinator has ended: ")
+        served = (self.folder / "serve").read_text()
+        self.assertRegex(served, r"(?s)with 1 thread\n.*job \w+ is done, traced in [\d.]+ s\n")
+        self.assertRegex(served, r"job \w+ has come: 960x540 pixels, 1 sample each, \d+ bytes")
+
+    def test_nobody_there(self):
+        scene = self.write("scene.tessera", scenes.ONE_SPHERE)
+        result = self.run_program("render", scene, "--connect", "tcp://127.0.0.1:1")
+        self.assertEqual(3, result.code)
+        lines = result.err.splitlines()
+        self.assertIn("tcp://127.0.0.1:1", lines[-1])
+        self.assertLess(1, len(lines))
+        for line in lines[:-1]:
+            self.assertIn("waiting for the coordinator at tcp://127.0.0.1:1", line)
+
+
+class Terminal(TesseraTest):
+    def test_a_bar_fits_and_shows_no_job_of_no_tiles(self):
+        scene = self.write("scene.tessera", scenes.glass_scene())
+        child, terminal = pty.fork()
+        if child == 0:
+            os.chdir(self.folder)
+            fcntl.ioctl(1, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 40, 0, 0))
+            os.execve(PROGRAM, ["tessera", "render", str(scene), "--size", "640x480", "--spp", "4096",
+                                "--workers", "2"], self.environment())
+        shown = b""
+        try:
+            while part := os.read(terminal, 4096):
+                shown += part
+                if shown.count(b"\r\x1b[K") == 8:
+                    os.kill(child, signal.SIGINT)
+        except OSError:
+            pass  # the other end is closed
+        os.close(terminal)
+        self.assertEqual(4, os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), shown)
+        bars = shown.decode().split("\r\x1b[K")[1:-1]
+        self.assertGreater(len(bars), 6)
+        for bar in bars:
+            self.assertLess(len(bar), 40, bar)
+            self.assertNotIn("0/0", bar)
+
+
+class Compare(TesseraTest):
+    def test_where(self):
+        for name, at in (("a.ppm", None), ("b.ppm", [(2, 1, 30), (4, 3, 90)])):
+            pixels = bytearray(6 * 5 * 3)
+            for x, y, value in at or []:
+                pixels[3 * (6 * y + x)] = value
+            self.write(name, b"P6\n6 5\n255\n" + bytes(pixels))
+        shown = self.run_program("compare", "a.ppm", "b.ppm")
+        self.assertEqual(1, shown.code)
+        self.assertRegex(shown.out, r"differing pixels +2 of 30\n")
+        self.assertRegex(shown.out, r"all of them in +2,1,5,4\n")
+        self.assertRegex(shown.out, r"worst pixel +4,3: \(0, 0, 0\) and \(0\.3529\d+, 0, 0\)\n")
+        self.assertNotIn("worst", self.run_program("compare", "a.ppm", "a.ppm").out)
+
+    def test_missing(self):
+        self.write("a.ppm", b"P6\n1 1\n255\n\0\0\0")
+        self.assert_error(self.run_program("compare", "a.ppm", "aa.ppm"), 1,
+                          "aa.ppm: no such file; did you mean 'a.ppm'?")
+
+
+class Info(TesseraTest):
+    def test_what_it_lists(self):
+        scene = self.write("scene.tessera", scenes.SUN + scenes.material("red", "") +
+                           "nodes { shape { sphere { radius: 2 } } }\n")
+        found = json.loads(self.run_program("info", scene, "--json").out)
+        for key in found["counts"]:
+            self.assertRegex(key, "^[a-z_]+$")
+        self.assertEqual(1, found["counts"]["lights_directional"])
+        self.assertEqual(["red"], found["materials"])
+        for side, corner in (("min", -2), ("max", 2)):
+            for number in found["bounds"][side]:
+                self.assertAlmostEqual(corner, number)
+        shown = self.run_program("info", scene).out
+        self.assertRegex(shown, r"camera +none: from \(0, 0, 10\) along -z")
+        self.assertEqual(0, shown.count("bytes of blobs"))
 
 
 class Grammar(TesseraTest):

@@ -87,7 +87,7 @@ class Render(TesseraTest):
         for name in ("hits", "primitive_tests", "bytes_shipped", "peak_memory_bytes"):
             self.assertGreater(stats[name], 0, name)
         self.assertGreaterEqual(stats["node_visits"], 0)
-        self.assertEqual({"total": 6, "done": 6, "failed": 0, "retries": 0, "mismatches": 0},
+        self.assertEqual({"total": 6, "done": 6, "restored": 0, "failed": 0, "retries": 0, "mismatches": 0},
                          {k: v for k, v in stats["tiles"].items()
                           if k not in ("speculative", "duplicates")})
         self.assertEqual(stats["bytes_shipped"], sum(stats["bytes"].values()))
@@ -141,6 +141,17 @@ class OtherCommands(TesseraTest):
         found = json.loads(self.run_program("info", scene, "--json").out)
         self.assertTrue(any("idle" in line for line in found["unused"]), found)
         self.assertIn("idle", self.run_program("info", scene).out)
+
+    def test_info_reads_textures(self):
+        self.run_program("render", self.scene, "--size", "8x4", "-o", "brick.png")
+        scene = self.write("wall.tessera", 'textures { name: "brick" image { file: "brick.png" } }\n'
+                           'materials { name: "wall" classic { diffuse { texture: "brick" } } }\n'
+                           'nodes { shape { materials: "wall" sphere { } } }\n')
+        result = self.run_program("info", scene, "--json")
+        self.assertEqual(0, result.code, result.err)
+        self.assertEqual(0, self.run_program("convert", scene, "wall.tesserab").code)
+        self.assertEqual(json.loads(self.run_program("info", "wall.tesserab", "--json").out),
+                         json.loads(result.out))
 
     def test_compare(self):
         for seed, name in [(0, "a.exr"), (0, "b.exr"), (1, "c.exr")]:

@@ -81,9 +81,7 @@ TEST(RenderLoop, SocketWorkersGiveTheSameBitsForAnyCut) {
     const SocketFolder folder;
     const std::string endpoint =
         scheme == std::string("ipc") ? "ipc://" + folder.path + "/farm" : "tcp://127.0.0.1:*";
-    CoordinatorOptions options;
-    options.compress_pixels = scheme == std::string("tcp");
-    RenderLoop loop(bind_server(endpoint), options);
+    RenderLoop loop(bind_server(endpoint), {});
     Threads workers;
     for (int i = 0; i < 3; ++i) workers.add(connect_client(loop.endpoint()), worker_options(2));
     for (const int tile : {0, 8, 33, 1000}) {
@@ -101,6 +99,27 @@ TEST(RenderLoop, SocketWorkersGiveTheSameBitsForAnyCut) {
   }
 }
 
+TEST(RenderLoop, CompressesPixelsThatLeaveTheMachine) {
+  const SocketFolder folder;
+  for (const std::string& endpoint :
+       {"ipc://" + folder.path + "/farm", std::string("tcp://127.0.0.1:*")}) {
+    RenderLoop loop(bind_server(endpoint), {});
+    Threads workers;
+    workers.add(connect_client(loop.endpoint()), worker_options(1));
+    const JobSpec job = make_job(200, 150, 50);
+    const JobResult result = loop.run(job, nullptr, kNever);
+    EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+    const uint64_t raw = 200 * 150 * kFilmChannels * sizeof(float);
+    if (endpoint.starts_with("ipc://")) {
+      EXPECT_EQ(result.report.bytes_results, raw);
+    } else {
+      EXPECT_LT(result.report.bytes_results, raw);
+    }
+    loop.shut_down("done");
+    workers.join();
+  }
+}
+
 TEST(RenderLoop, ServesAClientThatSubmitsAJob) {
   RenderLoop loop(bind_server("tcp://127.0.0.1:*"), {});
   std::atomic<bool> stop{false};
@@ -112,7 +131,7 @@ TEST(RenderLoop, ServesAClientThatSubmitsAJob) {
       const auto client = connect_client(loop.endpoint());
       JobSpec job = make_job(700, 400, 32, 2'500'000);
       job.frame.set_seed(static_cast<uint32_t>(round));
-      const JobResult result = run_remote_job(*client, job, nullptr, kNever);
+      const JobResult result = run_remote_job(*client, "memory", job, nullptr, kNever);
       EXPECT_EQ(result.report.end, JobReport::End::done);
       EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
       EXPECT_EQ(result.report.tiles_done, 22u * 13);
@@ -163,7 +182,8 @@ TEST(RenderLoop, AnotherCoordinatorAtTheSamePlaceGetsItsOwnPicture) {
 TEST(RenderLoop, AClientThatIsInterruptedBeforeAnybodyAnswersEndsAtOnce) {
   const auto client = connect_client("tcp://127.0.0.1:1");
   const std::atomic<bool> stop{true};
-  const JobResult result = run_remote_job(*client, make_job(8, 8, 8), nullptr, stop, 1e6);
+  const JobResult result =
+      run_remote_job(*client, "memory", make_job(8, 8, 8), nullptr, stop, std::chrono::hours(100));
   EXPECT_EQ(result.report.exit_code, ExitCode::interrupted);
   EXPECT_EQ(result.report.holes, std::vector<PixelRect>({{0, 0, 8, 8}}));
 }
@@ -251,7 +271,9 @@ TEST(RenderLoop, ATileThatAlwaysFailsIsNamedAndTheRestIsRendered) {
 
 TEST(RenderLoop, NobodyAnswersAClient) {
   const auto client = connect_client("tcp://127.0.0.1:1");
-  EXPECT_THROW(run_remote_job(*client, make_job(8, 8, 8), nullptr, kNever, 0.2), Error);
+  EXPECT_THROW(run_remote_job(*client, "memory", make_job(8, 8, 8), nullptr, kNever,
+                              std::chrono::milliseconds(200)),
+               Error);
 }
 
 }  // namespace

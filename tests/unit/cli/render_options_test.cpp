@@ -70,6 +70,8 @@ TEST(RenderOptions, AFrameHasItsTime) {
   EXPECT_EQ(frame_settings({}, scene, 12).time(), 0.5);
   scene.mutable_settings()->mutable_frames()->set_per_second(10);
   EXPECT_EQ(frame_settings({}, scene, 12).time(), 1.2);
+  scene.mutable_settings()->mutable_frames()->set_per_second(0);
+  EXPECT_EQ(code_of([&] { frame_settings({}, scene, std::nullopt); }), ExitCode::bad_scene);
 }
 
 TEST(RenderOptions, SettingsOutOfRangeAreTheScenesFault) {
@@ -125,14 +127,14 @@ TEST(RenderOptions, ACropLiesInTheFrame) {
 
 TEST(OutputSettings, AreTheScenes) {
   v1::Output output;
-  EXPECT_EQ(output_settings(output), OutputSettings{});
+  EXPECT_EQ(output_settings("a.tessera", output), OutputSettings{});
   output.set_tone_map(v1::Output::FILMIC);
   output.set_transfer(v1::Output::GAMMA);
   output.set_gamma(1.8);
   output.set_exposure(-1);
   output.set_quantization(v1::Output::TRUNCATE);
   for (const double number : {1.0, 2.0, 3.0}) output.add_response(number);
-  const OutputSettings settings = output_settings(output);
+  const OutputSettings settings = output_settings("a.tessera", output);
   EXPECT_EQ(settings.tone_curve, ToneCurve::filmic);
   EXPECT_EQ(settings.transfer, TransferCurve::gamma);
   EXPECT_EQ(settings.gamma, 1.8);
@@ -141,7 +143,7 @@ TEST(OutputSettings, AreTheScenes) {
   EXPECT_TRUE(settings.has_response);
   EXPECT_EQ(settings.response[2], 3);
   output.add_response(4);
-  EXPECT_EQ(code_of([&] { output_settings(output); }), ExitCode::bad_scene);
+  EXPECT_EQ(code_of([&] { output_settings("a.tessera", output); }), ExitCode::bad_scene);
 }
 
 }  // namespace

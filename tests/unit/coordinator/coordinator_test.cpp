@@ -202,6 +202,41 @@ TEST_F(StoreTest, WhatAFullDiskDidNotTakeIsKeptLater) {
   EXPECT_EQ(coordinator.take_result(id)->report.end, JobReport::End::done);
 }
 
+TEST_F(CoordinatorTest, CountsWorkersOfEachJob) {
+  const auto end = [this](const PeerId& peer) {
+    const uint64_t id = job_id();
+    ready(peer, id);
+    for (size_t i = 0; i < heard(v1::Envelope::kAssign).size(); ++i) {
+      const v1::Assign assign = heard(v1::Envelope::kAssign)[i].assign();
+      if (assign.job() == id) say(peer, band(assign, 1));
+    }
+    const auto result = coordinator.take_result(id);
+    EXPECT_TRUE(result);
+    return result ? result->report : JobReport{};
+  };
+  say("gone before", hello(1));
+  coordinator.on_peer_gone("gone before", {});
+  say("lost", hello(2));
+  say("stays", hello(3));
+  coordinator.submit(job(), {});
+  coordinator.on_peer_gone("lost", {});
+  JobReport report = end("stays");
+  EXPECT_EQ(report.workers_seen, 2u);
+  EXPECT_EQ(report.workers_lost, 1u);
+
+  coordinator.submit(job(), {});
+  report = end("stays");
+  EXPECT_EQ(report.workers_seen, 1u);
+  EXPECT_EQ(report.workers_lost, 0u);
+
+  coordinator.submit(job(), {});
+  for (int i = 0; i < 2; ++i) say("back", hello(2, static_cast<uint64_t>(2 + i)));
+  say("new", hello(4));
+  report = end("stays");
+  EXPECT_EQ(report.workers_seen, 3u);
+  EXPECT_EQ(report.workers_lost, 0u);
+}
+
 TEST_F(CoordinatorTest, AsksStrangersForAHello) {
   v1::Envelope message;
   message.mutable_heartbeat()->set_session(1);

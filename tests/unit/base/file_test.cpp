@@ -1,0 +1,90 @@
+#include "base/file.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// folder/ with scene.tessera and textures/wood.png, beside it secret.png and folder-2/other.png.
+class ResolveInside : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "tessera-file-test-XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    top = fs::canonical(pattern);
+    fs::create_directories(folder() / "textures");
+    fs::create_directories(top / "folder-2");
+    for (const char* name :
+         {"folder/scene.tessera", "folder/textures/wood.png", "secret.png", "folder-2/other.png"}) {
+      std::ofstream(top / name) << "x";
+    }
+  }
+  void TearDown() override { fs::remove_all(top); }
+
+  fs::path folder() const { return top / "folder"; }
+  std::optional<fs::path> resolve(const std::string& reference) const {
+    return resolve_inside(folder(), reference);
+  }
+
+  fs::path top;
+};
+
+TEST_F(ResolveInside, FindsWhatLiesInTheFolder) {
+  EXPECT_EQ(resolve("scene.tessera"), folder() / "scene.tessera");
+  EXPECT_EQ(resolve("./textures/wood.png"), folder() / "textures/wood.png");
+  EXPECT_EQ(resolve("textures/../scene.tessera"), folder() / "scene.tessera");
+  EXPECT_EQ(resolve("not/there/yet.png"), folder() / "not/there/yet.png");
+  EXPECT_EQ(resolve("..scene"), folder() / "..scene") << "a name, not the folder above";
+}
+
+TEST_F(ResolveInside, LeavesTheFolderByNoName) {
+  for (const char* reference :
+       {"..", "../secret.png", "textures/../../secret.png", "../folder-2/other.png",
+        "nowhere/../../secret.png", "textures/./.././../secret.png", "../../../../etc/passwd"}) {
+    EXPECT_FALSE(resolve(reference)) << reference;
+  }
+  EXPECT_FALSE(resolve("/etc/passwd"));
+  EXPECT_FALSE(resolve((folder() / "scene.tessera").string())) << "absolute, though inside";
+}
+
+TEST_F(ResolveInside, LeavesTheFolderByNoLink) {
+  fs::create_symlink(top / "secret.png", folder() / "file-out");
+  fs::create_symlink("..", folder() / "folder-out");
+  fs::create_symlink("file-out", folder() / "link-to-link");
+  fs::create_symlink("textures", folder() / "folder-in");
+  EXPECT_FALSE(resolve("file-out"));
+  EXPECT_FALSE(resolve("folder-out/secret.png"));
+  EXPECT_FALSE(resolve("folder-out/folder-2/not-there.png"));
+  EXPECT_FALSE(resolve("link-to-link"));
+  EXPECT_FALSE(resolve("folder-in/../../secret.png"));
+  EXPECT_EQ(resolve("folder-in/wood.png"), folder() / "textures/wood.png");
+}
+
+TEST_F(ResolveInside, FollowsNoLinkToNothing) {
+  fs::create_symlink(top / "not-there-yet", folder() / "dangling-out");
+  fs::create_symlink("loop", folder() / "loop");
+  // Whoever can make its target later would choose what is read.
+  EXPECT_FALSE(resolve("dangling-out"));
+  EXPECT_FALSE(resolve("dangling-out/more.png"));
+  EXPECT_FALSE(resolve("loop"));
+}
+
+TEST_F(ResolveInside, TakesNoNonsense) {
+  EXPECT_FALSE(resolve(""));
+  EXPECT_FALSE(resolve(std::string("scene.tessera\0.png", 18)));
+  EXPECT_FALSE(resolve(std::string(100'000, 'x')));
+}
+
+TEST_F(ResolveInside, TheFolderMayItselfBeALink) {
+  fs::create_directory_symlink(folder(), top / "alias");
+  EXPECT_EQ(resolve_inside(top / "alias", "scene.tessera"), folder() / "scene.tessera");
+  EXPECT_FALSE(resolve_inside(top / "alias", "../secret.png"));
+}
+
+}  // namespace
+}  // namespace tessera
