@@ -46,7 +46,7 @@ std::shared_ptr<const Scene> build(const std::string& path, const LoadedScene& l
     const int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     return build_scene(loaded.scene, loaded.blobs, frame, threads);
   } catch (const Error& error) {
-    throw scene_error({path}, error.what(), "");
+    throw scene_error(place_in_scene_file(path, error.what()), error.what(), "");
   }
 }
 

@@ -180,7 +180,7 @@ class RenderRun {
       throw Error(ExitCode::interrupted, fmt::format("interrupted; {}", what_was_written(report)));
     }
     if (report.exit_code == ExitCode::bad_scene) {
-      throw scene_error({options_.scene}, report.failure, "");
+      throw scene_error(place_in_scene_file(options_.scene, report.failure), report.failure, "");
     }
     if (report.end == JobReport::End::failed && report.tiles_done == 0) {
       throw Error(report.exit_code,

@@ -44,10 +44,11 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
   };
   add("--size", "WxH", "Width and height in pixels [the scene's, or 960x540]",
       [&options](const std::string& text) { options.size = parse_size("--size", text); });
-  add("--spp", "N", "Samples per pixel [the scene's, or 1]", [&options](const std::string& text) {
-    options.samples_per_pixel =
-        static_cast<uint32_t>(parse_whole("--spp", text, 1, kMaxSamplesPerPixel));
-  });
+  add("--spp", "N", "Samples per pixel [the scene's, or 1: a quick look, with jagged edges]",
+      [&options](const std::string& text) {
+        options.samples_per_pixel =
+            static_cast<uint32_t>(parse_whole("--spp", text, 1, kMaxSamplesPerPixel));
+      });
   add("--seed", "N", "Seed of the sample pattern [the scene's, or 0]",
       [&options](const std::string& text) {
         options.seed = static_cast<uint32_t>(parse_whole("--seed", text, 0, UINT32_MAX));

@@ -11,19 +11,6 @@ namespace {
 
 namespace pb = google::protobuf;
 
-/// The offset of a place as protobuf's tokenizer counts it: from 0, tabs to multiples of 8.
-size_t offset_of(std::string_view text, int line, int column) {
-  size_t at = 0;
-  for (; line > 0; --line) {
-    const size_t end = text.find('\n', at);
-    if (end == std::string_view::npos) return text.size();
-    at = end + 1;
-  }
-  for (int reached = 0; reached < column && at < text.size() && text[at] != '\n'; ++at)
-    reached = text[at] == '\t' ? (reached / 8 + 1) * 8 : reached + 1;
-  return at;
-}
-
 /// The parts of `message` in double quotes.
 std::vector<std::string> quoted_parts(const std::string& message) {
   std::vector<std::string> parts;
@@ -106,6 +93,18 @@ Complaint reword(const std::string& message) {
 }
 
 }  // namespace
+
+size_t offset_of(std::string_view text, int line, int column) {
+  size_t at = 0;
+  for (; line > 0; --line) {
+    const size_t end = text.find('\n', at);
+    if (end == std::string_view::npos) return text.size();
+    at = end + 1;
+  }
+  for (int reached = 0; reached < column && at < text.size() && text[at] != '\n'; ++at)
+    reached = text[at] == '\t' ? (reached / 8 + 1) * 8 : reached + 1;
+  return at;
+}
 
 SourcePlace place_of(const std::string& file, std::string_view text, size_t offset) {
   const std::string_view before = text.substr(0, offset);

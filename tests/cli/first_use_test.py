@@ -54,6 +54,36 @@ class Names(TesseraTest):
         self.assertNotIn("did you mean", self.run_program("info", "nothing-like-it.obj").err)
 
 
+class Places(TesseraTest):
+    def test_errors_of_building_are_located(self):
+        red = 'materials { name: "red" classic { } }\n'
+        for place, text in [
+                ("1:17", 'nodes { shape { materials: "rde" sphere { radius: -1 } } }\n'),
+                ("2:26", red + 'nodes { shape { sphere { radius: -1 } } }\n'),
+                ("3:41", red + 'nodes { name: "hall"\n  children { } children { shape { box { min '
+                 '{ x: 3 } } } }\n}\n'),
+                ("2:28", 'objects { name: "o"\n  nodes { shape { sphere { radius: -1 } } }\n}\n'
+                 'nodes { name: "a > b" instance_of: "o" }\n'),
+                ("1:50", 'materials { name: "m" classic { reflectivity { } shininess { value: -4 } } }\n'
+                 'nodes { shape { materials: "m" sphere { } } }\n'),
+                ("2:11", 'nodes {\n  light { spot { } }\n}\n'),
+                ("1:25", 'cameras { perspective { field_of_view: 200 } }\n'),
+                ("1:9", 'nodes { instance_of: "p" }\n')]:
+            scene = self.write("s.tessera", text)
+            for command in (["info"], ["render", *SMALL]):
+                with self.subTest(text=text, command=command[0]):
+                    self.assert_error(self.run_program(*command, scene), 1, f"s.tessera:{place}: ")
+
+    def test_no_place_is_better_than_a_wrong_one(self):
+        twice = 'nodes { name: "a" shape { sphere { radius: 1 } } }\n'
+        result = self.run_program("info", self.write("s.tessera", twice + twice.replace("1", "-1")))
+        self.assert_error(result, 1, "s.tessera: node 'a'")
+        for scene in ("s.tesserab", "s.json"):
+            self.write("s.tessera", 'nodes { shape { sphere { radius: -1 } } }')
+            self.assertEqual(0, self.run_program("convert", "s.tessera", scene).code)
+            self.assert_error(self.run_program("info", scene), 1, f"{scene}: node 1 > shape")
+
+
 class Frames(TesseraTest):
     def setUp(self):
         super().setUp()
