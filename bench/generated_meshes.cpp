@@ -168,4 +168,10 @@ TriangleMesh subdivided(const TriangleMesh& mesh, int times) {
   return subdivided(finer, times - 1);
 }
 
+TriangleMesh subdivided_to_a_million(const TriangleMesh& mesh) {
+  int times = 0;
+  for (size_t count = mesh.triangles.size(); count != 0 && count < 1'000'000; count *= 4) ++times;
+  return subdivided(mesh, times);
+}
+
 }  // namespace tessera

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "renderer/accel/embree/embree_module.h"
+#include "renderer/accel/linear_scan.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/math/elementary.h"
 #include "renderer/shapes/surface_interaction.h"
@@ -28,21 +29,24 @@ struct Answer {
   uint32_t primitive = EmbreeScene::kNothing;
 };
 
+BenchView view_outside(const Bounds3& box) {
+  const double size = length(box.diagonal());
+  return {box.center() + Vec3{0.35, 0.3, 0.9} * (size * 0.85), box.center(),
+          box.center() + Vec3{0.6, 0.9, 0.7} * size};
+}
+
 class RayMaker {
  public:
-  RayMaker(const MeshShape& shape, bool indoors, uint64_t seed)
-      : shape_(shape), indoors_(indoors), random_(seed) {}
+  RayMaker(const MeshShape& shape, const std::optional<BenchView>& view, uint64_t seed)
+      : shape_(shape), view_(view ? *view : view_outside(shape.bounds())), random_(seed) {}
 
   std::vector<RaySet> make(int side) {
     RaySet primary{"primary", false, primary_rays(side)};
     const std::vector<SurfaceInteraction> first = hits(primary.rays);
     RaySet shadow{"shadow", true, {}}, diffuse{"diffuse", false, {}}, ao{"ao", true, {}};
-    const Bounds3 box = shape_.bounds();
-    const double size = length(box.diagonal());
-    const Point3 light = indoors_ ? box.center() + Vec3{0, 0.4 * box.diagonal().y, 0}
-                                  : box.center() + Vec3{0.6, 0.9, 0.7} * size;
+    const double size = length(shape_.bounds().diagonal());
     for (const SurfaceInteraction& s : first) {
-      shadow.rays.push_back(spawn(s, light - s.point));
+      shadow.rays.push_back(spawn(s, view_.light - s.point));
       shadow.rays.back().t_max = 1;
       diffuse.rays.push_back(spawn(s, hemisphere(s)));
       ao.rays.push_back(spawn(s, hemisphere(s)));
@@ -59,11 +63,7 @@ class RayMaker {
 
  private:
   std::vector<Ray> primary_rays(int side) {
-    const Bounds3 box = shape_.bounds();
-    const double size = length(box.diagonal());
-    const Point3 eye = indoors_ ? box.center() + box.diagonal() * 0.4
-                                : box.center() + Vec3{0.35, 0.3, 0.9} * (size * 0.85);
-    const Affine camera = look_at(eye, box.center(), {0, 1, 0});
+    const Affine camera = look_at(view_.eye, view_.target, {0, 1, 0});
     std::vector<Ray> rays;
     // In tiles of 4 x 4, as a renderer would.
     for (int tile = 0; tile < side / 4 * (side / 4); ++tile) {
@@ -113,7 +113,7 @@ class RayMaker {
   }
 
   const MeshShape& shape_;
-  bool indoors_;
+  BenchView view_;
   std::mt19937_64 random_;
 };
 
@@ -122,12 +122,12 @@ struct Contestant {
   std::string name;
   std::function<void(const RaySet&, size_t begin, size_t end)> trace;
   std::vector<Answer> answers;
+  TraversalCounters counters;
   double build_seconds = 0, bytes_per_triangle = 0;
 };
 
 void trace_stretch(const Accelerator& accelerator, const RaySet& set, size_t begin, size_t end,
-                   std::vector<Answer>& answers) {
-  TraversalCounters counters;
+                   std::vector<Answer>& answers, TraversalCounters& counters) {
   answers.resize(set.rays.size());
   if (set.together) {
     std::vector<Hit> hits(end - begin);
@@ -170,6 +170,33 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+/// Answers of a linear scan to every `step`-th ray of a set.
+struct Oracle {
+  size_t step = 1;
+  std::vector<Answer> answers;
+
+  Oracle(const RaySet& set, const std::shared_ptr<const TriangleMesh>& mesh, size_t tests) {
+    const size_t affordable = std::max<size_t>(1, tests / mesh->triangles.size());
+    step = (set.rays.size() + affordable - 1) / affordable;
+    const MeshLinearScan scan(mesh);
+    TraversalCounters counters;
+    for (size_t i = 0; i < set.rays.size(); i += step) {
+      Hit hit;
+      const bool found = set.any ? scan.any_hit(set.rays[i], counters)
+                                 : scan.closest_hit(set.rays[i], hit, counters);
+      answers.push_back({set.any ? 0 : hit.t, !found    ? EmbreeScene::kNothing
+                                              : set.any ? 0
+                                                        : hit.primitive});
+    }
+  }
+  size_t mismatches(const std::vector<Answer>& of) const {
+    size_t count = 0;
+    for (size_t i = 0; i < answers.size(); ++i)
+      if (of[i * step].t != answers[i].t || of[i * step].primitive != answers[i].primitive) ++count;
+    return count;
+  }
+};
+
 /// Rays whose answers differ by more than single precision explains.
 size_t differing(const RaySet& set, const std::vector<Answer>& a, const std::vector<EmbreeRay>& b,
                  double size) {
@@ -201,14 +228,14 @@ double seconds_of(Work&& work) {
   return thread_seconds() - start;
 }
 
-void bench_set(const BenchMesh& scene, const RaySet& set, std::vector<Contestant>& contestants,
-               const EmbreeScene* embree, const RayBenchOptions& options,
-               std::vector<RayBenchRow>& rows) {
-  if (set.rays.empty()) return;
+void bench_set(const BenchMesh& scene, const RaySet& set, const Oracle& oracle,
+               std::vector<Contestant>& contestants, const EmbreeScene* embree,
+               const RayBenchOptions& options, std::vector<RayBenchRow>& rows) {
   std::vector<EmbreeRay> floats = to_float(set);
   // Short stretches in turn, so that whatever else the machine does falls on all alike.
   constexpr size_t kStretch = 4096;
   std::vector<std::vector<double>> seconds(contestants.size() + 1);
+  for (Contestant& contestant : contestants) contestant.counters = {};
   for (int round = 0; round < options.rounds + 1; ++round) {
     std::vector<double> taken(contestants.size() + 1, 0);
     for (size_t begin = 0; begin < floats.size(); begin += kStretch) {
@@ -236,22 +263,36 @@ void bench_set(const BenchMesh& scene, const RaySet& set, std::vector<Contestant
     row.mrays_per_second = mrays / median(seconds[c]);
     row.build_seconds = contestants[c].build_seconds;
     row.bytes_per_triangle = contestants[c].bytes_per_triangle;
+    row.mismatches = oracle.mismatches(contestants[c].answers);
+    row.rays_checked = oracle.answers.size();
+    const double traced = static_cast<double>(set.rays.size()) * (options.rounds + 1);
+    row.node_visits_per_ray = static_cast<double>(contestants[c].counters.node_visits) / traced;
+    row.primitive_tests_per_ray =
+        static_cast<double>(contestants[c].counters.primitive_tests) / traced;
     if (embree) {
       std::vector<double> ratios;
       for (size_t round = 0; round < seconds[c].size(); ++round)
         ratios.push_back(seconds.back()[round] / seconds[c][round]);
       row.ratio_to_embree = median(std::move(ratios));
-      row.mismatches = differing(set, contestants[c].answers, floats, size);
+      row.unlike_embree = differing(set, contestants[c].answers, floats, size);
     }
     rows.push_back(row);
   }
   if (!embree) return;
   const auto triangles = static_cast<double>(scene.mesh.triangles.size());
-  rows.push_back({scene.name, "embree-default", set.kind, mrays / median(seconds.back()), 1, 0,
-                  embree->build_seconds(), static_cast<double>(embree->bytes()) / triangles});
+  RayBenchRow& row = rows.emplace_back(RayBenchRow{scene.name, "embree-default", set.kind});
+  row.mrays_per_second = mrays / median(seconds.back());
+  row.ratio_to_embree = 1;
+  row.build_seconds = embree->build_seconds();
+  row.bytes_per_triangle = static_cast<double>(embree->bytes()) / triangles;
 }
 
 }  // namespace
+
+BenchView view_inside(const Bounds3& box) {
+  return {box.center() + box.diagonal() * 0.4, box.center(),
+          box.center() + Vec3{0, 0.4 * box.diagonal().y, 0}};
+}
 
 std::vector<RayBenchRow> bench_rays(const std::vector<BenchMesh>& meshes,
                                     const RayBenchOptions& options) {
@@ -274,15 +315,44 @@ std::vector<RayBenchRow> bench_rays(const std::vector<BenchMesh>& meshes,
           static_cast<double>(statistics.bytes) / static_cast<double>(mesh->triangles.size());
       added.trace = [&added, &accelerator = *built.back()](const RaySet& set, size_t begin,
                                                            size_t end) {
-        trace_stretch(accelerator, set, begin, end, added.answers);
+        trace_stretch(accelerator, set, begin, end, added.answers, added.counters);
       };
     }
     const auto shape =
         make_mesh_shape(mesh, AcceleratorKind::bvh, std::max(1, options.build_threads));
-    for (const RaySet& set : RayMaker(*shape, scene.indoors, options.seed).make(options.image_side))
-      bench_set(scene, set, contestants, embree.get(), options, rows);
+    for (const RaySet& set : RayMaker(*shape, scene.view, options.seed).make(options.image_side)) {
+      if (set.rays.empty()) continue;
+      const Oracle oracle(set, mesh, options.oracle_tests);
+      bench_set(scene, set, oracle, contestants, embree.get(), options, rows);
+    }
   }
   return rows;
+}
+
+std::vector<RayBenchRow> geometric_means(const std::vector<RayBenchRow>& rows) {
+  std::vector<RayBenchRow> means;
+  std::vector<double> counts;
+  static constexpr double RayBenchRow::*kAveraged[] = {
+      &RayBenchRow::mrays_per_second, &RayBenchRow::ratio_to_embree, &RayBenchRow::build_seconds,
+      &RayBenchRow::bytes_per_triangle};
+  for (const RayBenchRow& row : rows) {
+    size_t at = 0;
+    while (at < means.size() &&
+           (means[at].accelerator != row.accelerator || means[at].kind != row.kind))
+      ++at;
+    if (at == means.size()) {
+      means.push_back({"geometric mean", row.accelerator, row.kind});
+      counts.push_back(0);
+    }
+    ++counts[at];
+    for (const auto member : kAveraged) means[at].*member += std::log(row.*member);
+    means[at].mismatches += row.mismatches;
+    means[at].rays_checked += row.rays_checked;
+    means[at].unlike_embree += row.unlike_embree;
+  }
+  for (size_t i = 0; i < means.size(); ++i)
+    for (const auto member : kAveraged) means[i].*member = std::exp(means[i].*member / counts[i]);
+  return means;
 }
 
 }  // namespace tessera

@@ -97,7 +97,9 @@ ExitCode compare(const CompareOptions& options) {
   say("differing pixels  {} of {}\n", d.pixels_unequal, pixels);
   if (d.pixels_unequal > 0) print_where(a, b, d);
   if (d.pixels_beyond == 0) return ExitCode::done;
-  say("{} pixels differ by more than {}\n", d.pixels_beyond, options.max_difference);
+  say("{} by more than {}\n",
+      d.pixels_beyond == 1 ? "1 pixel differs" : fmt::format("{} pixels differ", d.pixels_beyond),
+      options.max_difference);
   return ExitCode::bad_scene;
 }
 

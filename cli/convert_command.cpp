@@ -5,6 +5,8 @@
 
 #include "base/file.h"
 #include "cli/command_line.h"
+#include "cli/placement.h"
+#include "cli/read_option_flags.h"
 #include "cli/say.h"
 #include "cli/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
@@ -15,6 +17,8 @@ namespace {
 
 struct ConvertOptions {
   std::string input, output;
+  ReadOptions reading{.decode_texture = decode_texture,
+                      .decode_texture_bytes = decode_texture_bytes};
 };
 
 ExitCode convert(const ConvertOptions& options) {
@@ -24,7 +28,7 @@ ExitCode convert(const ConvertOptions& options) {
                     options.output));
   }
   check_output_file(options.output, "OUT");
-  const LoadedScene loaded = read_scene(options.input, {.decode_texture = decode_texture});
+  const LoadedScene loaded = read_scene(options.input, options.reading);
   for (const std::string& warning : loaded.warnings) {
     say(stderr, "tessera: warning: {}\n", warning);
   }
@@ -45,6 +49,8 @@ void add_convert_command(CLI::App& app, Action& action) {
       "  tessera convert bunny.tessera bunny.json");
   command->add_option("IN", options->input, "The scene to read")->required()->type_name("FILE");
   command->add_option("OUT", options->output, "The file to write")->required()->type_name("FILE");
+  add_place_option(*command, options->reading.placements);
+  add_read_options(*command, options->reading);
   command->callback([options, &action] { action = [options] { return convert(*options); }; });
 }
 

@@ -12,6 +12,8 @@
 #include "cli/command_line.h"
 #include "cli/output_settings.h"
 #include "cli/picture_warnings.h"
+#include "cli/placement.h"
+#include "cli/read_option_flags.h"
 #include "cli/render_options.h"
 #include "cli/say.h"
 #include "cli/texture_decoder.h"
@@ -25,6 +27,8 @@ namespace {
 
 struct InfoOptions {
   std::string scene;
+  ReadOptions reading{.decode_texture = decode_texture,
+                      .decode_texture_bytes = decode_texture_bytes};
   bool json = false;
 };
 
@@ -57,10 +61,11 @@ std::vector<std::string> names_of(const Messages& messages) {
   return names;
 }
 
-SceneInfo inspect(const std::string& path) {
+SceneInfo inspect(const InfoOptions& wanted) {
+  const std::string& path = wanted.scene;
   RenderOptions options;
   options.scene = path;
-  const LoadedScene loaded = read_scene(path, {.decode_texture = decode_texture});
+  const LoadedScene loaded = read_scene(path, wanted.reading);
   SceneInfo info{.digest = Digest::of(serialize_scene(loaded.scene)).hex(),
                  .frame = frame_settings(options, loaded.scene, std::nullopt),
                  .summary = summarize(loaded.scene, loaded.blobs),
@@ -69,6 +74,7 @@ SceneInfo inspect(const std::string& path) {
                  .materials = names_of(loaded.scene.materials()),
                  .textures = names_of(loaded.scene.textures()),
                  .warnings = loaded.warnings};
+  info.summary.unused.insert(info.summary.unused.end(), loaded.unused.begin(), loaded.unused.end());
   const auto scene = build(path, loaded, info.frame);
   if (scene->surfaces) info.bounds = scene->surfaces->bounds();
   for (const std::string& warning : picture_warnings(options, loaded)) {
@@ -142,11 +148,12 @@ void print_text(const SceneInfo& info) {
 }
 
 ExitCode info(const InfoOptions& options) {
-  const SceneInfo found = inspect(options.scene);
+  const SceneInfo found = inspect(options);
   options.json ? print_json(found) : print_text(found);
   if (found.summary.undefined.empty()) return ExitCode::done;
-  throw scene_error(fmt::format("{}: {} names are used but not defined: {}", options.scene,
-                                found.summary.undefined.size(),
+  const size_t count = found.summary.undefined.size();
+  throw scene_error(fmt::format("{}: {} used but not defined: {}", options.scene,
+                                counted(count, "name") + (count == 1 ? " is" : " are"),
                                 fmt::join(found.summary.undefined, ", ")));
 }
 
@@ -161,6 +168,8 @@ void add_info_command(CLI::App& app, Action& action) {
       "  tessera info room.x3d\n"
       "  tessera info room.x3d --json | jq .unused");
   command->add_option("SCENE", options->scene, "The scene file")->required()->type_name("FILE");
+  add_place_option(*command, options->reading.placements);
+  add_read_options(*command, options->reading);
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, &action] { action = [options] { return info(*options); }; });
 }

@@ -155,9 +155,14 @@ class RenderRun {
 
   void read(int frame) {
     const auto start = Clock::now();
-    loaded_ = read_scene(options_.scene, {.decode_texture = decode_texture, .frame = frame});
-    if (options_.pinhole) {
-      for (v1::Camera& camera : *loaded_.scene.mutable_cameras()) camera.clear_lens();
+    ReadOptions reading = options_.reading;
+    reading.decode_texture = decode_texture;
+    reading.decode_texture_bytes = decode_texture_bytes;
+    reading.frame = frame;
+    loaded_ = read_scene(options_.scene, reading);
+    for (v1::Camera& camera : *loaded_.scene.mutable_cameras()) {
+      if (options_.pinhole) camera.clear_lens();
+      if (options_.frame_all) camera.set_frame_all(true);
     }
     parse_seconds_ = seconds_since(start);
     scene_digest_ = Digest::of(serialize_scene(loaded_.scene)).hex();

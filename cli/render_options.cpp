@@ -7,6 +7,8 @@
 
 #include "base/error.h"
 #include "base/plural.h"
+#include "cli/placement.h"
+#include "cli/read_option_flags.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/scene/read_settings.h"
 
@@ -60,6 +62,10 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       [&options](const std::string& text) { options.camera = text; });
   command
       .add_flag("--pinhole", options.pinhole, "Leave out the camera's lens: everything is in focus")
+      ->group("Picture");
+  command
+      .add_flag("--frame-all", options.frame_all,
+                "Move the camera back along its view until everything is seen")
       ->group("Picture");
   add("--time", "T", "The instant to render, in seconds [the scene's]",
       [&options](const std::string& text) { options.time = parse_number("--time", text); });
@@ -179,8 +185,10 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   command.add_option("SCENE", options.scene, "The scene file; 'tessera info' tells what it holds")
       ->required()
       ->type_name("FILE");
+  add_place_option(command, options.reading.placements);
   add_picture_options(command, options);
   add_tracing_options(command, options);
+  add_read_options(command, options.reading);
   add_farm_options(command, options);
   add_report_options(command, options);
 }

@@ -9,6 +9,7 @@
 #include "cli/option_values.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
+#include "scenes/import/loaded_scene.h"
 
 namespace CLI {
 class App;
@@ -30,6 +31,8 @@ struct RenderOptions {
   std::optional<double> time;
   std::optional<std::string> camera;
   bool pinhole = false;
+  bool frame_all = false;
+  ReadOptions reading{};
 
   std::optional<int> workers;
   std::optional<int> threads;

@@ -4,15 +4,25 @@
 #include "renderer/image/image_file.h"
 
 namespace tessera {
+namespace {
 
-DecodedTexture decode_texture(const std::string& path) {
-  check_input_file(path, UINT64_MAX);
-  TextureImage picture = read_texture_image(path);
+DecodedTexture as_texture(TextureImage picture) {
   return {.width = picture.width,
           .height = picture.height,
           .channels = picture.channels,
           .bits = picture.bits,
           .texels = std::move(picture.texels)};
+}
+
+}  // namespace
+
+DecodedTexture decode_texture(const std::string& path) {
+  check_input_file(path, UINT64_MAX);
+  return as_texture(read_texture_image(path));
+}
+
+DecodedTexture decode_texture_bytes(std::string_view bytes, const std::string& name) {
+  return as_texture(decode_texture_image(name, bytes));
 }
 
 }  // namespace tessera

@@ -110,7 +110,7 @@ class WorkerLoop {
     if (told_welcome_) {
       spdlog::info("connected, with {}", counted(threads_, "thread"));
     } else {
-      spdlog::warn("the coordinator is silent; connecting again");
+      spdlog::info("the coordinator is silent; connecting again");
     }
   }
 

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "proto/wire/pixels.h"
 
 namespace tessera {
 
@@ -139,7 +140,9 @@ std::vector<FinishedTile> SqliteTileStore::find(const Digest& job) {
   while (rows.step()) {
     FinishedTile tile{{rows.integer(0), rows.integer(1), rows.integer(2), rows.integer(3)}, {}};
     const std::string_view bytes = rows.blob(4);
-    if (!tile.kept.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) continue;
+    auto kept = parse_kept_tile(bytes);
+    if (!kept) continue;
+    tile.kept = std::move(*kept);
     tiles.push_back(std::move(tile));
   }
   return tiles;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "proto/tessera/v1/farm.pb.h"
@@ -23,5 +25,8 @@ std::vector<v1::TileBand> encode_bands(std::span<const float> values, int width,
 /// damaged, longer than encode_bands() makes them, or of another size than the band says: then
 /// nothing was allocated.
 bool decode_band(const v1::TileBand& band, int width, std::vector<float>& values);
+
+/// From what SerializeAsString() made of it; nothing if it is damaged.
+std::optional<v1::KeptTile> parse_kept_tile(std::string_view bytes);
 
 }  // namespace tessera

@@ -6,8 +6,9 @@
 namespace tessera {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, AcceleratorKind>, 5> kNames{{
+constexpr std::array<std::pair<std::string_view, AcceleratorKind>, 6> kNames{{
     {"bvh", AcceleratorKind::bvh},
+    {"bvh-splits", AcceleratorKind::bvh_splits},
     {"octree", AcceleratorKind::octree},
     {"nonuniform-octree", AcceleratorKind::nonuniform_octree},
     {"embree", AcceleratorKind::embree},

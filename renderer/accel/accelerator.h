@@ -13,9 +13,9 @@
 
 namespace tessera {
 
-enum class AcceleratorKind { bvh, octree, nonuniform_octree, embree, linear };
+enum class AcceleratorKind { bvh, bvh_splits, octree, nonuniform_octree, embree, linear };
 
-/// By the names of --accel: bvh, octree, nonuniform-octree, embree, linear.
+/// By the names of --accel: bvh, bvh-splits, octree, nonuniform-octree, embree, linear.
 std::optional<AcceleratorKind> parse_accelerator(std::string_view name);
 std::string_view accelerator_name(AcceleratorKind kind);
 

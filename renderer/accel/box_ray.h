@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
@@ -116,10 +117,13 @@ inline BoxRay<Real> make_box_ray(const RayFrame& f) {
   using FourDoubles = double __attribute__((vector_size(32)));
   const FourInts used{-1, -1, -1, 0}, sign{INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN};
   const auto absolute = [&](FourFloats v) { return (FourFloats)((FourInts)v & ~sign & used); };
-  const FourDoubles origin{ray.origin.x, ray.origin.y, ray.origin.z, 0};
-  const FourDoubles direction{ray.direction.x, ray.direction.y, ray.direction.z, 0};
+  // Four at a time with what lies behind them, which no lane in use sees.
+  static_assert(offsetof(Ray, direction) == 24 && offsetof(Ray, t_min) == 48);
+  FourDoubles origin, direction;
+  std::memcpy(&origin, reinterpret_cast<const char*>(&ray), sizeof origin);
+  std::memcpy(&direction, reinterpret_cast<const char*>(&ray) + 24, sizeof direction);
   const FourFloats o = __builtin_convertvector(origin, FourFloats);
-  FourFloats d = __builtin_convertvector(direction, FourFloats);
+  const FourFloats d = __builtin_convertvector(direction, FourFloats);
   const FourFloats far = absolute(o), steep = absolute(d);
   const auto largest_lane = [](FourFloats v) {
     FourFloats w = __builtin_shufflevector(v, v, 1, 0, 3, 2);
@@ -135,10 +139,11 @@ inline BoxRay<Real> make_box_ray(const RayFrame& f) {
   if ((usual[0] & usual[1]) != -1 || !(ray.t_min >= 0)) [[unlikely]]
     return false;
   // A component too short to matter within the scene gets a finite reciprocal.
-  const FourFloats shortest = FourFloats{} + 1e-18f;
   const FourInts backward = (FourInts)d & sign;
-  d = steep < shortest ? (FourFloats)((FourInts)shortest | backward) : d;
-  const FourFloats inverse = 1 / d;
+  const FourFloats largest_inverse = FourFloats{} + 1e18f;
+  FourFloats inverse = 1 / d;
+  inverse = inverse < largest_inverse ? inverse : largest_inverse;
+  inverse = inverse > -largest_inverse ? inverse : -largest_inverse;
   const FourFloats at = o * inverse;
   const FourFloats margin =
       (whole > farthest ? whole : farthest) * static_cast<float>(BoxRay<float>::kMargin);

@@ -65,6 +65,48 @@ HWY_INLINE Setup set_up(const Ray& ray, double t_max, const Bounds3& whole, floa
   return set_up_unusual(ray, t_max, whole, extent, frame, box_ray);
 }
 
+/// Calls `leaf` for every leaf on the ray's line, before the ray and behind its hits too, until it
+/// returns true.
+template <typename Leaf>
+HWY_INLINE void visit_line(const MeshTree& mesh, Ray ray, uint64_t& visits, Leaf&& leaf) {
+  ray.t_min = 0;
+  ray.t_max = Bounds3::kInfinity;
+  BoxRay<float> box_ray;
+  if (make_usual_box_ray(ray, ray.t_max, mesh.tree.extent, box_ray)) {
+    any_in_tree<true>(mesh.tree, box_ray, visits, leaf);
+    return;
+  }
+  ray.t_min = -Bounds3::kInfinity;
+  const RayFrame frame = make_ray_frame(ray, ray.t_max, mesh.bounds, mesh.tree.extent);
+  if (!frame.misses) visit_in_double(mesh.tree, make_box_ray<double>(frame), visits, leaf);
+}
+
+/// For rays whose t may be told far from the piece that they cross.
+HWY_NOINLINE bool mesh_closest_on_line(const MeshTree& mesh, const Ray& ray, Hit& hit,
+                                       TraversalCounters& counters) {
+  const TriangleRay prepared(ray);
+  if (!prepared.valid()) return false;
+  const TriangleTester tester(mesh, prepared);
+  bool found = false;
+  visit_line(mesh, ray, counters.node_visits, [&](uint32_t leaf) HWY_ATTR {
+    found |= tester.closest(leaf, hit, counters.primitive_tests);
+    return false;
+  });
+  return found;
+}
+
+HWY_NOINLINE bool mesh_any_on_line(const MeshTree& mesh, const Ray& ray,
+                                   TraversalCounters& counters) {
+  const TriangleRay prepared(ray);
+  if (!prepared.valid()) return false;
+  const TriangleTester tester(mesh, prepared);
+  bool found = false;
+  visit_line(mesh, ray, counters.node_visits, [&](uint32_t leaf) HWY_ATTR {
+    return found = tester.any(leaf, counters.primitive_tests);
+  });
+  return found;
+}
+
 bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCounters& counters) {
   // What a few triangles need is less than a box test's preparation.
   if (mesh.tree.root & TraversalTree::kLeaf) [[unlikely]] {
@@ -72,6 +114,9 @@ bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCount
     return prepared.valid() &&
            TriangleTester(mesh, prepared).closest(mesh.tree.root, hit, counters.primitive_tests);
   }
+  if (mesh.cut_planes.count > 0 && mesh.cut_planes.must_visit_all(ray, mesh.tree.extent))
+      [[unlikely]]
+    return mesh_closest_on_line(mesh, ray, hit, counters);
   RayFrame frame;
   BoxRay<float> box_ray;
   const Setup setup =
@@ -83,7 +128,7 @@ bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCount
   const TriangleTester tester(mesh, prepared);
   TraversalCounters done;
   const bool found = closest_in_tree<true>(
-      mesh.tree, RayLanes(box_ray), box_ray.t_max,
+      mesh.tree, box_ray, box_ray.t_max,
       done.node_visits, [&](uint32_t leaf) HWY_ATTR __attribute__((always_inline)) {
         if (!tester.closest(leaf, hit, done.primitive_tests)) return false;
         box_ray.t_max = box_ray.limit(hit.t);
@@ -100,6 +145,9 @@ bool mesh_any(const MeshTree& mesh, const Ray& ray, TraversalCounters& counters)
     return prepared.valid() &&
            TriangleTester(mesh, prepared).any(mesh.tree.root, counters.primitive_tests);
   }
+  if (mesh.cut_planes.count > 0 && mesh.cut_planes.must_visit_all(ray, mesh.tree.extent))
+      [[unlikely]]
+    return mesh_any_on_line(mesh, ray, counters);
   RayFrame frame;
   BoxRay<float> box_ray;
   const Setup setup = set_up(ray, ray.t_max, mesh.bounds, mesh.tree.extent, frame, box_ray);
@@ -164,7 +212,7 @@ bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
                     });
     return found;
   }
-  const bool in_tree = closest_in_tree<false>(scene.tree, RayLanes(box_ray), box_ray.t_max,
+  const bool in_tree = closest_in_tree<false>(scene.tree, box_ray, box_ray.t_max,
                                               counters.node_visits, [&](uint32_t leaf) HWY_ATTR {
                                                 if (!test(leaf)) return false;
                                                 box_ray.t_max = box_ray.limit(hit.t);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "renderer/accel/instance.h"
+#include "renderer/accel/spatial_splits.h"
 #include "renderer/accel/traversal_tree.h"
 #include "renderer/accel/wide_tree.h"
 #include "renderer/shapes/ray.h"
@@ -26,6 +27,7 @@ static_assert(sizeof(TriangleBlock) == 5 * sizeof(TreeUnit));
 struct MeshTree {
   TraversalTree tree;
   Bounds3 bounds;
+  CutPlanes cut_planes;  ///< of triangles that are in several leaves
 };
 
 struct InstanceTree {

@@ -23,8 +23,8 @@ OctreeKind octree_kind(AcceleratorKind kind) {
 }  // namespace
 
 const std::vector<std::string>& available_accelerators() {
-  static const std::vector<std::string> names{"bvh", "octree", "nonuniform-octree", "embree",
-                                              "linear"};
+  static const std::vector<std::string> names{"bvh",    "bvh-splits", "octree", "nonuniform-octree",
+                                              "embree", "linear"};
   return names;
 }
 
@@ -35,12 +35,14 @@ std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const T
   if (kind == AcceleratorKind::linear || mesh->triangles.size() <= kFewTriangles)
     return std::make_unique<MeshLinearScan>(std::move(mesh));
   if (kind == AcceleratorKind::bvh) return std::make_unique<MeshBvh>(*mesh, threads);
+  if (kind == AcceleratorKind::bvh_splits)
+    return std::make_unique<MeshBvh>(*mesh, threads, kernels(), BvhQuality::spatial_splits);
   if (kind == AcceleratorKind::embree) {
     if (auto embree = EmbreeMesh::make(std::move(mesh), threads)) return embree;
     throw usage_error(
         "the accelerator 'embree' is not beside this program (tessera_embree.so, built where "
         "Embree 3 "
-        "is found); expected bvh, octree, nonuniform-octree or linear");
+        "is found); expected bvh, bvh-splits, octree, nonuniform-octree or linear");
   }
   return std::make_unique<MeshOctree>(*mesh, octree_kind(kind), threads);
 }
@@ -51,6 +53,16 @@ std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleM
   return std::make_shared<MeshShape>(std::move(mesh), std::move(accelerator));
 }
 
+std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
+                                                          AcceleratorKind kind, int threads,
+                                                          std::shared_ptr<BuildCount> built) {
+  TESSERA_CHECK(mesh->triangles.size() <= kMaxPrimitives,
+                fmt::format("{} > {}", mesh->triangles.size(), kMaxPrimitives));
+  TESSERA_CHECK(kind != AcceleratorKind::embree, "may be absent, which is told before any ray");
+  auto accelerator = std::make_unique<DeferredMesh>(mesh, kind, threads, std::move(built));
+  return std::make_shared<MeshShape>(std::move(mesh), std::move(accelerator));
+}
+
 std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,
                                                              AcceleratorKind kind, int threads) {
   size_t bounded = 0;
@@ -58,7 +70,8 @@ std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instanc
     if (const Bounds3 b = bounds_of(instance); is_bounded(b) && !b.empty()) ++bounded;
   if (kind == AcceleratorKind::linear || bounded <= kFewInstances)
     return std::make_unique<InstanceLinearScan>(std::move(instances));
-  if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::embree)
+  if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::bvh_splits ||
+      kind == AcceleratorKind::embree)
     return std::make_unique<InstanceBvh>(std::move(instances), threads);
   return std::make_unique<InstanceOctree>(std::move(instances), octree_kind(kind), threads);
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "renderer/accel/accelerator.h"
+#include "renderer/accel/deferred_mesh.h"
 #include "renderer/accel/instance.h"
 #include "renderer/accel/mesh_shape.h"
 
@@ -21,6 +22,11 @@ std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const T
                                                          AcceleratorKind kind, int threads);
 std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
                                                  AcceleratorKind kind, int threads);
+/// The same, but built by the first ray that may hit it: a mesh that no ray comes near costs no
+/// build. `built` counts it then.
+std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
+                                                          AcceleratorKind kind, int threads,
+                                                          std::shared_ptr<BuildCount> built);
 /// Hits carry the index into `instances`.
 std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,
                                                              AcceleratorKind kind, int threads);

@@ -158,11 +158,16 @@ struct PacketLanes {
   size_t near_at[3], far_at[3];  // in floats from the start of a node
 };
 
+HWY_INLINE PacketLanes lanes_of(const PacketLanes& lanes) { return lanes; }
+
 bool mesh_packet(const MeshTree& mesh, std::span<const Ray> rays, std::span<Hit> hits,
                  TraversalCounters& counters) {
   const TraversalTree& tree = mesh.tree;
   if ((tree.root & TraversalTree::kLeaf) || tree.units.size() >= PacketLanes::kMaxUnits)
     return false;
+  if (mesh.cut_planes.count > 0)
+    for (const Ray& ray : rays)
+      if (mesh.cut_planes.must_visit_all(ray, tree.extent)) return false;
   PacketRays packet;
   if (rays.size() < 2 || !packet.set(rays, hits, tree.extent)) return false;
   alignas(TriangleRay) std::byte memory[kPacketSize][sizeof(TriangleRay)];
@@ -170,8 +175,9 @@ bool mesh_packet(const MeshTree& mesh, std::span<const Ray> rays, std::span<Hit>
   for (size_t r = 0; r < rays.size(); ++r) prepared[r] = new (memory[r]) TriangleRay(rays[r]);
   TraversalCounters done;
   float t_max = packet.last_t_max();
+  PacketLanes lanes(packet);
   closest_in_tree<true>(
-      tree, PacketLanes(packet), t_max,
+      tree, lanes, t_max,
       done.node_visits, [&](uint32_t leaf) HWY_ATTR __attribute__((always_inline)) {
         const uint32_t unit = (leaf & ~TraversalTree::kLeaf) >> 3;
         const WideNode& node = *reinterpret_cast<const WideNode*>(tree.units.data() + unit);

@@ -110,25 +110,31 @@ struct RayLanes {
   static constexpr size_t kRow = 8 * sizeof(float);
 };
 
+/// Has the compiler take a ray's numbers from memory again. It would keep them all through the test
+/// of a leaf, which needs the registers: to write them out and read them back costs twice as much.
+template <typename Numbers>
+HWY_INLINE void reload(Numbers& ray) {
+  asm volatile("" : "+m"(ray));
+}
+HWY_INLINE RayLanes lanes_of(const BoxRay<float>& ray) { return RayLanes(ray); }
+
 HWY_INLINE const TreeUnit* unit_at(const TreeUnit* units, uint32_t reference) {
   return units + (reference & ~TraversalTree::kLeaf);
 }
 
-/// Starts to load what is visited next or soon: most of the time of a ray is waiting.
+/// Starts to load what is visited next or soon, with the leaves behind a node: most of the time of
+/// a ray is waiting.
 template <bool kLeaves>
 HWY_INLINE void prefetch(const TreeUnit* units, uint32_t reference) {
   const char* at = reinterpret_cast<const char*>(unit_at(units, reference));
   if (!kLeaves && (reference & TraversalTree::kLeaf)) return;
-  __builtin_prefetch(at);
-  __builtin_prefetch(at + 64);
-  __builtin_prefetch(at + 128);
-  __builtin_prefetch(at + 192);
+  for (int line = 0; line < 8; ++line) __builtin_prefetch(at + 64 * line);
 }
 
 /// Visits nodes nearest first. `leaf(reference)` tests a leaf and says whether a nearer hit was
 /// found, having lowered t_max. `kLeaves`: they are in the tree's array.
-template <bool kLeaves, typename Lanes, typename Leaf>
-HWY_INLINE bool closest_in_tree(const TraversalTree& tree, const Lanes& lanes, const float& t_max,
+template <bool kLeaves, typename Rays, typename Leaf>
+HWY_INLINE bool closest_in_tree(const TraversalTree& tree, Rays& rays, const float& t_max,
                                 uint64_t& visits, Leaf&& leaf) {
   const TreeUnit* units = tree.units.data();
   Entry stack[kStackSize];
@@ -136,90 +142,106 @@ HWY_INLINE bool closest_in_tree(const TraversalTree& tree, const Lanes& lanes, c
   uint32_t current = tree.root;
   bool found = false;
   HWY_ALIGN int32_t entered[8];
-  for (;;) {
-    while (!(current & TraversalTree::kLeaf)) {
-      ++visits;
-      const uint32_t current_node = current;
-      const WideNode& node = *reinterpret_cast<const WideNode*>(units + current);
-      uint32_t mask = lanes.enter(node, t_max, entered);
-      if (mask == 0) goto pop;
-      const auto take = [&]() HWY_ATTR {
-        const auto i = static_cast<uint32_t>(std::countr_zero(mask));
-        mask &= mask - 1;
-        prefetch<kLeaves>(units, node.child[i]);
-        return std::pair{i, lanes.name_child(current_node, i, node.child[i])};
-      };
-      const auto first = take();
-      current = first.second;
-      if (mask == 0) continue;
-      const auto next = [&]() HWY_ATTR {
-        const auto [i, child] = take();
-        return make_entry(entered[i], child);
-      };
-      Entry a = make_entry(entered[first.first], current), b = next();
-      sort(a, b);
-      current = static_cast<uint32_t>(a);
-      if (mask == 0) {
-        *top++ = b;
-        continue;
-      }
-      Entry c = next();
-      sort(b, c), sort(a, b);
-      current = static_cast<uint32_t>(a);
-      if (mask == 0) {
-        top[0] = c, top[1] = b;
-        top += 2;
-        continue;
-      }
-      Entry d = next();
-      sort(c, d), sort(b, c), sort(a, b);
-      Entry* const base = top;
-      top[0] = d, top[1] = c, top[2] = b, top[3] = a;
-      top += 4;
-      while (mask != 0) {  // NOLINT(bugprone-infinite-loop): next() takes a bit off
-        const Entry e = next();
-        Entry* at = top++;
-        for (; at > base && at[-1] < e; --at) *at = at[-1];
-        *at = e;
-      }
-      current = static_cast<uint32_t>(*--top);
-    }
-    found |= leaf(current);
-  pop:
+  const auto pop = [&]() HWY_ATTR {
     const Entry limit = make_entry(std::bit_cast<int32_t>(t_max), ~0u);
     do {
-      if (top == stack) return found;
+      if (top == stack) return false;
       --top;
     } while (*top > limit);
     current = static_cast<uint32_t>(*top);
+    return true;
+  };
+  for (;;) {
+    if (!(current & TraversalTree::kLeaf)) {
+      const auto lanes = lanes_of(rays);
+      do {
+        ++visits;
+        const uint32_t current_node = current;
+        const WideNode& node = *reinterpret_cast<const WideNode*>(units + current);
+        uint32_t mask = lanes.enter(node, t_max, entered);
+        if (mask == 0) {
+          if (!pop()) return found;
+          continue;
+        }
+        const auto take = [&]() HWY_ATTR {
+          const auto i = static_cast<uint32_t>(std::countr_zero(mask));
+          mask &= mask - 1;
+          prefetch<kLeaves>(units, node.child[i]);
+          return std::pair{i, lanes.name_child(current_node, i, node.child[i])};
+        };
+        const auto first = take();
+        current = first.second;
+        if (mask == 0) continue;
+        const auto next = [&]() HWY_ATTR {
+          const auto [i, child] = take();
+          return make_entry(entered[i], child);
+        };
+        Entry a = make_entry(entered[first.first], current), b = next();
+        sort(a, b);
+        current = static_cast<uint32_t>(a);
+        if (mask == 0) {
+          *top++ = b;
+          continue;
+        }
+        Entry c = next();
+        sort(b, c), sort(a, b);
+        current = static_cast<uint32_t>(a);
+        if (mask == 0) {
+          top[0] = c, top[1] = b;
+          top += 2;
+          continue;
+        }
+        Entry d = next();
+        sort(c, d), sort(b, c), sort(a, b);
+        Entry* const base = top;
+        top[0] = d, top[1] = c, top[2] = b, top[3] = a;
+        top += 4;
+        while (mask != 0) {  // NOLINT(bugprone-infinite-loop): next() takes a bit off
+          const Entry e = next();
+          Entry* at = top++;
+          for (; at > base && at[-1] < e; --at) *at = at[-1];
+          *at = e;
+        }
+        current = static_cast<uint32_t>(*--top);
+      } while (!(current & TraversalTree::kLeaf));
+    }
+    found |= leaf(current);
+    reload(rays);
+    if (!pop()) return found;
   }
 }
 
 /// `leaf(reference)` says whether anything in it is hit.
 template <bool kLeaves, typename Leaf>
-HWY_INLINE bool any_in_tree(const TraversalTree& tree, const BoxRay<float>& ray, uint64_t& visits,
+HWY_INLINE bool any_in_tree(const TraversalTree& tree, BoxRay<float>& ray, uint64_t& visits,
                             Leaf&& leaf) {
   const TreeUnit* units = tree.units.data();
   uint32_t stack[kStackSize];
   uint32_t* top = stack;
   uint32_t current = tree.root;
-  const RayLanes lanes(ray);
   HWY_ALIGN int32_t entered[8];
   for (;;) {
-    while (!(current & TraversalTree::kLeaf)) {
-      ++visits;
-      const WideNode& node = *reinterpret_cast<const WideNode*>(units + current);
-      uint32_t mask = lanes.enter(node, ray.t_max, entered);
-      if (mask == 0) goto pop;
-      current = node.child[std::countr_zero(mask)];
-      prefetch<kLeaves>(units, current);
-      for (mask &= mask - 1; mask != 0; mask &= mask - 1) {
-        *top = node.child[std::countr_zero(mask)];
-        prefetch<kLeaves>(units, *top++);
-      }
+    if (!(current & TraversalTree::kLeaf)) {
+      const RayLanes lanes(ray);
+      do {
+        ++visits;
+        const WideNode& node = *reinterpret_cast<const WideNode*>(units + current);
+        uint32_t mask = lanes.enter(node, ray.t_max, entered);
+        if (mask == 0) {
+          if (top == stack) return false;
+          current = *--top;
+          continue;
+        }
+        current = node.child[std::countr_zero(mask)];
+        prefetch<kLeaves>(units, current);
+        for (mask &= mask - 1; mask != 0; mask &= mask - 1) {
+          *top = node.child[std::countr_zero(mask)];
+          prefetch<kLeaves>(units, *top++);
+        }
+      } while (!(current & TraversalTree::kLeaf));
     }
     if (leaf(current)) return true;
-  pop:
+    reload(ray);
     if (top == stack) return false;
     current = *--top;
   }

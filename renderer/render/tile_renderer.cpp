@@ -64,6 +64,8 @@ class SceneTileRenderer final : public TileRenderer {
       }
     }
     state.counters.add_to(tile.counters);
+    if (scene_->built_when_hit)
+      tile.counters["meshes_built_when_hit"] = scene_->built_when_hit->exchange(0);
     tile.counters["rays_background_skipped"] = unseen_pixels * task.sample_count;
     tile.counters["tiles_background"] =
         unseen_pixels == static_cast<uint64_t>(task.rect.area()) ? 1 : 0;

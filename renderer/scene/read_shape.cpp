@@ -42,7 +42,11 @@ BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSou
   built.has_clear_vertices = std::any_of(mesh->colors.begin(), mesh->colors.end(),
                                          [](const Float4& c) { return c.w < 1; });
   if (mesh->triangles.empty()) return built;
-  built.shape = make_mesh_shape(std::move(mesh), source.accelerator, source.threads);
+  built.is_deferred = source.deferred && source.accelerator != AcceleratorKind::embree;
+  built.shape = built.is_deferred
+                    ? make_deferred_mesh_shape(std::move(mesh), source.accelerator, source.threads,
+                                               source.deferred)
+                    : make_mesh_shape(std::move(mesh), source.accelerator, source.threads);
   return built;
 }
 

@@ -5,6 +5,7 @@
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
 #include "renderer/accel/accelerator.h"
+#include "renderer/accel/deferred_mesh.h"
 #include "renderer/scene/check.h"
 #include "renderer/scene/csg_plan.h"
 #include "renderer/shapes/shape.h"
@@ -16,11 +17,13 @@ struct ShapeSource {
   AcceleratorKind accelerator;
   int threads;
   bool keep_uvs = false;  ///< some material of the shape looks at texture coordinates
+  std::shared_ptr<BuildCount> deferred{};  ///< where set, trees are built when first needed
 };
 
 /// A built shape, and what building it left out.
 struct BuiltShape {
   std::shared_ptr<const Shape> shape;  ///< null where nothing is left of it
+  bool is_deferred = false;            ///< its tree is built by the first ray that comes near
   size_t triangles = 0;
   size_t triangles_dropped = 0;     ///< degenerate ones
   size_t bytes = 0;                 ///< of the arrays of its meshes

@@ -238,11 +238,15 @@ class SceneBuilder {
 
   void build_shapes() {
     shapes_.resize(graph_.shapes.size());
+    // The only mesh is hit, if the picture shows anything. Of several some may not be.
+    const auto meshes = std::count_if(graph_.shapes.begin(), graph_.shapes.end(),
+                                      [](const GraphShape& s) { return s.shape->has_mesh(); });
+    if (meshes > 1) scene_->built_when_hit = std::make_shared<BuildCount>(0);
     const auto build_one = [&](size_t i, int threads) {
       const Where where{.kind = graph_.shapes[i].path.c_str()};
       const v1::Shape& shape = *graph_.shapes[i].shape;
       const ShapeSource source{source_.blobs, source_.accelerator, threads,
-                               shape_materials_[i].keep_uvs};
+                               shape_materials_[i].keep_uvs, scene_->built_when_hit};
       shapes_[i] =
           shape.has_csg() ? read_csg(csg_plans_[i], source) : read_shape(where, shape, source);
     };
@@ -322,9 +326,11 @@ class SceneBuilder {
     uint64_t& attributes_dropped = counters["attributes_dropped"];
     uint64_t& triangles = counters["triangles"];
     uint64_t& dropped = counters["triangles_dropped"];
+    uint64_t& deferred = counters["mesh_builds_deferred"];
     for (const BuiltShape& built : shapes_) {
       triangles += built.triangles;
       dropped += built.triangles_dropped;
+      if (built.is_deferred) ++deferred;
       mesh_bytes += built.bytes;
       mesh_bytes_dropped += built.bytes_dropped;
       if (built.bytes_dropped > 0) ++attributes_dropped;

@@ -9,6 +9,7 @@
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
 #include "renderer/accel/accelerator.h"
+#include "renderer/accel/deferred_mesh.h"
 #include "renderer/accel/instance.h"
 #include "renderer/camera/camera.h"
 #include "renderer/film/tile.h"
@@ -62,6 +63,8 @@ struct Scene {
   std::vector<uint32_t> clear_instances;  ///< Scene::instances by Hit::instance of the latter
 
   CounterMap counters;  ///< of building
+  /// Trees of meshes built since it was last set to 0; null where all were built with the scene.
+  std::shared_ptr<BuildCount> built_when_hit;
 
   /// Pixels outside this rectangle of the frame look past everything: none of their samples can
   /// hit.

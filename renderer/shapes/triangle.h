@@ -49,7 +49,8 @@ inline TriangleRay::TriangleRay(const Ray& r) : t_min(r.t_min), t_max(r.t_max), 
   const double d[3] = {r.direction.x, r.direction.y, r.direction.z};
   const double o[3] = {r.origin.x, r.origin.y, r.origin.z};
   const double x = std::abs(d[0]), y = std::abs(d[1]), z = std::abs(d[2]);
-  kz = z > std::max(x, y) ? 2 : x > y ? 0 : 1;
+  static constexpr uint8_t kLongest[4] = {1, 0, 2, 2};
+  kz = kLongest[(z > std::max(x, y) ? 2 : 0) + (x > y ? 1 : 0)];
   const int backward = d[kz] < 0 ? 1 : 0;
   kx = kAxes[2 * kz + backward][0];
   ky = kAxes[2 * kz + backward][1];

@@ -1,10 +1,15 @@
 #include "scenes/formats/default_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "renderer/math/bounds.h"
 #include "renderer/math/vec.h"
+#include "scenes/import/to_affine.h"
 
 namespace tessera {
 namespace {
@@ -24,38 +29,87 @@ Frame view_frame() {
   return {right, cross(back, right), back};
 }
 
-/// Calls action for each vertex of the meshes.
-template <typename Action>
-void for_each_point(const LoadedScene& loaded, const Action& action) {
-  for (const v1::Node& node : loaded.scene.nodes()) {
-    const auto digest = Digest::parse(node.shape().mesh().positions().digest());
-    const BlobData blob = digest ? loaded.blobs.find(*digest) : nullptr;
-    if (!blob) continue;
-    for (size_t at = 0; at + 12 <= blob->size(); at += 12) {
-      float p[3];
-      std::memcpy(p, blob->data() + at, sizeof p);
-      action(Vec3{p[0], p[1], p[2]});
-    }
-  }
+using Points = std::vector<Point3>;
+
+/// Adds corners of a box to the points, as they stand under `world`.
+void add_box(const Bounds3& box, const Affine& world, Points& points) {
+  for (int corner = 0; corner < 8; ++corner)
+    points.push_back(
+        world(Point3{corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                     corner & 4 ? box.max.z : box.min.z}));
 }
+
+/// Finds the points of meshes that a view has to show.
+class PointFinder {
+ public:
+  explicit PointFinder(const LoadedScene& loaded) : loaded_(loaded) {
+    for (const v1::Object& object : loaded.scene.objects()) objects_[object.name()] = &object;
+  }
+
+  Points find() {
+    for (const v1::Node& node : loaded_.scene.nodes()) visit(node, {}, 0);
+    return std::move(points_);
+  }
+
+ private:
+  void visit(const v1::Node& node, const Affine& parent, int depth) {
+    if (depth > kMaxDepth) return;
+    const Affine world = parent * to_affine(node.transform());
+    if (node.shape().has_mesh()) add(node.shape().mesh(), world);
+    for (const v1::Node& child : node.children()) visit(child, world, depth + 1);
+    const auto object = objects_.find(node.instance_of());
+    if (object == objects_.end()) return;
+    for (const v1::Node& child : object->second->nodes()) visit(child, world, depth + 1);
+  }
+
+  /// All vertices, as long as they are few enough; then the corners of boxes.
+  void add(const v1::TriangleMesh& mesh, const Affine& world) {
+    const auto digest = Digest::parse(mesh.positions().digest());
+    const BlobData blob = digest ? loaded_.blobs.find(*digest) : nullptr;
+    if (!blob) return;
+    const size_t count = blob->size() / 12;
+    if (count <= kMostPoints && points_.size() <= kMostPoints - count) {
+      for (size_t i = 0; i < count; ++i) points_.push_back(world(point(*blob, i)));
+      return;
+    }
+    const auto [at, is_new] = boxes_.try_emplace(mesh.positions().digest());
+    if (is_new)
+      for (size_t i = 0; i < count; ++i) at->second.extend(point(*blob, i));
+    add_box(at->second, world, points_);
+  }
+
+  static Point3 point(const std::vector<std::byte>& blob, size_t index) {
+    std::array<float, 3> p;
+    std::memcpy(p.data(), blob.data() + index * sizeof p, sizeof p);
+    return {p[0], p[1], p[2]};
+  }
+
+  static constexpr int kMaxDepth = 64;
+  static constexpr size_t kMostPoints = size_t{1} << 22;
+
+  const LoadedScene& loaded_;
+  std::map<std::string, const v1::Object*> objects_;
+  std::map<std::string, Bounds3> boxes_;
+  Points points_;
+};
 
 /// The eye from which the model just fits the view, and the point that it looks at.
 struct Fit {
   Vec3 eye, target;
 };
 
-Fit fit(const LoadedScene& loaded, const Frame& frame) {
+Fit fit(const Points& points, const Frame& frame) {
   Bounds3 seen;  // in the frame's axes
-  for_each_point(loaded, [&](const Vec3& p) {
-    seen.extend(Point3{dot(p, frame.right), dot(p, frame.up), dot(p, frame.back)});
-  });
+  const auto along = [](const Point3& p, const Vec3& axis) { return dot(p - Point3{}, axis); };
+  for (const Point3& p : points)
+    seen.extend(Point3{along(p, frame.right), along(p, frame.up), along(p, frame.back)});
   const Point3 middle = seen.empty() ? Point3{} : seen.center();
   double distance = 0;
-  for_each_point(loaded, [&](const Vec3& p) {
-    const double across =
-        std::max(std::abs(dot(p, frame.right) - middle.x), std::abs(dot(p, frame.up) - middle.y));
-    distance = std::max(distance, across * kMargin / kTanHalf + dot(p, frame.back) - middle.z);
-  });
+  for (const Point3& p : points) {
+    const double across = std::max(std::abs(along(p, frame.right) - middle.x),
+                                   std::abs(along(p, frame.up) - middle.y));
+    distance = std::max(distance, across * kMargin / kTanHalf + along(p, frame.back) - middle.z);
+  }
   if (distance <= 0) distance = 1;
   const Vec3 target = frame.right * middle.x + frame.up * middle.y + frame.back * middle.z;
   return {target + frame.back * distance, target};
@@ -82,22 +136,37 @@ void add_light(v1::Scene& scene, const char* name, const Vec3& from, double inte
   light.set_intensity(intensity);
 }
 
-}  // namespace
-
-void add_default_view(LoadedScene& loaded) {
-  v1::Scene& scene = loaded.scene;
-  const Frame frame = view_frame();
-  const Fit view = fit(loaded, frame);
-  v1::Camera& camera = *scene.add_cameras();
+void add_camera(LoadedScene& loaded, const Frame& frame) {
+  const Fit view = fit(PointFinder(loaded).find(), frame);
+  v1::Camera& camera = *loaded.scene.add_cameras();
   camera.set_name("default");
   v1::LookAt& look = *camera.mutable_world_from_camera()->add_steps()->mutable_look_at();
   put(view.eye, look.mutable_eye());
   put(view.target, look.mutable_target());
   camera.mutable_perspective()->set_field_of_view(kFieldOfView);
+}
+
+void add_lights(v1::Scene& scene, const Frame& frame) {
   add_light(scene, "key", frame.back + frame.up * 0.9 - frame.right * 0.7, 0.85, 1);
   add_light(scene, "fill", frame.back + frame.right, 0.15, -0.5);
   add_light(scene, "rim", frame.up * 0.8 - frame.back + frame.right * 0.6, 0.3, -1);
   put(.06, .06, .07, scene.mutable_settings()->mutable_integrator()->mutable_ambient());
+}
+
+bool has_light(const google::protobuf::RepeatedPtrField<v1::Node>& nodes) {
+  return std::any_of(nodes.begin(), nodes.end(), [](const v1::Node& node) {
+    return node.has_light() || has_light(node.children());
+  });
+}
+
+}  // namespace
+
+void add_default_view(LoadedScene& loaded) {
+  v1::Scene& scene = loaded.scene;
+  const Frame frame = view_frame();
+  if (scene.cameras().empty()) add_camera(loaded, frame);
+  if (!has_light(scene.nodes())) add_lights(scene, frame);
+  if (scene.has_background()) return;
   v1::Background::Gradient& gradient = *scene.mutable_background()->mutable_gradient();
   put(.42, .5, .6, gradient.mutable_sky());
   put(.16, .17, .19, gradient.mutable_ground());

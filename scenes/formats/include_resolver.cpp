@@ -92,6 +92,18 @@ void place_camera(v1::Camera& camera, const v1::Transform& placement) {
   for (v1::TransformKey& key : *camera.mutable_keys()) before(*key.mutable_transform());
 }
 
+/// The node that the file goes into.
+v1::Node& add_place(v1::Scene& scene, const v1::Include& include) {
+  if (include.object().empty()) {
+    v1::Node& node = *scene.add_nodes();
+    *node.mutable_transform() = include.transform();
+    return node;
+  }
+  v1::Object& object = *scene.add_objects();
+  object.set_name(include.object());
+  return *object.add_nodes();
+}
+
 template <typename Things>
 void move_all(Things& from, Things& to) {
   for (auto& thing : from) *to.Add() = std::move(thing);
@@ -99,6 +111,19 @@ void move_all(Things& from, Things& to) {
 }
 
 }  // namespace
+
+void IncludeResolver::put(LoadedScene& into, const v1::Include& include, const Part& made,
+                          const fs::path& file) {
+  v1::Node& node = add_place(into.scene, include);
+  node.set_name(to_utf8(file.stem().string()));
+  node.set_instance_of(made.object);
+  for (const v1::Node& child : made.nodes) *node.add_children() = child;
+  for (const v1::Camera& camera : made.cameras) {
+    v1::Camera& placed = *into.scene.add_cameras();
+    placed = camera;
+    place_camera(placed, include.transform());
+  }
+}
 
 IncludeResolver::IncludeResolver(const fs::path& file, Reader reader)
     : root_(fs::weakly_canonical(fs::absolute(file)).parent_path()),
@@ -114,14 +139,17 @@ std::string IncludeResolver::unique_prefix(const fs::path& file) {
 }
 
 const IncludeResolver::Part& IncludeResolver::part(LoadedScene& into, const v1::Include& include,
-                                                   const fs::path& file) {
+                                                   const fs::path& file, const Reader& read) {
   const std::string key = fmt::format("{}\n{}\n{}\n{}", file.string(), include.format(),
                                       include.material(), include.geometry_only());
   const auto known = parts_.find(key);
   if (known != parts_.end()) return known->second;
+  return parts_.emplace(key, absorb(into, include, read(file.string(), include.format()), file))
+      .first->second;
+}
 
-  LoadedScene loaded = reader_(file.string(), include.format());
-  resolve(loaded, file);
+IncludeResolver::Part IncludeResolver::absorb(LoadedScene& into, const v1::Include& include,
+                                              LoadedScene loaded, const fs::path& file) {
   const std::string prefix = unique_prefix(file);
   v1::Scene& scene = loaded.scene;
   scene.clear_metadata();
@@ -153,7 +181,17 @@ const IncludeResolver::Part& IncludeResolver::part(LoadedScene& into, const v1::
     *into.scene.mutable_fog() = std::move(*scene.mutable_fog());
   for (const auto& [digest, data] : loaded.blobs.all()) into.blobs.put(digest, data);
   std::move(loaded.warnings.begin(), loaded.warnings.end(), std::back_inserter(into.warnings));
-  return parts_.emplace(key, std::move(made)).first->second;
+  std::move(loaded.unused.begin(), loaded.unused.end(), std::back_inserter(into.unused));
+  into.depends_on_frame |= loaded.depends_on_frame;
+  return made;
+}
+
+void IncludeResolver::place(LoadedScene& into, const v1::Include& include,
+                            const Reader& read_whole) {
+  std::error_code ignored;
+  const fs::path file = fs::weakly_canonical(include.file(), ignored);
+  put(into, include,
+      part(into, include, file.empty() ? fs::path(include.file()) : file, read_whole), file);
 }
 
 void IncludeResolver::resolve(LoadedScene& loaded, const fs::path& file) {
@@ -181,17 +219,12 @@ void IncludeResolver::resolve(LoadedScene& loaded, const fs::path& file) {
     if (++placements_ > kMaxPlacements)
       throw scene_error({file.string()}, "too many includes",
                         fmt::format("at most {}", kMaxPlacements));
-    const Part& made = part(loaded, include, *target);
-    v1::Node& node = *loaded.scene.add_nodes();
-    node.set_name(to_utf8(target->stem().string()));
-    *node.mutable_transform() = include.transform();
-    node.set_instance_of(made.object);
-    for (const v1::Node& child : made.nodes) *node.add_children() = child;
-    for (const v1::Camera& camera : made.cameras) {
-      v1::Camera& placed = *loaded.scene.add_cameras();
-      placed = camera;
-      place_camera(placed, include.transform());
-    }
+    const Part& made = part(loaded, include, *target, [&](const auto& path, const auto& format) {
+      LoadedScene read = reader_(path, format);
+      resolve(read, path);
+      return read;
+    });
+    put(loaded, include, made, *target);
   }
   open_.pop_back();
 }

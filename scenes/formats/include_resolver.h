@@ -11,13 +11,17 @@
 namespace tessera {
 
 /// Places the files that a scene includes into it, and what those include. Nothing outside the
-/// folder of the first file is read. Each file becomes one object, however often it is placed.
+/// folder of the first file is read, but for what place() is told to. Each file becomes one object,
+/// however often it is placed.
 class IncludeResolver {
  public:
   using Reader = std::function<LoadedScene(const std::string& path, const std::string& format)>;
 
   /// `reader` reads one file without its includes.
   IncludeResolver(const std::filesystem::path& file, Reader reader);
+  /// Places one file, of whatever folder, as `include` says; `read_whole` reads it with its
+  /// includes.
+  void place(LoadedScene& into, const v1::Include& include, const Reader& read_whole);
   /// Empties loaded.scene.includes(). Throws scene_error for files that are missing, outside the
   /// folder, include themselves, or are more than kMaxPlacements in all.
   void resolve(LoadedScene& loaded);
@@ -33,8 +37,12 @@ class IncludeResolver {
   };
 
   void resolve(LoadedScene& loaded, const std::filesystem::path& file);
-  const Part& part(LoadedScene& into, const v1::Include& include,
-                   const std::filesystem::path& file);
+  const Part& part(LoadedScene& into, const v1::Include& include, const std::filesystem::path& file,
+                   const Reader& read);
+  Part absorb(LoadedScene& into, const v1::Include& include, LoadedScene loaded,
+              const std::filesystem::path& file);
+  static void put(LoadedScene& into, const v1::Include& include, const Part& made,
+                  const std::filesystem::path& file);
   std::string unique_prefix(const std::filesystem::path& file);
 
   std::filesystem::path root_, first_;

@@ -14,8 +14,11 @@
 #include "proto/wire/scene_codec.h"
 #include "scenes/formats/crt/crt_reader.h"
 #include "scenes/formats/default_view.h"
+#include "scenes/formats/gltf/gltf_reader.h"
 #include "scenes/formats/include_resolver.h"
 #include "scenes/formats/obj/obj_reader.h"
+#include "scenes/formats/ply/ply_reader.h"
+#include "scenes/formats/stl/stl_reader.h"
 #include "scenes/formats/x3d/x3d_reader.h"
 #include "scenes/import/texture_loader.h"
 
@@ -24,12 +27,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 6> kFormats{"tessera", "tesserab", "json",
-                                                   "obj",     "x3d",      "crt"};
+constexpr std::array<std::string_view, 12> kFormats{
+    "tessera", "tesserab", "json", "obj", "ply", "stl", "gltf", "glb", "x3d", "x3dv", "wrl", "crt"};
+/// Other endings of X3D's files, gzipped or old.
+constexpr std::array<std::string_view, 5> kX3dToo{"gz", "x3dz", "x3dvz", "wrz", "vrml"};
+/// Models: they may come without a camera and without light.
+constexpr std::array<std::string_view, 5> kModels{"obj", "ply", "stl", "gltf", "glb"};
 /// Formats that users may well try, so that the error can say that they were recognised.
-constexpr std::array<std::string_view, 21> kOthers{
-    "x3dv", "wrl", "vrml", "x3dz", "gltf", "glb", "ply",  "stl", "fbx", "dae", "blend",
-    "3ds",  "usd", "usda", "usdc", "usdz", "abc", "pbrt", "mtl", "xml", "gz"};
+constexpr std::array<std::string_view, 12> kOthers{"fbx",  "dae",  "blend", "3ds",  "usd", "usda",
+                                                   "usdc", "usdz", "abc",   "pbrt", "mtl", "xml"};
 
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -55,7 +61,13 @@ std::string head_of(const std::string& path) {
 std::string format_by_content(const std::string& path) {
   const std::string head = head_of(path);
   if (head.starts_with("# proto-file: proto/tessera/v1/")) return "tessera";
-  if (head.find("<X3D") != std::string::npos) return "x3d";
+  if (head.starts_with("ply\n") || head.starts_with("ply\r")) return "ply";
+  if (head.starts_with("solid ")) return "stl";
+  if (head.starts_with("glTF")) return "glb";
+  if (head.starts_with("#X3D") || head.starts_with("#VRML") ||
+      head.find("<X3D") != std::string::npos) {
+    return "x3d";
+  }
   return "";
 }
 
@@ -69,6 +81,7 @@ std::string format_of(const std::string& path, const std::string& asked) {
   std::string ending = lower(fs::path(path).extension().string());
   if (!ending.empty()) ending.erase(0, 1);
   if (std::find(kFormats.begin(), kFormats.end(), ending) != kFormats.end()) return ending;
+  if (std::find(kX3dToo.begin(), kX3dToo.end(), ending) != kX3dToo.end()) return "x3d";
   check_input_file(path, UINT64_MAX);
   if (std::find(kOthers.begin(), kOthers.end(), ending) != kOthers.end())
     throw scene_error({path}, fmt::format("files of type .{} are not read", ending), readable());
@@ -84,31 +97,60 @@ std::string format_of(const std::string& path, const std::string& asked) {
 LoadedScene read_format(const std::string& path, const std::string& format,
                         const ReadOptions& options) {
   if (format == "obj") return read_obj(path);
-  if (format == "x3d") return read_x3d(path, options);
+  if (format == "ply") return read_ply(path);
+  if (format == "stl") return read_stl(path);
+  if (format == "gltf" || format == "glb") return read_gltf(path);
+  if (format == "x3d" || format == "x3dv" || format == "wrl") return read_x3d(path, options);
   if (format == "crt") return read_crt(path, options);
   const SceneEncoding encoding = format == "json"       ? SceneEncoding::json
                                  : format == "tesserab" ? SceneEncoding::binary
                                                         : SceneEncoding::text;
   SceneWithBlobs read = read_scene_file(path, encoding);
-  return {.scene = std::move(read.scene), .blobs = std::move(read.blobs), .warnings = {}};
+  LoadedScene loaded;
+  loaded.scene = std::move(read.scene);
+  loaded.blobs = std::move(read.blobs);
+  return loaded;
 }
 
 /// With its pictures, without its includes.
 LoadedScene read_one(const std::string& path, const std::string& asked,
                      const ReadOptions& options) {
   LoadedScene loaded = read_format(path, format_of(path, asked), options);
-  load_textures(loaded, fs::absolute(path).parent_path(), options.decode_texture);
+  load_textures(loaded, fs::absolute(path).parent_path(), options);
   return loaded;
+}
+
+/// Moves all that stands in the scene, under one node.
+void place_itself(v1::Scene& scene, const v1::Transform& transform) {
+  v1::Node whole;
+  *whole.mutable_transform() = transform;
+  whole.mutable_children()->Swap(scene.mutable_nodes());
+  *scene.add_nodes() = std::move(whole);
 }
 
 }  // namespace
 
 LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
-  LoadedScene loaded = read_one(path, options.format, options);
-  IncludeResolver(path, [&](const std::string& file, const std::string& format) {
+  const IncludeResolver::Reader read = [&](const std::string& file, const std::string& format) {
     return read_one(file, format, options);
-  }).resolve(loaded);
-  if (format_of(path, options.format) == "obj") add_default_view(loaded);
+  };
+  const IncludeResolver::Reader read_whole = [&](const std::string& file,
+                                                 const std::string& format) {
+    LoadedScene whole = read(file, format);
+    IncludeResolver(file, read).resolve(whole);
+    return whole;
+  };
+  LoadedScene loaded = read(path, options.format);
+  IncludeResolver resolver(path, read);
+  resolver.resolve(loaded);
+  for (const v1::Include& placement : options.placements) {
+    if (placement.file().empty())
+      place_itself(loaded.scene, placement.transform());
+    else
+      resolver.place(loaded, placement, read_whole);
+  }
+  if (std::find(kModels.begin(), kModels.end(), format_of(path, options.format)) != kModels.end())
+    add_default_view(loaded);
   if (loaded.scene.metadata().source_file().empty())
     loaded.scene.mutable_metadata()->set_source_file(to_utf8(fs::path(path).filename().string()));
   check_scene(loaded.scene, path);

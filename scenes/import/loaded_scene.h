@@ -3,7 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "proto/tessera/v1/scene.pb.h"
@@ -15,8 +17,14 @@ namespace tessera {
 struct LoadedScene {
   v1::Scene scene;  ///< without blobs and includes in it
   BlobStore blobs;
-  std::vector<std::string> warnings;  ///< what was read otherwise than a user might expect
-  bool depends_on_frame = false;      ///< a script: another ReadOptions::frame, another scene
+  /// The files of pictures that came inside the scene's own file, by what Image.file calls them;
+  /// empty once textures are loaded.
+  std::map<std::string, std::string> pictures{};
+  std::vector<std::string> warnings{};  ///< what was read otherwise than a user might expect
+  /// What the file defines and its scene does not show, so that it was not taken over: "mesh
+  /// 'lid'".
+  std::vector<std::string> unused{};
+  bool depends_on_frame = false;  ///< a script: another ReadOptions::frame, another scene
 };
 
 /// A picture as textures hold it: rows from the top, tightly packed.
@@ -28,17 +36,30 @@ struct DecodedTexture {
 };
 /// Reads the picture in a file. Whoever reads scenes brings it: scenes decode no pictures.
 using TextureDecoder = std::function<DecodedTexture(const std::string& path)>;
+/// Reads the picture that a file of these bytes would hold; `name` is what errors call it.
+using TextureBytesDecoder =
+    std::function<DecodedTexture(std::string_view bytes, const std::string& name)>;
 
 /// How a file is read. The defaults are what a user expects who gives no option.
 struct ReadOptions {
   enum class Color { display, linear };
   enum class Shadows { on, file, off };
+  enum class X3dTexture { by_version, replace, modulate };
 
-  std::string format{};  ///< obj, x3d, crt, tessera, tesserab, json; empty: by the ending
+  std::string format{};  ///< obj, ply, stl, gltf, glb, x3d, crt, tessera, tesserab, json; empty: by
+                         ///< the ending
   Color x3d_color = Color::display;   ///< how the numbers of X3D colours are meant
   Shadows x3d_shadows = Shadows::on;  ///< `file`: as the lights' own fields say
-  TextureDecoder decode_texture{};    ///< none: textures keep the names of their files
-  int32_t frame = 0;                  ///< of an animation; what scripts call t
+  /// What a coloured texture does to the material's colour: by the letter it takes its place up to
+  /// X3D 3.3, and multiplies it from 4.0 on.
+  X3dTexture x3d_texture = X3dTexture::by_version;
+  bool x3d_two_sided = false;                  ///< back faces are seen whatever `solid` says
+  TextureDecoder decode_texture{};             ///< none: textures keep the names of their files
+  TextureBytesDecoder decode_texture_bytes{};  ///< of pictures inside the scene's file
+  /// Files to place beside what the scene itself includes: each from a folder of its own, by a path
+  /// as the system takes it. One without a file places the scene itself, its cameras apart.
+  std::vector<v1::Include> placements{};
+  int32_t frame = 0;  ///< of an animation; what scripts call t
 };
 
 }  // namespace tessera

@@ -17,9 +17,8 @@ bool wants_levels(const v1::Texture::Image& image) {
   return image.filter() == v1::Texture::Image::TRILINEAR && !image.texels_at_corners();
 }
 
-v1::Texture::Image decode(const std::filesystem::path& file, const v1::Texture::Image& wanted,
-                          const TextureDecoder& decoder, BlobStore& blobs) {
-  DecodedTexture decoded = decoder(file.string());
+v1::Texture::Image store(DecodedTexture decoded, const v1::Texture::Image& wanted,
+                         BlobStore& blobs) {
   v1::Texture::Image image;
   image.set_width(decoded.width);
   image.set_height(decoded.height);
@@ -32,29 +31,40 @@ v1::Texture::Image decode(const std::filesystem::path& file, const v1::Texture::
   return image;
 }
 
+std::filesystem::path file_of(const v1::Texture& texture, const std::filesystem::path& folder) {
+  auto file = resolve_inside(folder, texture.image().file());
+  if (!file)
+    throw scene_error({folder.string()},
+                      fmt::format("texture '{}' names the file '{}', which is not inside the "
+                                  "scene's folder",
+                                  texture.name(), texture.image().file()),
+                      "a file in the folder of the scene or below it");
+  return *std::move(file);
+}
+
 }  // namespace
 
 void load_textures(LoadedScene& loaded, const std::filesystem::path& folder,
-                   const TextureDecoder& decoder) {
-  if (!decoder) return;
+                   const ReadOptions& options) {
   std::map<std::tuple<std::filesystem::path, int, bool>, v1::Texture::Image> known;
   for (v1::Texture& texture : *loaded.scene.mutable_textures()) {
     const bool wanted = texture.has_image() && !texture.image().file().empty() &&
                         texture.image().texels().digest().empty();
     if (!wanted) continue;
     v1::Texture::Image& image = *texture.mutable_image();
-    const auto file = resolve_inside(folder, image.file());
-    if (!file)
-      throw scene_error({folder.string()},
-                        fmt::format("texture '{}' names the file '{}', which is not inside the "
-                                    "scene's folder",
-                                    texture.name(), image.file()),
-                        "a file in the folder of the scene or below it");
+    const auto held = loaded.pictures.find(image.file());
+    const bool is_held = held != loaded.pictures.end();
+    if (is_held ? !options.decode_texture_bytes : !options.decode_texture) continue;
+    const auto file = is_held ? std::filesystem::path(image.file()) : file_of(texture, folder);
     const auto [at, is_new] =
-        known.try_emplace({*file, static_cast<int>(image.encoding()), wants_levels(image)});
-    if (is_new) at->second = decode(*file, image, decoder, loaded.blobs);
+        known.try_emplace({file, static_cast<int>(image.encoding()), wants_levels(image)});
+    if (is_new)
+      at->second = store(is_held ? options.decode_texture_bytes(held->second, held->first)
+                                 : options.decode_texture(file.string()),
+                         image, loaded.blobs);
     image.MergeFrom(at->second);
   }
+  loaded.pictures.clear();
 }
 
 }  // namespace tessera

@@ -66,6 +66,7 @@ class EarClipper {
  private:
   bool is_ear(uint32_t i) const {
     const Flat &a = points_[previous_[i]], &b = points_[i], &c = points_[next_[i]];
+    if (same(a, b) || same(b, c)) return true;  // a corner written twice is cut off first
     if (turn(a, b, c) <= 0) return false;
     for (uint32_t j = next_[next_[i]]; j != previous_[i]; j = next_[j]) {
       const Flat& p = points_[j];
@@ -91,9 +92,13 @@ Vec3 newell_normal(std::span<const Vec3> corners) {
 
 bool is_convex(std::span<const Vec3> corners, const Vec3& normal) {
   const size_t n = corners.size();
-  for (size_t i = 0; i < n; ++i) {
-    const Vec3& b = corners[(i + 1) % n];
-    if (dot(cross(b - corners[i], corners[(i + 2) % n] - b), normal) < 0) return false;
+  // Where a corner is written twice no turn shows, so edges without length are passed over.
+  Vec3 last{};
+  for (size_t i = 0; i < 2 * n; ++i) {
+    const Vec3 edge = corners[(i + 1) % n] - corners[i % n];
+    if (edge == Vec3{}) continue;
+    if (dot(cross(last, edge), normal) < 0) return false;
+    last = edge;
   }
   return true;
 }

@@ -14,7 +14,8 @@ from tessera_process import PROGRAM, SLOWER, TesseraTest
 
 ROOT = pathlib.Path(__file__).parents[2]
 GOLDEN = pathlib.Path(__file__).with_name("golden.json")
-SAMPLES = sorted(p.name for p in (ROOT / "scenes/samples").iterdir() if p.suffix != ".mtl")
+NO_SCENES = (".mtl", ".png", ".py")
+SAMPLES = sorted(p.name for p in (ROOT / "scenes/samples").iterdir() if p.suffix not in NO_SCENES)
 
 
 def numerics_id():

@@ -6,7 +6,7 @@ import time
 import unittest
 
 import scenes
-from tessera_process import SLOWER, TesseraTest, marked_processes, wait_until
+from tessera_process import SLOWER, TesseraTest, catches, marked_processes, wait_until
 
 LONG = ["--size", "1600x1200", "--spp", "4096"]
 
@@ -20,6 +20,7 @@ class Interrupt(TesseraTest):
         process = self.start("render", self.scene, "-o", "picture.png", "--stats", "stats.json",
                              "--workers", workers, *LONG)
         wait_until(lambda: len(marked_processes(self.mark)) == workers + 1, 10, "all run")
+        wait_until(lambda: catches(process, signal.SIGTERM), 10, "signals are caught")
         time.sleep(0.4)
         return process
 
@@ -76,6 +77,7 @@ class Interrupt(TesseraTest):
         serve = self.start("serve", "--bind", "tcp://127.0.0.1:*")
         endpoint = serve.stdout.readline().split()[-1]
         process = self.start("render", self.scene, "-o", "picture.png", "--connect", endpoint, *LONG)
+        wait_until(lambda: catches(process, signal.SIGINT), 10, "signals are caught")
         time.sleep(0.5)
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=20)

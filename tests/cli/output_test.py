@@ -188,8 +188,11 @@ class Bench(TesseraTest):
         self.assertLessEqual({"primary", "shadow", "diffuse", "ao", "shuffled"},
                              {row["kind"] for row in rows})
         for row in rows:
-            self.assertEqual({"scene", "accelerator", "kind", "mrays_per_second", "ratio_to_embree",
-                              "mismatches", "build_seconds", "bytes_per_triangle"}, set(row))
+            self.assertLessEqual({"scene", "accelerator", "kind", "mrays_per_second",
+                                  "ratio_to_embree", "mismatches", "build_seconds",
+                                  "bytes_per_triangle"}, set(row))
+            self.assertEqual(0, row["mismatches"])
+        self.assertLessEqual({"soup:500", "geometric mean"}, {row["scene"] for row in rows})
         result = self.run_program("bench", "rays", self.write("s.tessera", "nodes { shape { box {} } }"))
         self.assert_error(result, 1, "triangles")
 

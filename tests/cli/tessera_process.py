@@ -40,6 +40,12 @@ def is_worker(process):
         return False
 
 
+def catches(process, sent):
+    """Whether the process has a handler for that signal by now."""
+    status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+    return int(status.split("SigCgt:")[1].split()[0], 16) >> (sent - 1) & 1 == 1
+
+
 def wait_until(condition, seconds, what):
     """Polls until `condition()` is true; its value. Fails loudly after some seconds."""
     deadline = time.monotonic() + seconds * SLOWER

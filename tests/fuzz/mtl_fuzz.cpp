@@ -11,9 +11,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace tessera;
   try {
     LineReader reader(std::string_view(reinterpret_cast<const char*>(data), size), "fuzz.mtl");
-    MtlMaterials materials;
+    MtlLibrary library;
     Warnings warnings;
-    read_mtl(reader, materials, warnings);
+    read_mtl(reader, {}, library, warnings);
   } catch (const Error&) {
   }
   return 0;

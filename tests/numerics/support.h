@@ -60,6 +60,7 @@ struct Accelerators {
     if (with_scan) a.all.push_back(std::make_unique<MeshLinearScan>(mesh));
     for (const BvhKernels& code : all_kernels())
       a.all.push_back(std::make_unique<MeshBvh>(*mesh, 2, code));
+    a.all.push_back(std::make_unique<MeshBvh>(*mesh, 2, kernels(), BvhQuality::spatial_splits));
     for (const OctreeKind kind : {OctreeKind::uniform, OctreeKind::nonuniform})
       a.all.push_back(std::make_unique<MeshOctree>(*mesh, kind, 2));
     if (auto embree = EmbreeMesh::make(mesh, 2)) a.all.push_back(std::move(embree));

@@ -11,105 +11,36 @@
 namespace tessera {
 namespace {
 
-using Rgb = std::array<float, 3>;
-
-/// One newmtl block as written.
-struct Entry {
-  std::string name;
-  std::optional<Rgb> ambient, diffuse, specular, emission, filter;
-  std::optional<float> exponent, refractive_index, dissolve, transparency;
-  std::optional<int> illumination;
-};
-
-void put(const Rgb& from, v1::Color* to) {
-  to->set_r(from[0]);
-  to->set_g(from[1]);
-  to->set_b(from[2]);
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return out;
 }
 
-Rgb scaled(Rgb color, float by) {
-  for (float& c : color) c *= by;
-  return color;
-}
-
-bool is_black(const Rgb& c) { return c[0] == 0 && c[1] == 0 && c[2] == 0; }
-
-/// The illumination models that are named by number: what each switches on.
-struct Model {
-  bool ambient = true, highlight = true, mirror = false, refracts = false, glass = false;
-};
-
-Model model_of(int number) {
-  switch (number) {
-    case 0:
-      return {false, false, false, false, false};
-    case 1:
-      return {true, false, false, false, false};
-    case 3:
-    case 5:
-      return {true, true, true, false, false};
-    case 4:
-      return {true, true, true, false, true};
-    case 6:
-    case 7:
-      return {true, true, false, true, true};  // the mirrored part comes with Fresnel
-    case 8:
-      return {true, true, true, false, false};
-    case 9:
-      return {true, true, false, false, true};
-    default:
-      return {};
-  }
-}
-
-/// d and Tr say the same thing in two ways; where both are there, d holds. Tf counts only for the
-/// models of glass, since many programs write it for opaque materials too.
-float transparency_of(const Entry& entry, const Model& model) {
-  float transparency = 0;
-  if (entry.dissolve)
-    transparency = 1 - *entry.dissolve;
-  else if (entry.transparency)
-    transparency = *entry.transparency;
-  if (transparency == 0 && model.glass && entry.filter)
-    transparency = ((*entry.filter)[0] + (*entry.filter)[1] + (*entry.filter)[2]) / 3;
-  return std::clamp(transparency, 0.f, 1.f);
-}
-
-v1::Material to_material(const Entry& entry) {
-  v1::Material material;
-  material.set_name(entry.name);
-  const Rgb grey{.8f, .8f, .8f};
-  const Rgb diffuse = entry.diffuse.value_or(grey);
-  if (entry.illumination == 0) {
-    put(diffuse, material.mutable_unlit()->mutable_color()->mutable_value());
-    return material;
-  }
-  const Model model = model_of(entry.illumination.value_or(2));
-  const float transparency = transparency_of(entry, model);
-  v1::Classic& classic = *material.mutable_classic();
-  if (entry.ambient) put(*entry.ambient, classic.mutable_ambient()->mutable_value());
-  put(scaled(diffuse, model.refracts ? 1 - transparency : 1),
-      classic.mutable_diffuse()->mutable_value());
-  const Rgb specular = entry.specular.value_or(Rgb{});
-  if (model.highlight && !is_black(specular))
-    put(specular, classic.mutable_specular()->mutable_value());
-  if (model.mirror && !is_black(specular))
-    put(specular, classic.mutable_reflectivity()->mutable_value());
-  if (entry.exponent) classic.mutable_shininess()->set_value(*entry.exponent);
-  if (entry.emission && !is_black(*entry.emission))
-    put(*entry.emission, classic.mutable_emission()->mutable_value());
-  if (transparency > 0) {
-    classic.mutable_transparency()->set_value(transparency);
-    classic.set_transmission(model.refracts ? v1::Classic::REFRACT : v1::Classic::STRAIGHT);
-    if (model.refracts) classic.set_refractive_index(entry.refractive_index.value_or(1.5f));
-  }
-  return material;
+/// The one name of a map statement, whose case and spelling programs do not agree on; empty for
+/// what is none.
+std::string map_statement(std::string_view keyword) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kSpellings{
+      {{"map_bump", "bump"},
+       {"map_opacity", "map_d"},
+       {"map_kn", "norm"},
+       {"map_norm", "norm"},
+       {"map_emissive", "map_ke"},
+       {"map_occlusionroughnessmetallic", "map_orm"},
+       {"map_roughnessmetallicocclusion", "map_rma"}}};
+  const std::string name = lower(keyword);
+  for (const auto& [spelling, statement] : kSpellings)
+    if (name == spelling) return std::string(statement);
+  const bool is_map = name.starts_with("map_") || name == "bump" || name == "norm" ||
+                      name == "disp" || name == "decal" || name == "refl";
+  return is_map ? name : "";
 }
 
 class MtlReader {
  public:
-  MtlReader(LineReader& in, MtlMaterials& materials, Warnings& warnings)
-      : in_(in), materials_(materials), warnings_(warnings) {}
+  MtlReader(LineReader& in, const MtlPictureFinder& find, MtlLibrary& library, Warnings& warnings)
+      : in_(in), find_picture_(find), library_(library), warnings_(warnings) {}
 
   void read() {
     while (in_.next_line()) {
@@ -117,7 +48,7 @@ class MtlReader {
       if (keyword.empty() || keyword.front() == '#') continue;
       if (keyword == "newmtl")
         begin();
-      else if (!color(keyword) && !number(keyword))
+      else if (!color(keyword) && !number(keyword) && !map(keyword))
         skip(keyword);
     }
     finish();
@@ -126,32 +57,29 @@ class MtlReader {
  private:
   void begin() {
     finish();
-    entry_.emplace();
-    entry_->name = to_utf8(in_.rest());
-    if (entry_->name.empty()) throw in_.error("newmtl without a name", "a material's name");
+    entry_.name = to_utf8(in_.rest());
+    if (entry_.name.empty()) throw in_.error("newmtl without a name", "a material's name");
   }
 
   void finish() {
-    if (!entry_) return;
-    if (!materials_.try_emplace(entry_->name, to_material(*entry_)).second)
-      warnings_.add(fmt::format("material '{}' comes twice; the first one is taken", entry_->name));
-    entry_.reset();
+    if (!entry_.name.empty()) add_mtl_material(entry_, library_, warnings_);
+    entry_ = {};
   }
 
-  Entry& entry() {
-    if (!entry_) throw in_.error(in_.quoted_word(), "newmtl before it");
-    return *entry_;
+  MtlEntry& entry() {
+    if (entry_.name.empty()) throw in_.error(in_.quoted_word(), "newmtl before it");
+    return entry_;
   }
 
   bool color(const std::string& keyword) {
-    std::optional<Rgb> Entry::*member = nullptr;
-    if (keyword == "Ka") member = &Entry::ambient;
-    if (keyword == "Kd") member = &Entry::diffuse;
-    if (keyword == "Ks") member = &Entry::specular;
-    if (keyword == "Ke") member = &Entry::emission;
-    if (keyword == "Tf") member = &Entry::filter;
+    std::optional<MtlEntry::Rgb> MtlEntry::*member = nullptr;
+    if (keyword == "Ka") member = &MtlEntry::ambient;
+    if (keyword == "Kd") member = &MtlEntry::diffuse;
+    if (keyword == "Ks") member = &MtlEntry::specular;
+    if (keyword == "Ke") member = &MtlEntry::emission;
+    if (keyword == "Tf") member = &MtlEntry::filter;
     if (!member) return false;
-    Entry& target = entry();
+    MtlEntry& target = entry();
     if (in_.at_line_end()) throw in_.error("the line ends here", "three colour components");
     if (in_.peek() == 's' || in_.peek() == 'x') {
       warnings_.add(fmt::format("{} {} is not read", keyword, in_.word()));
@@ -161,7 +89,7 @@ class MtlReader {
     const auto g = in_.optional_number("a colour component");
     const auto b = in_.optional_number("a colour component");
     if (g && !b) throw in_.error("two colour components", "one or three");
-    target.*member = Rgb{r, g.value_or(r), b.value_or(r)};
+    target.*member = MtlEntry::Rgb{r, g.value_or(r), b.value_or(r)};
     for (float& c : *(target.*member)) {
       if (c >= 0) continue;
       warnings_.add(fmt::format("a negative component of {} is taken as 0", keyword));
@@ -172,20 +100,21 @@ class MtlReader {
 
   bool number(const std::string& keyword) {
     if (keyword == "d") {
-      Entry& target = entry();
+      MtlEntry& target = entry();
       in_.at_line_end();
       if (in_.peek() == '-') warnings_.add(fmt::format("d {} is read as plain d", in_.word()));
-      target.dissolve = in_.number("a share of 0 to 1");
-    } else if (keyword == "Tr") {
-      entry().transparency = in_.number("a share of 0 to 1");
+      target.numbers["d"] = in_.number("a share of 0 to 1");
+    } else if (keyword == "Tr" || keyword == "Pr" || keyword == "Pm" || keyword == "Pc" ||
+               keyword == "Pcr") {
+      entry().numbers[keyword] = in_.number("a share of 0 to 1");
     } else if (keyword == "Ns") {
-      entry().exponent = std::max(0.f, in_.number("an exponent"));
+      entry().numbers["Ns"] = std::max(0.f, in_.number("an exponent"));
     } else if (keyword == "Ni") {
       const float index = in_.number("a refractive index");
       if (index <= 0)
         warnings_.add("a refractive index (Ni) that is not above 0 is left out");
       else
-        entry().refractive_index = index;
+        entry().numbers["Ni"] = index;
     } else if (keyword == "illum") {
       const float model = in_.number("an illumination model of 0 to 10");
       if (!(model >= 0 && model <= 10) || model != static_cast<float>(static_cast<int>(model)))
@@ -197,16 +126,29 @@ class MtlReader {
     return true;
   }
 
+  bool map(const std::string& keyword) {
+    constexpr std::array<std::string_view, 13> kRead{
+        "map_ka", "map_kd", "map_ks",  "map_ns",  "map_d",   "map_ke", "map_pr",
+        "map_pm", "map_pc", "map_pcr", "map_orm", "map_rma", "bump"};
+    const std::string statement = map_statement(keyword);
+    if (statement.empty()) return false;
+    MtlEntry& target = entry();
+    if (statement != "norm" && std::find(kRead.begin(), kRead.end(), statement) == kRead.end()) {
+      warnings_.add(fmt::format("texture ({}) is not read", keyword));
+      return true;
+    }
+    MtlMap read = read_mtl_map(in_, keyword, warnings_);
+    const auto file = find_picture_ ? find_picture_(read.file) : std::optional(read.file);
+    if (!file) return true;
+    read.file = *file;
+    target.maps[statement] = std::move(read);
+    return true;
+  }
+
   void skip(const std::string& keyword) {
-    constexpr std::array<std::string_view, 13> kPbr{"Pr",    "Pm",     "Ps",  "Pc",   "Pcr",
-                                                    "aniso", "anisor", "Ke",  "norm", "bump",
-                                                    "disp",  "decal",  "refl"};
-    const bool map = keyword.starts_with("map_") || keyword == "bump" || keyword == "disp" ||
-                     keyword == "decal" || keyword == "refl" || keyword == "norm";
-    if (map)
-      warnings_.add(fmt::format("texture ({}) is not read yet", keyword));
-    else if (std::find(kPbr.begin(), kPbr.end(), keyword) != kPbr.end())
-      warnings_.add(fmt::format("physical parameter '{}' is not read yet", keyword));
+    constexpr std::array<std::string_view, 4> kPhysical{"Ps", "aniso", "anisor", "sharpness"};
+    if (std::find(kPhysical.begin(), kPhysical.end(), keyword) != kPhysical.end())
+      warnings_.add(fmt::format("parameter '{}' is not read", keyword));
     else if (std::any_of(keyword.begin(), keyword.end(),
                          [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
       throw in_.error("binary data", "the text of an MTL file");
@@ -215,15 +157,17 @@ class MtlReader {
   }
 
   LineReader& in_;
-  MtlMaterials& materials_;
+  const MtlPictureFinder& find_picture_;
+  MtlLibrary& library_;
   Warnings& warnings_;
-  std::optional<Entry> entry_;
+  MtlEntry entry_;  ///< without a name before the first newmtl
 };
 
 }  // namespace
 
-void read_mtl(LineReader& reader, MtlMaterials& materials, Warnings& warnings) {
-  MtlReader(reader, materials, warnings).read();
+void read_mtl(LineReader& reader, const MtlPictureFinder& find_picture, MtlLibrary& library,
+              Warnings& warnings) {
+  MtlReader(reader, find_picture, library, warnings).read();
 }
 
 }  // namespace tessera

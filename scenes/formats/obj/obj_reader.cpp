@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 
 #include "base/file.h"
+#include "renderer/math/bounds.h"
 #include "scenes/formats/obj/line_reader.h"
 #include "scenes/formats/obj/mtl_reader.h"
 #include "scenes/formats/obj/obj_parser.h"
+#include "scenes/import/plain_material.h"
 
 namespace tessera {
 namespace {
@@ -35,7 +38,21 @@ std::vector<std::string> library_names(const std::string& written, const fs::pat
   return names;
 }
 
-void read_library(const std::string& written, const fs::path& folder, MtlMaterials& materials,
+/// A picture that an MTL file in the folder `below` of `folder` names: what it is called from
+/// there.
+std::optional<std::string> find_picture(const std::string& written, const fs::path& folder,
+                                        const fs::path& below, Warnings& warnings) {
+  const std::string name = (below / written).lexically_normal().generic_string();
+  const auto file = fs::path(written).is_absolute() ? std::nullopt : resolve_inside(folder, name);
+  std::error_code ignored;
+  if (file && fs::is_regular_file(*file, ignored)) return name;
+  warnings.add(
+      fmt::format("picture '{}' {}", written,
+                  file ? "is not there" : "lies outside the scene's folder and is not read"));
+  return std::nullopt;
+}
+
+void read_library(const std::string& written, const fs::path& folder, MtlLibrary& library,
                   LoadedScene& out, const std::string& path) {
   std::string name = written;
   for (char& c : name)
@@ -52,38 +69,49 @@ void read_library(const std::string& written, const fs::path& folder, MtlMateria
   } else if (fs::is_regular_file(*file, ignored) && fs::file_size(*file, ignored) > 0) {
     Warnings warnings;
     LineReader reader((folder / name).string());
-    read_mtl(reader, materials, warnings);
+    const fs::path below = fs::path(name).parent_path();
+    const auto finder = [&](const std::string& picture) {
+      return find_picture(picture, folder, below, warnings);
+    };
+    read_mtl(reader, finder, library, warnings);
     for (std::string& line : warnings.list(reader.name())) out.warnings.push_back(std::move(line));
   }
 }
 
-/// Puts the materials that the mesh uses into the scene, in the order of use.
-void add_materials(const ObjFile& file, const MtlMaterials& materials, bool has_colors,
-                   LoadedScene& out, Warnings& warnings) {
+/// The length of the diagonal of the box around the positions.
+double size_of(const std::vector<float>& positions) {
+  Bounds3 box;
+  for (size_t i = 0; i + 2 < positions.size(); i += 3)
+    box.extend(Point3{positions[i], positions[i + 1], positions[i + 2]});
+  return box.empty() ? 0 : length(box.diagonal());
+}
+
+/// Puts the materials that the mesh uses into the scene, in the order of use, with their textures.
+void add_materials(const ObjFile& file, const MtlLibrary& library, LoadedScene& out,
+                   Warnings& warnings) {
   std::vector<std::string> known;
-  for (const auto& entry : materials) known.push_back(entry.first);
+  for (const auto& entry : library.materials) known.push_back(entry.first);
   v1::Shape& shape = *out.scene.mutable_nodes(0)->mutable_shape();
   for (const std::string& name : file.materials) {
-    const auto found = materials.find(name);
+    const auto found = library.materials.find(name);
     v1::Material& material = *out.scene.add_materials();
-    if (found != materials.end()) {
+    if (found != library.materials.end()) {
       material = found->second;
+      if (material.has_bump())
+        material.mutable_bump()->set_value(material.bump().value() * 0.01 *
+                                           size_of(file.mesh.positions));
     } else {
-      material.set_name(name.empty() ? "default" : name);
-      v1::Classic& classic = *material.mutable_classic();
-      for (v1::ColorInput* input : {classic.mutable_ambient(), classic.mutable_diffuse()}) {
-        v1::Color& grey = *input->mutable_value();
-        grey.set_r(.8);
-        grey.set_g(.8);
-        grey.set_b(.8);
-      }
-      classic.set_vertex_color_replaces_diffuse(has_colors);
+      material = plain_material(name.empty() ? "default" : name, !file.mesh.colors.empty());
       if (!name.empty())
         warnings.add(fmt::format("material '{}' is not defined; grey is taken{}", name,
                                  suggestion(name, known)));
     }
     shape.add_materials(material.name());
   }
+  add_used_textures(library.textures, out.scene);
+  for (const std::string& name : known)
+    if (std::find(file.materials.begin(), file.materials.end(), name) == file.materials.end())
+      out.unused.push_back(fmt::format("material '{}'", name));
 }
 
 /// A material called "default" beside the one that we add under that name gets out of the way.
@@ -101,12 +129,12 @@ LoadedScene read(LineReader& reader, const fs::path* folder) {
   LoadedScene out;
   Warnings warnings;
   ObjFile file = ObjParser(reader, warnings).parse();
-  MtlMaterials materials;
+  MtlLibrary library;
   if (folder) {
     std::set<std::string> seen;
     for (const std::string& written : file.libraries)
       for (const std::string& name : library_names(written, *folder))
-        if (seen.insert(name).second) read_library(name, *folder, materials, out, reader.name());
+        if (seen.insert(name).second) read_library(name, *folder, library, out, reader.name());
   }
   if (file.mesh.triangle_count() == 0) {
     if (file.mesh.positions.empty())
@@ -115,7 +143,7 @@ LoadedScene read(LineReader& reader, const fs::path* folder) {
   } else {
     v1::Node& node = *out.scene.add_nodes();
     node.set_name(to_utf8(fs::path(reader.name()).stem().string()));
-    add_materials(file, materials, !file.mesh.colors.empty(), out, warnings);
+    add_materials(file, library, out, warnings);
     make_names_unique(out.scene);
     *node.mutable_shape()->mutable_mesh() = store_mesh(file.mesh.finish(), out.blobs);
   }

@@ -1,19 +1,30 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <numbers>
 
-#include "scenes/formats/x3d/x3d_nodes.h"
-#include "scenes/formats/x3d/x3d_proto.h"
+#include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
 
 namespace tessera {
 namespace {
 
 bool is_group(std::string_view type) {
-  constexpr std::array<std::string_view, 8> kGroups{
-      "Transform", "Group", "StaticGroup", "Collision", "Anchor", "Switch", "LOD", "Billboard"};
+  constexpr std::array<std::string_view, 13> kGroups{
+      "Transform", "Group",  "StaticGroup",   "Collision",  "Anchor",       "Switch",   "LOD",
+      "Billboard", "Inline", "HAnimHumanoid", "HAnimJoint", "HAnimSegment", "HAnimSite"};
   return std::find(kGroups.begin(), kGroups.end(), type) != kGroups.end();
+}
+
+/// Whether what stands in that field of a group is shown where the group is.
+bool is_shown(std::string_view field) {
+  return field == "children" || field == "skeleton" || field == "skin";
+}
+
+/// Whether the field is of type SFNode.
+bool holds_one_node(const X3dNodeType& type, std::string_view field) {
+  return type.use == X3dNodeType::Use::read && !type.name.starts_with("Multi") &&
+         !type.name.starts_with("HAnim") && field != "children" && field != "shaders" &&
+         field != "attrib";
 }
 
 bool is_light(std::string_view type) {
@@ -22,22 +33,40 @@ bool is_light(std::string_view type) {
 
 }  // namespace
 
-LoadedScene X3dTranslator::translate(const std::string& file) {
-  check_names();
-  add_children(document_.scene(), {}, *out_.scene.mutable_nodes());
-  finish_cameras();
-  set_settings();
-  set_metadata(file);
-  list_ignored();
-  for (const std::string& remark : document_.remarks()) warnings_.add(remark);
-  for (std::string& line : warnings_.list(file)) out_.warnings.push_back(std::move(line));
-  return std::move(out_);
-}
-
-std::string X3dTranslator::unique(std::set<std::string>& taken, const std::string& wish) {
+std::string X3dBuild::unique(std::set<std::string>& taken, const std::string& wish) {
   std::string name = wish;
   for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}_{}", wish, i);
   return name;
+}
+
+void X3dTranslator::add_all(const v1::Transform& path, double unit, Nodes& out) {
+  check_names();
+  const double scale = document_.metres_per_unit() / unit;
+  if (scale == 1) {
+    add_children(document_.scene(), path, out);
+  } else {
+    v1::Node& scaled = *out.Add();
+    put_vec3(Vec3{1, 1, 1} * scale, scaled.mutable_transform()->add_steps()->mutable_scale());
+    v1::Transform inner = path;
+    inner.MergeFrom(scaled.transform());
+    add_children(document_.scene(), inner, *scaled.mutable_children());
+  }
+  list_ignored();
+  for (const std::string& remark : document_.remarks()) warnings_.add(remark);
+  for (std::string& line : warnings_.list(document_.name()))
+    out_.warnings.push_back(std::move(line));
+}
+
+void X3dTranslator::finish() {
+  finish_cameras();
+  set_settings();
+  set_metadata();
+}
+
+void X3dTranslator::warn_unknown_field(const X3dNode& node, const X3dNodeType& type,
+                                       const std::string& name) {
+  warnings_.add(fmt::format("unknown field '{}' of {} is left out{}", name, node.type,
+                            suggestion(name, type.field_names())));
 }
 
 /// Says of every node and field that we do not know that it is left out.
@@ -57,9 +86,17 @@ void X3dTranslator::check_names() {
       continue;
     }
     if (!type) continue;
-    for (const X3dField& field : node.fields)
-      if (!has_x3d_field(*type, field.name))
-        warnings_.add(fmt::format("unknown field '{}' of {} is left out", field.name, node.type));
+    for (const X3dField& field : node.fields) {
+      const bool no_nodes = field.text.empty() && type->has_node_field(field.name);
+      if (!type->has_field(field.name) && !no_nodes) warn_unknown_field(node, *type, field.name);
+    }
+    std::set<std::string_view> single;
+    for (const X3dNode::Child& child : node.children) {
+      if (!type->has_node_field(child.container)) warn_unknown_field(node, *type, child.container);
+      if (holds_one_node(*type, child.container) && !single.insert(child.container).second)
+        warnings_.add(
+            fmt::format("{} of {} is given twice; the last one holds", child.container, node.type));
+    }
   }
 }
 
@@ -83,7 +120,7 @@ void X3dTranslator::add_children(const X3dNode& parent, const v1::Transform& pat
   const bool selects = parent.type == "Switch" || parent.type == "LOD";
   int64_t number = 0;
   for (const X3dNode::Child& child : parent.children) {
-    if (child.container == "proxy" || child.container == "metadata") continue;
+    if (!is_shown(child.container)) continue;
     if (!selects || number++ == only) add_node(*child.node, path, out);
   }
 }
@@ -96,15 +133,20 @@ void X3dTranslator::add_node(const X3dNode& node, const v1::Transform& path, Nod
   if (is_light(node.type)) return add_light(node, out);
   if (node.type == "Viewpoint" || node.type == "OrthoViewpoint") return add_camera(node, path);
   // Of the nodes that can be bound, the first one of its kind is.
-  if (node.type == "Background" && !out_.scene.has_background()) set_background(node, path);
-  if (node.type == "Fog" && !out_.scene.has_fog()) set_fog(node);
-  if (node.type == "NavigationInfo" && !navigation_) navigation_ = &node;
+  const bool is_background = node.type == "Background" || node.type == "TextureBackground";
+  if (is_background && !out_.scene.has_background()) set_background(node, path);
+  if (node.type == "Fog" && !build_.has_fog) set_fog(node, path);
+  if (node.type == "NavigationInfo" && !build_.has_navigation) {
+    build_.has_navigation = true;
+    build_.headlight = values_.boolean(node, "headlight", true);
+  }
 }
 
 void X3dTranslator::add_instance(const X3dNode& node, const v1::Transform& path, Nodes& out) {
   auto known = objects_.find(&node);
   if (known == objects_.end()) {
-    const std::string name = unique(object_names_, node.def.empty() ? node.type : node.def);
+    const std::string name =
+        build_.unique(build_.object_names, node.def.empty() ? node.type : node.def);
     known = objects_.emplace(&node, name).first;
     v1::Object object;
     object.set_name(name);
@@ -115,17 +157,25 @@ void X3dTranslator::add_instance(const X3dNode& node, const v1::Transform& path,
 }
 
 void X3dTranslator::fill_node(const X3dNode& node, const v1::Transform& path, v1::Node& out) {
+  if (build_.depth >= X3dBuild::kMaxDepth)
+    throw document_.error(node.offset, "groups nested too deep",
+                          fmt::format("at most {} levels", X3dBuild::kMaxDepth));
   out.set_name(node.def);
   if (!values_.boolean(node, "visible", true)) out.set_hidden(true);
   if (node.type == "Shape") return add_shape(node, out);
   v1::Transform inner = path;
-  if (node.type == "Transform") {
+  if (node.type == "Transform" || node.type.starts_with("HAnim")) {
     *out.mutable_transform() = transform(node);
     inner.MergeFrom(out.transform());
   }
   if (node.type == "Billboard")
     put_vec3(values_.vec3(node, "axisOfRotation", {0, 1, 0}), out.mutable_billboard_axis());
-  add_children(node, inner, *out.mutable_children());
+  ++build_.depth;
+  if (node.type == "Inline")
+    add_inline(node, inner, out);
+  else
+    add_children(node, inner, *out.mutable_children());
+  --build_.depth;
 }
 
 /// T C R SR S -SR -C, leaving out what does nothing.

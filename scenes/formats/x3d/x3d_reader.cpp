@@ -1,23 +1,30 @@
 #include "scenes/formats/x3d/x3d_reader.h"
 
 #include "base/file.h"
-#include "scenes/formats/x3d/x3d_document.h"
+#include "scenes/formats/x3d/document/x3d_document.h"
 #include "scenes/formats/x3d/x3d_translator.h"
 
 namespace tessera {
 namespace {
 
-constexpr uint64_t kMaxFileBytes = uint64_t{512} << 20;
+LoadedScene read_first(std::string_view bytes, const std::string& name, const ReadOptions& options,
+                       X3dFiles files) {
+  const X3dDocument document = X3dDocument::parse(bytes, name);
+  X3dBuild build{.options = options, .files = std::move(files)};
+  X3dTranslator translator(document, build, "");
+  translator.add_all({}, 1, *build.out.scene.mutable_nodes());
+  translator.finish();
+  return std::move(build.out);
+}
 
 }  // namespace
 
 LoadedScene read_x3d(const std::string& path, const ReadOptions& options) {
-  return parse_x3d(read_input_file(path, kMaxFileBytes), path, options);
+  return read_first(read_input_file(path, X3dDocument::kMaxBytes), path, options, X3dFiles(path));
 }
 
-LoadedScene parse_x3d(std::string_view text, const std::string& name, const ReadOptions& options) {
-  const X3dDocument document = X3dDocument::parse_xml(text, name);
-  return X3dTranslator(document, options).translate(name);
+LoadedScene parse_x3d(std::string_view bytes, const std::string& name, const ReadOptions& options) {
+  return read_first(bytes, name, options, {});
 }
 
 }  // namespace tessera

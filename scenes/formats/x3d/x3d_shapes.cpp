@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "scenes/formats/x3d/x3d_proto.h"
+#include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
 
 namespace tessera {
@@ -59,20 +59,44 @@ void set_disc(const X3dNode& node, const X3dValues& values, v1::Disc& disc) {
   disc.set_inner_radius(inner);
 }
 
-}  // namespace
-
-const X3dMesh& X3dTranslator::mesh(const X3dNode& geometry) {
-  const auto known = meshes_.find(&geometry);
-  if (known != meshes_.end()) return known->second;
-  const bool linear = options_.x3d_color == ReadOptions::Color::linear;
-  return meshes_.emplace(&geometry, build_x3d_mesh(geometry, values_, linear, out_.blobs))
-      .first->second;
+/// Where the texture is read; only the generator says other than at the texture coordinates.
+v1::Texture::Mapping mapping_of(const X3dNode& geometry, const X3dValues& values) {
+  const X3dNode* node = geometry.child("texCoord");
+  if (!node || node->type != "TextureCoordinateGenerator") return v1::Texture::UV;
+  const std::string mode = values.text(*node, "mode");
+  if (mode == "COORD") return v1::Texture::OBJECT;
+  if (mode == "SPHERE-LOCAL") return v1::Texture::OBJECT_NORMAL;
+  if (!mode.empty() && mode != "SPHERE")
+    values.warnings().add(
+        fmt::format("TextureCoordinateGenerator of mode '{}' is read as SPHERE", mode));
+  return v1::Texture::VIEW_NORMAL;
 }
 
-bool X3dTranslator::set_geometry(const X3dNode& geometry, v1::Shape& shape) {
+bool is_textured(const X3dNode* appearance) {
+  if (!appearance) return false;
+  if (appearance->child("texture")) return true;
+  for (const char* side : {"material", "backMaterial"})
+    if (const X3dNode* material = appearance->child(side))
+      for (const X3dNode::Child& child : material->children)
+        if (child.container.ends_with("Texture")) return true;
+  return false;
+}
+
+}  // namespace
+
+const X3dMesh& X3dTranslator::mesh(const X3dNode& geometry, bool textured) {
+  const auto key = std::make_pair(&geometry, textured);
+  const auto known = meshes_.find(key);
+  if (known != meshes_.end()) return known->second;
+  const X3dMeshOptions options{.linear = build_.options.x3d_color == ReadOptions::Color::linear,
+                               .textured = textured};
+  return meshes_.emplace(key, build_x3d_mesh(geometry, values_, options, out_.blobs)).first->second;
+}
+
+bool X3dTranslator::set_geometry(const X3dNode& geometry, bool textured, v1::Shape& shape) {
   const std::string& type = geometry.type;
-  if (is_x3d_polygons(type)) {
-    const X3dMesh& made = mesh(geometry);
+  if (is_x3d_mesh(type)) {
+    const X3dMesh& made = mesh(geometry, textured);
     if (made.empty) {
       warnings_.add(fmt::format("{} without a face is left out", type));
       return false;
@@ -97,89 +121,30 @@ bool X3dTranslator::set_geometry(const X3dNode& geometry, v1::Shape& shape) {
 }
 
 void X3dTranslator::add_shape(const X3dNode& node, v1::Node& out) {
-  if (!values_.boolean(node, "castShadow", true)) out.set_casts_no_shadow(true);
   const X3dNode* geometry = node.child("geometry");
   if (!geometry) return;
+  Look look{.appearance = node.child("appearance")};
+  const bool textured = is_textured(look.appearance);
   v1::Shape shape;
-  if (!set_geometry(*geometry, shape)) return;
+  if (!set_geometry(*geometry, textured, shape)) return;
   shape.set_name(geometry->def);
-  const bool flat = geometry->type == "Rectangle2D" || geometry->type == "Disk2D";
-  const bool two_sided = !values_.boolean(*geometry, "solid", !flat);
-  const bool colors = shape.has_mesh() && mesh(*geometry).has_colors;
-  shape.add_materials(material(node.child("appearance"), two_sided, colors));
+  const std::string& type = geometry->type;
+  const bool flat = type == "Rectangle2D" || type == "Disk2D" || type == "Text";
+  look.lines = is_x3d_lines(type);
+  // What has no breadth hides no light. shadowCaster is an extension of older files.
+  const bool casts = !look.lines && values_.boolean(node, "castShadow", true) &&
+                     (!look.appearance || values_.boolean(*look.appearance, "shadowCaster", true));
+  if (!casts) out.set_casts_no_shadow(true);
+  look.two_sided =
+      look.lines || build_.options.x3d_two_sided || !values_.boolean(*geometry, "solid", !flat);
+  if (shape.has_mesh()) {
+    const X3dMesh& made = mesh(*geometry, textured);
+    look.colors = made.has_colors;
+    look.color_alpha = made.has_color_alpha;
+  }
+  if (textured) look.mapping = mapping_of(*geometry, values_);
+  shape.add_materials(material(look));
   *out.mutable_shape() = std::move(shape);
-}
-
-std::string X3dTranslator::material(const X3dNode* appearance, bool two_sided, bool vertex_colors) {
-  const X3dNode* node = appearance ? appearance->child("material") : nullptr;
-  const auto key = std::make_tuple(node, two_sided, vertex_colors);
-  const auto known = materials_.find(key);
-  if (known != materials_.end()) return known->second;
-  v1::Material made = make_material(node, vertex_colors);
-  made.set_sides(two_sided ? v1::Material::TWO_SIDED : v1::Material::FRONT_ONLY);
-  const std::string wish = !node ? "unlit" : node->def.empty() ? node->type : node->def;
-  made.set_name(unique(material_names_, wish));
-  *out_.scene.add_materials() = made;
-  return materials_.emplace(key, made.name()).first->second;
-}
-
-v1::Material X3dTranslator::make_material(const X3dNode* node, bool vertex_colors) {
-  if (node && node->type == "UnlitMaterial") return make_unlit(*node);
-  if (node && node->type == "PhysicalMaterial") return make_physical(*node);
-  v1::Material material;
-  if (!node) {
-    put(kWhite, material.mutable_unlit()->mutable_color()->mutable_value());
-    return material;
-  }
-  // A Material of a type that is not read yet has none of these fields, so it takes the defaults.
-  const Color diffuse = values_.color(*node, "diffuseColor", {.8, .8, .8});
-  const double ambient = values_.share(*node, "ambientIntensity", .2);
-  const double transparency = values_.share(*node, "transparency", 0);
-  const double mirror = values_.share(*node, "mirror", 0);
-  v1::Classic& classic = *material.mutable_classic();
-  put(diffuse, classic.mutable_diffuse()->mutable_value());
-  // Of the colour of the point, which textures and vertex colours may give (clause 17.2.2.4).
-  v1::Color& met = *classic.mutable_ambient()->mutable_value();
-  met.set_r(ambient);
-  met.set_g(ambient);
-  met.set_b(ambient);
-  classic.set_ambient_times_diffuse(true);
-  put(values_.color(*node, "specularColor", kBlack), classic.mutable_specular()->mutable_value());
-  put(values_.color(*node, "emissiveColor", kBlack), classic.mutable_emission()->mutable_value());
-  classic.mutable_shininess()->set_value(128 * values_.share(*node, "shininess", .2));
-  if (transparency > 0) {
-    classic.mutable_transparency()->set_value(transparency);
-    classic.set_transmission(v1::Classic::STRAIGHT);
-  }
-  if (mirror > 0) {
-    v1::Color& share = *classic.mutable_reflectivity()->mutable_value();
-    share.set_r(mirror);
-    share.set_g(mirror);
-    share.set_b(mirror);
-  }
-  classic.set_vertex_color_replaces_diffuse(vertex_colors);
-  return material;
-}
-
-v1::Material X3dTranslator::make_unlit(const X3dNode& node) {
-  v1::Material material;
-  v1::Unlit& unlit = *material.mutable_unlit();
-  put(values_.color(node, "emissiveColor", kWhite), unlit.mutable_color()->mutable_value());
-  const double transparency = values_.share(node, "transparency", 0);
-  if (transparency > 0) unlit.mutable_transparency()->set_value(transparency);
-  return material;
-}
-
-v1::Material X3dTranslator::make_physical(const X3dNode& node) {
-  v1::Material material;
-  v1::Physical& physical = *material.mutable_physical();
-  put(values_.color(node, "baseColor", kWhite), physical.mutable_base_color()->mutable_value());
-  put(values_.color(node, "emissiveColor", kBlack), physical.mutable_emission()->mutable_value());
-  physical.mutable_metallic()->set_value(values_.share(node, "metallic", 1));
-  physical.mutable_roughness()->set_value(values_.share(node, "roughness", 1));
-  const double transparency = values_.share(node, "transparency", 0);
-  if (transparency > 0) physical.mutable_transparency()->set_value(transparency);
-  return material;
 }
 
 }  // namespace tessera

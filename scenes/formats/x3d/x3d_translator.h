@@ -4,67 +4,127 @@
 #include <set>
 #include <string>
 #include <tuple>
+#include <vector>
 
-#include "scenes/formats/x3d/x3d_document.h"
-#include "scenes/formats/x3d/x3d_polygons.h"
-#include "scenes/formats/x3d/x3d_values.h"
+#include "scenes/formats/x3d/document/x3d_document.h"
+#include "scenes/formats/x3d/document/x3d_nodes.h"
+#include "scenes/formats/x3d/document/x3d_values.h"
+#include "scenes/formats/x3d/geometry/x3d_polygons.h"
+#include "scenes/formats/x3d/x3d_files.h"
 #include "scenes/import/loaded_scene.h"
 #include "scenes/import/warnings.h"
 
 namespace tessera {
 
-/// Turns the nodes of an X3D document into a scene.
+/// What the files share that make up one scene.
+struct X3dBuild {
+  static constexpr int kMaxDepth = 400;  ///< of groups, through Inlines
+
+  const ReadOptions& options;
+  X3dFiles files;
+  LoadedScene out{};
+  std::set<std::string> object_names{}, material_names{}, texture_names{}, camera_names{};
+  bool has_fog = false, has_navigation = false, headlight = true;
+  int depth = 0;
+  std::string placeholder{};  ///< the texture that stands for pictures which are missing
+
+  /// `wish`, or that with a number behind it; from now on it is taken.
+  static std::string unique(std::set<std::string>& taken, const std::string& wish);
+  void put(const Color& color, v1::Color* out_color) const;
+};
+
+/// Turns the nodes of one X3D document into parts of a scene.
 class X3dTranslator {
  public:
-  X3dTranslator(const X3dDocument& document, const ReadOptions& options)
-      : document_(document), options_(options), values_(document, warnings_) {}
+  /// `folder` is the document's, as X3dFiles names it.
+  X3dTranslator(const X3dDocument& document, X3dBuild& build, std::string folder)
+      : document_(document),
+        build_(build),
+        out_(build.out),
+        folder_(std::move(folder)),
+        values_(document, warnings_) {}
 
-  LoadedScene translate(const std::string& file);
-
- private:
   using Nodes = google::protobuf::RepeatedPtrField<v1::Node>;
 
+  /// All that the file shows. `path` leads from the frame around it to the world; `unit` is that
+  /// frame's, in metres.
+  void add_all(const v1::Transform& path, double unit, Nodes& out);
+  /// What only the first file has: settings and metadata.
+  void finish();
+
+ private:
   // The graph (x3d_graph.cpp). `path` leads from the frame of the children to the world.
   void add_children(const X3dNode& parent, const v1::Transform& path, Nodes& out);
   void add_node(const X3dNode& node, const v1::Transform& path, Nodes& out);
   void add_instance(const X3dNode& node, const v1::Transform& path, Nodes& out);
   void fill_node(const X3dNode& node, const v1::Transform& path, v1::Node& out);
   v1::Transform transform(const X3dNode& node) const;
+  void add_inline(const X3dNode& node, const v1::Transform& path, v1::Node& out);
   void check_names();
+  void warn_unknown_field(const X3dNode& node, const X3dNodeType& type, const std::string& name);
   void list_ignored();
 
-  // Cameras, lights and what surrounds the scene (x3d_view.cpp).
+  // Cameras, lights and what surrounds the scene (x3d_view.cpp, x3d_lights.cpp, x3d_sky.cpp).
   void add_camera(const X3dNode& node, const v1::Transform& path);
   void add_light(const X3dNode& node, Nodes& out);
+  void set_attenuation(const X3dNode& node, v1::Light& light);
   void set_background(const X3dNode& node, const v1::Transform& path);
-  void set_fog(const X3dNode& node);
+  void set_sky(const X3dNode& node, v1::Background& background);
+  void set_fog(const X3dNode& node, const v1::Transform& path);
   void finish_cameras();
   void set_settings();
-  void set_metadata(const std::string& file);
+  void set_metadata();
 
-  // Shapes and materials (x3d_shapes.cpp).
+  // Shapes (x3d_shapes.cpp).
   void add_shape(const X3dNode& node, v1::Node& out);
-  bool set_geometry(const X3dNode& geometry, v1::Shape& shape);
-  std::string material(const X3dNode* appearance, bool two_sided, bool vertex_colors);
-  v1::Material make_material(const X3dNode* node, bool vertex_colors);
-  v1::Material make_unlit(const X3dNode& node);
-  v1::Material make_physical(const X3dNode& node);
-  const X3dMesh& mesh(const X3dNode& geometry);
+  bool set_geometry(const X3dNode& geometry, bool textured, v1::Shape& shape);
+  const X3dMesh& mesh(const X3dNode& geometry, bool textured);
 
-  std::string unique(std::set<std::string>& taken, const std::string& wish);
-  void put(const Color& color, v1::Color* out) const;
+  // Materials (x3d_materials.cpp).
+  /// What decides over the material of a shape.
+  struct Look {
+    const X3dNode* appearance = nullptr;
+    bool two_sided = false, colors = false, color_alpha = false, lines = false;
+    v1::Texture::Mapping mapping = v1::Texture::UV;
+    friend auto operator<=>(const Look&, const Look&) = default;
+  };
+  std::string material(const Look& look);
+  v1::Material make_material(const Look& look, const X3dNode* node, bool back);
+  v1::Material make_classic(const Look& look, const X3dNode& node, bool back);
+  v1::Material make_unlit(const Look& look, const X3dNode* node);
+  v1::Material make_physical(const Look& look, const X3dNode& node);
+  void set_normal_map(const Look& look, const X3dNode& node, v1::Material& material);
+  void set_alpha(const Look& look, v1::Material& material);
+  double transparency(const Look& look, const X3dNode& node, const char* name) const;
+  bool texture_replaces() const;
+
+  // Textures (x3d_textures.cpp). All give a texture's name, or "" for none.
+  std::string main_texture(const Look& look, const X3dNode* material, const char* field);
+  std::string texture(const X3dNode* node, const Look& look, bool is_color);
+  std::string image_texture(const std::vector<std::string>& urls, v1::Texture::Image image,
+                            size_t offset);
+  std::string pixel_texture(const X3dNode& node, v1::Texture::Image image);
+  std::string add_texture(v1::Texture texture, const std::string& wish);
+  std::string placeholder_texture();
+  void set_wrapping(const X3dNode& node, v1::Texture::Image& image) const;
+  v1::Transform texture_transform(const X3dNode& node) const;
+  std::string sky_texture(const X3dNode& node, const std::string& side);
+  v1::Texture::Image::Encoding color_encoding() const;
+
+  void put(const Color& color, v1::Color* out) const { build_.put(color, out); }
 
   const X3dDocument& document_;
-  const ReadOptions& options_;
+  X3dBuild& build_;
+  LoadedScene& out_;
+  const std::string folder_;
   Warnings warnings_;
   X3dValues values_;
-  LoadedScene out_;
 
   std::map<const X3dNode*, std::string> objects_;  ///< by what is used more than once
-  std::map<const X3dNode*, X3dMesh> meshes_;
-  std::map<std::tuple<const X3dNode*, bool, bool>, std::string> materials_;
-  std::set<std::string> object_names_, material_names_, camera_names_;
-  const X3dNode* navigation_ = nullptr;
+  std::map<std::pair<const X3dNode*, bool>, X3dMesh> meshes_;
+  std::map<Look, std::string> materials_;
+  std::map<std::tuple<const X3dNode*, const X3dNode*, v1::Texture::Mapping, bool>, std::string>
+      textures_;
 };
 
 }  // namespace tessera

@@ -1,5 +1,6 @@
 #include "renderer/render/tile_renderer.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -48,6 +49,24 @@ TEST(TileRenderer, shows_a_lit_sphere_before_its_background) {
   EXPECT_EQ(tile.values[2], 1.0f);
   EXPECT_EQ(tile.counters.at("samples"), 33u * 33u);
   EXPECT_EQ(tile.counters.at("nan_samples"), 0u);
+}
+
+TEST(TileRenderer, builds_only_the_meshes_that_rays_come_near) {
+  const auto mesh = [](double x, double y) {
+    return fmt::format(
+        "nodes {{ transform {{ steps {{ translate {{ x: {} y: {} }} }} }} shape {{ mesh "
+        "{{ inline_positions: [-1,-1,0, 1,-1,0, 1,1,0, -1,1,0] "
+        "inline_triangles: [0,1,2, 0,2,3, 0,1,3] }} }} }} ",
+        x, y);
+  };
+  const auto render = [&](const std::string& meshes) {
+    return render_text(std::string(kSphere) + meshes, 33, 33);
+  };
+  const TilePixels one = render(mesh(2.5, 0));
+  EXPECT_FALSE(one.counters.contains("meshes_built_when_hit"));
+  const TilePixels three = render(mesh(2.5, 0) + mesh(500, 1) + mesh(-500, 1));
+  EXPECT_EQ(three.counters.at("meshes_built_when_hit"), 1u);
+  EXPECT_EQ(three.values, one.values);
 }
 
 TEST(TileRenderer, pixels_do_not_depend_on_how_the_frame_is_cut) {

@@ -48,12 +48,12 @@ TEST_F(ReadScene, RefusesWhatIsNoSceneFile) {
   EXPECT_EQ(error(write("empty.x3d", "")), "empty.x3d: the file is empty");
   fs::create_directories(folder_ / "folder.obj");
   EXPECT_EQ(error((folder_ / "folder.obj").string()), "folder.obj: is a folder; expected a file");
-  EXPECT_EQ(error(write("a.gltf", "{}")),
-            "a.gltf: files of type .gltf are not read; expected one of .tessera, .tesserab, .json, "
-            ".obj, .x3d, .crt");
-  EXPECT_EQ(
-      error(write("a.xyz", "0 0 0")),
-      "a.xyz: unknown ending '.xyz'; expected one of .tessera, .tesserab, .json, .obj, .x3d, .crt");
+  const std::string known =
+      "one of .tessera, .tesserab, .json, .obj, .ply, .stl, .gltf, .glb, .x3d, "
+      ".x3dv, .wrl, .crt";
+  EXPECT_EQ(error(write("a.fbx", "{}")),
+            "a.fbx: files of type .fbx are not read; expected " + known);
+  EXPECT_EQ(error(write("a.xyz", "0 0 0")), "a.xyz: unknown ending '.xyz'; expected " + known);
   EXPECT_EQ(error(write("b.tesserab", "\x01\x02")).substr(0, 24), "b.tesserab: the bytes ar");
   EXPECT_EQ(read_scene(write("by_content", "<X3D><Scene/></X3D>")).scene.cameras_size(), 1);
 }
@@ -189,6 +189,113 @@ TEST(GenerateScene, IsTheSameEveryTimeAndNamesWhatItCannotMake) {
             "mean 'soup'?");
   EXPECT_EQ(error_of([] { generate_scene("icosphere:11"); }),
             "'11' in 'icosphere:11'; expected a number from 0 to 10");
+}
+
+v1::Include placement(const std::string& file, double x) {
+  v1::Include include;
+  include.set_file(file);
+  include.mutable_transform()->add_steps()->mutable_translate()->set_x(x);
+  return include;
+}
+
+TEST_F(ReadScene, PlacesFilesOfAnyFolderAndTheSceneItself) {
+  const std::string scene = write("a.obj", kTriangle);
+  write("b.tessera", "includes { file: \"c.obj\" }");
+  write("c.obj", kTriangle);
+  fs::rename(folder_ / "b.tessera", outside_ / "b.tessera");
+  fs::rename(folder_ / "c.obj", outside_ / "c.obj");
+  ReadOptions options;
+  options.placements = {placement((outside_ / "b.tessera").string(), 10),
+                        placement((outside_ / "b.tessera").string(), 20), placement("", 30)};
+  const LoadedScene loaded = read_scene(scene, options);
+  const v1::Scene& s = loaded.scene;
+  EXPECT_EQ(s.objects_size(), 2) << "b and c, however often they are placed";
+  ASSERT_GE(s.nodes_size(), 1);
+  const v1::Node& whole = s.nodes(0);
+  EXPECT_EQ(whole.transform().steps(0).translate().x(), 30);
+  ASSERT_EQ(whole.children_size(), 3);
+  EXPECT_EQ(whole.children(1).transform().steps(0).translate().x(), 10);
+  EXPECT_EQ(whole.children(2).transform().steps(0).translate().x(), 20);
+  EXPECT_EQ(whole.children(1).instance_of(), whole.children(2).instance_of());
+  // Points from 30 to 51 along x are in view: the model's own and those of both placements.
+  ASSERT_EQ(s.cameras_size(), 1);
+  const v1::Vec3& target = s.cameras(0).world_from_camera().steps(0).look_at().target();
+  EXPECT_GT(target.x(), 35);
+  EXPECT_LT(target.x(), 46);
+}
+
+TEST_F(ReadScene, GivesAModelOnlyWhatItCameWithout) {
+  const std::string head = "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[";
+  const std::string camera =
+      "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1}}]";
+  const std::string light =
+      "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\"}]}}";
+  const v1::Scene seen =
+      read_scene(write("seen.gltf", head + "{\"camera\":0}]," + camera + "}")).scene;
+  EXPECT_EQ(seen.cameras_size(), 1);
+  EXPECT_EQ(seen.nodes_size(), 3) << "lights";
+  const v1::Scene lit = read_scene(write("lit.gltf", head +
+                                                         "{\"extensions\":{\"KHR_lights_punctual\":"
+                                                         "{\"light\":0}}}]," +
+                                                         light + "}"))
+                            .scene;
+  EXPECT_EQ(lit.cameras_size(), 1);
+  EXPECT_EQ(lit.cameras(0).name(), "default");
+  EXPECT_EQ(lit.nodes_size(), 1);
+  EXPECT_FALSE(lit.settings().integrator().has_ambient());
+}
+
+TEST_F(ReadScene, LoadsPicturesFromBesideAndFromWithin) {
+  ReadOptions options;
+  std::vector<std::string> decoded;
+  const DecodedTexture grey{
+      .width = 1, .height = 1, .channels = 1, .bits = 8, .texels = {std::byte{7}}};
+  options.decode_texture = [&](const std::string& path) {
+    decoded.push_back(fs::path(path).filename().string());
+    return grey;
+  };
+  options.decode_texture_bytes = [&](std::string_view bytes, const std::string& name) {
+    decoded.push_back(name + "=" + std::string(bytes));
+    return grey;
+  };
+  write("there.png", "x");
+  const std::string materials =
+      "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0},"
+      "\"metallicRoughnessTexture\":{\"index\":1}},\"normalTexture\":{\"index\":2}}],"
+      "\"textures\":[{\"source\":0},{\"source\":1},{\"source\":2}],"
+      "\"images\":[{\"uri\":\"th%65re.png\"},{\"uri\":\"data:;base64,YWJj\"},{\"uri\":\"../"
+      "x.png\"}]";
+  const std::string triangle =
+      "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}],"
+      "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
+      "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"buffers\":[{\"byteLength\":36,\"uri\":"
+      "\"b%20c.bin\"}]";
+  std::string floats(36, '\0');
+  floats[15] = floats[27] = '?';
+  write("b c.bin", floats);
+  const LoadedScene loaded =
+      read_scene(write("t.gltf", "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":0}]," +
+                                     materials + "," + triangle + "}"),
+                 options);
+  EXPECT_EQ(decoded, (std::vector<std::string>{"there.png", "t.gltf#images/1=abc"}));
+  EXPECT_TRUE(loaded.pictures.empty());
+  ASSERT_EQ(loaded.scene.textures_size(), 2);
+  EXPECT_EQ(loaded.scene.textures(1).image().width(), 1u);
+  EXPECT_EQ(loaded.scene.materials(0).normal_map(), "") << "outside the folder";
+  EXPECT_EQ(loaded.warnings.size(), 1u);
+}
+
+TEST_F(ReadScene, ReadsPicturesOfMaterialsInsideTheFolderOnly) {
+  write("a.obj", std::string("mtllib m/a.mtl\nusemtl a\n") + kTriangle);
+  write("m/a.mtl",
+        "newmtl a\nmap_Kd there.png\nmap_Ks ../../out.png\nmap_Ke none.png\nnewmtl idle\n");
+  write("m/there.png", "x");
+  std::ofstream(outside_ / "out.png") << "x";
+  const LoadedScene loaded = read_scene((folder_ / "a.obj").string());
+  ASSERT_EQ(loaded.scene.textures_size(), 1);
+  EXPECT_EQ(loaded.scene.textures(0).image().file(), "m/there.png");
+  EXPECT_EQ(loaded.unused, std::vector<std::string>{"material 'idle'"});
+  EXPECT_EQ(loaded.warnings.size(), 2u);
 }
 
 }  // namespace

@@ -7,11 +7,15 @@
 namespace tessera {
 namespace {
 
-MtlMaterials read(const std::string& text, Warnings& warnings) {
-  MtlMaterials materials;
+MtlLibrary read_library(const std::string& text, Warnings& warnings) {
+  MtlLibrary library;
   LineReader reader(text, "t.mtl");
-  read_mtl(reader, materials, warnings);
-  return materials;
+  read_mtl(reader, {}, library, warnings);
+  return library;
+}
+
+std::map<std::string, v1::Material> read(const std::string& text, Warnings& warnings) {
+  return read_library(text, warnings).materials;
 }
 
 v1::Classic classic(const std::string& body) {
@@ -65,13 +69,102 @@ TEST(Mtl, FollowsTheIlluminationModel) {
 
 TEST(Mtl, NamesWhatItDoesNotRead) {
   Warnings warnings;
-  read("newmtl a b\nmap_Kd x.png\nPr .5\nfoo\nnewmtl a b\n", warnings);
+  read("newmtl a b\nrefl x.png\nPs .5\nfoo\nmap_Ka -t 1 2 x.png\nnewmtl a b\n", warnings);
   EXPECT_EQ(
       warnings.list("t.mtl"),
-      (std::vector<std::string>{"t.mtl: texture (map_Kd) is not read yet",
-                                "t.mtl: physical parameter 'Pr' is not read yet",
-                                "t.mtl: unknown statement 'foo' is left out",
-                                "t.mtl: material 'a b' comes twice; the first one is taken"}));
+      (std::vector<std::string>{
+          "t.mtl: texture (refl) is not read", "t.mtl: parameter 'Ps' is not read",
+          "t.mtl: unknown statement 'foo' is left out", "t.mtl: option -t of map_Ka is not read",
+          "t.mtl: material 'a b' comes twice; the first one is taken"}));
+}
+
+using Image = v1::Texture::Image;
+
+TEST(Mtl, MakesOneTextureOfEachPictureAndItsOptions) {
+  Warnings warnings;
+  const MtlLibrary library = read_library(
+      "newmtl a\nKd .5 .5 .5\nKs 1 1 1\nmap_Kd a b.png\nmap_Ks -s 2 3 -o .1 -clamp on sub\\c.png\n"
+      "map_Ns c.png\nnewmtl b\nKd 0 0 0\nKa 1 1 1\nmap_kd \"a b.png\"\nmap_Ks -o 1 2 3 c.png\n",
+      warnings);
+  const v1::Classic& a = library.materials.at("a").classic();
+  const v1::Classic& b = library.materials.at("b").classic();
+  EXPECT_EQ(a.diffuse().texture(), "a b.png");
+  EXPECT_FLOAT_EQ(a.diffuse().value().r(), .5f);
+  EXPECT_EQ(b.diffuse().texture(), "a b.png");
+  EXPECT_EQ(b.diffuse().value().r(), 1) << "black beneath a map would hide it";
+  EXPECT_EQ(b.ambient().texture(), "a b.png") << "ambient light meets the same picture";
+  EXPECT_EQ(a.specular().texture(), "sub/c.png");
+  EXPECT_EQ(a.shininess().texture(), "c.png");
+  EXPECT_EQ(b.specular().texture(), "c.png#2");
+  ASSERT_EQ(library.textures.all().size(), 4u);
+  const v1::Texture& scaled = library.textures.all()[1];
+  EXPECT_EQ(scaled.image().wrap_s(), Image::CLAMP);
+  EXPECT_EQ(scaled.transform().steps(0).translate().x(), double{.1f});
+  EXPECT_EQ(scaled.transform().steps(0).translate().y(), 0);
+  EXPECT_EQ(scaled.transform().steps(1).scale().y(), 3);
+  EXPECT_EQ(scaled.transform().steps(1).scale().z(), 1);
+  EXPECT_EQ(scaled.image().encoding(), Image::ENCODING_SRGB);
+  EXPECT_EQ(library.textures.all()[2].image().encoding(), Image::ENCODING_LINEAR);
+}
+
+TEST(Mtl, ReadsReliefAndCoverage) {
+  Warnings warnings;
+  const MtlLibrary library = read_library(
+      "newmtl a\nmap_Bump -bm .25 -imfchan g h.png\nnorm -bm 2 n.png\nmap_d -imfchan m d.png\n"
+      "newmtl b\nmap_Kd c.png\nmap_d c.png\nnewmtl c\nmap_Kd -colorspace linear c.png\n",
+      warnings);
+  const v1::Material& a = library.materials.at("a");
+  EXPECT_EQ(a.bump().value(), .25);
+  EXPECT_EQ(a.bump().channel(), v1::FloatInput::GREEN);
+  EXPECT_EQ(a.normal_map(), "n.png");
+  EXPECT_EQ(a.normal_scale(), 2);
+  EXPECT_EQ(a.opacity().texture(), "d.png");
+  EXPECT_EQ(a.opacity().channel(), v1::FloatInput::ALPHA);
+  const v1::Material& b = library.materials.at("b");
+  EXPECT_FALSE(b.has_opacity()) << "the picture's own alpha";
+  EXPECT_EQ(b.alpha(), v1::Material::ALPHA_AUTO);
+  EXPECT_EQ(library.materials.at("c").alpha(), v1::Material::ALPHA_OPAQUE);
+  EXPECT_EQ(library.textures.all().back().image().encoding(), Image::ENCODING_LINEAR);
+}
+
+TEST(Mtl, MakesAPhysicalMaterialOfPhysicalNumbers) {
+  Warnings warnings;
+  const MtlLibrary library = read_library(
+      "newmtl a\nKd .1 .2 .3\nPr .4\nPm 1\nPc .5\nPcr .1\nKe 2 2 2\nd .5\n"
+      "newmtl b\nmap_Pr r.png\nNs 98\nnewmtl c\nPm .5\nNs 30\nnewmtl d\nmap_ORM o.png\n"
+      "newmtl e\nPr 0\nillum 7\nTf 1 1 1\nNi 1.3\n",
+      warnings);
+  const v1::Physical& a = library.materials.at("a").physical();
+  EXPECT_FLOAT_EQ(a.base_color().value().b(), .3f);
+  EXPECT_FLOAT_EQ(a.roughness().value(), .4f);
+  EXPECT_FLOAT_EQ(a.metallic().value(), 1);
+  EXPECT_FLOAT_EQ(a.clearcoat().value(), .5f);
+  EXPECT_FLOAT_EQ(a.clearcoat_roughness().value(), .1f);
+  EXPECT_FLOAT_EQ(a.emission().value().r(), 2);
+  EXPECT_FLOAT_EQ(a.transparency().value(), .5f);
+  const v1::Physical& b = library.materials.at("b").physical();
+  EXPECT_EQ(b.roughness().texture(), "r.png");
+  EXPECT_EQ(b.roughness().value(), 1);
+  EXPECT_EQ(b.metallic().value(), 0);
+  EXPECT_NEAR(library.materials.at("c").physical().roughness().value(), .5, 1e-12);
+  const v1::Physical& d = library.materials.at("d").physical();
+  EXPECT_EQ(d.roughness().channel(), v1::FloatInput::GREEN);
+  EXPECT_EQ(d.metallic().channel(), v1::FloatInput::BLUE);
+  EXPECT_EQ(d.occlusion().channel(), v1::FloatInput::RED);
+  EXPECT_EQ(library.materials.at("e").physical().transmission().value(), 1);
+}
+
+TEST(Mtl, ReadsNoPictureThatTheFinderRefuses) {
+  Warnings warnings;
+  MtlLibrary library;
+  LineReader reader("newmtl m\nmap_Kd ../secret.png\nmap_Ks ok.png\nKs 1\n", "t.mtl");
+  const MtlPictureFinder finder = [](const std::string& written) {
+    return written == "ok.png" ? std::optional<std::string>("below/ok.png") : std::nullopt;
+  };
+  read_mtl(reader, finder, library, warnings);
+  EXPECT_EQ(library.materials.at("m").classic().diffuse().texture(), "");
+  ASSERT_EQ(library.textures.all().size(), 1u);
+  EXPECT_EQ(library.textures.all()[0].image().file(), "below/ok.png");
 }
 
 TEST(Mtl, SaysWhereAndWhatIsWrong) {
@@ -82,6 +175,13 @@ TEST(Mtl, SaysWhereAndWhatIsWrong) {
             "t.mtl:2:7: '11'; expected an illumination model of 0 to 10");
   EXPECT_EQ(error("newmtl a\nillum 3e30\n"),
             "t.mtl:2:7: '3e30'; expected an illumination model of 0 to 10");
+  EXPECT_EQ(error("map_Kd x.png\n"), "t.mtl:1:1: 'map_Kd'; expected newmtl before it");
+  EXPECT_EQ(error("newmtl a\nmap_Kd \n"), "t.mtl:2:8: map_Kd without a file; expected a picture");
+  EXPECT_EQ(error("newmtl a\nmap_Kd -s x a.png\n"), "t.mtl:2:11: 'x'; expected a finite number");
+  EXPECT_EQ(error("newmtl a\nbump -bm 1e99 a.png\n"),
+            "t.mtl:2:10: '1e99'; expected a finite number");
+  EXPECT_EQ(error("newmtl a\nmap_d -imfchan q a.png\n"),
+            "t.mtl:2:16: 'q'; expected a channel: r, g, b, m, l or z");
   EXPECT_EQ(error("newmtl a\nNs nan\n"), "t.mtl:2:4: 'nan'; expected an exponent that is finite");
 }
 

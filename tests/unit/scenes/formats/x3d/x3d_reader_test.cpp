@@ -302,7 +302,7 @@ TEST(X3d, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error("<Group DEF='G'>\n<Group><Group USE='G'/></Group></Group>"),
             "t.x3d:3:20: USE of 'G' inside itself; expected a graph without cycles");
   EXPECT_EQ(error("<Group DEF='G'/><Transform USE='G'/>"),
-            "t.x3d:2:18: Transform with USE of 'G', which is a Group; expected the same type");
+            "t.x3d:2:33: Transform with USE of 'G', which is a Group; expected the same type");
   EXPECT_EQ(error(shape("<IndexedFaceSet DEF='F' coordIndex='0 1 2 -1\n0 2 3'><Coordinate "
                         "point='0 0 0 1 0 0 0 1 0'/></IndexedFaceSet>")),
             "t.x3d:3:5: coordIndex 3 in face 1 of IndexedFaceSet 'F'; expected 0 to 2");
@@ -324,7 +324,7 @@ TEST(X3d, BoundsNestingAndNeverFollowsEntities) {
   std::string deep;
   for (int i = 0; i < 100; ++i) deep += "<Group>";
   for (int i = 0; i < 100; ++i) deep += "</Group>";
-  EXPECT_NE(error(deep).find("elements nested too deep; expected at most 80 levels"),
+  EXPECT_NE(error(deep).find("nodes nested too deep; expected at most 80 levels"),
             std::string::npos);
   // Twice the group before it, forty times: 2^40 spheres that are stored forty times.
   std::string laughs = "<Group DEF='G0'>" + shape("<Sphere/>") + "</Group>";

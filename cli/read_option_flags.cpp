@@ -1,0 +1,59 @@
+#include "cli/read_option_flags.h"
+
+#include <CLI/CLI.hpp>
+#include <array>
+
+#include "cli/option_values.h"
+
+namespace tessera {
+namespace {
+
+/// Adds an option with one value for each of `names`.
+template <typename Value, size_t Count>
+void add_choice(CLI::App& command, const char* name, const char* type, const char* text,
+                Value& value, const std::array<std::pair<const char*, Value>, Count>& choices) {
+  command
+      .add_option_function<std::string>(
+          name,
+          [name, choices, &value](const std::string& given) {
+            std::vector<std::string> names;
+            for (const auto& choice : choices) names.emplace_back(choice.first);
+            const std::string chosen = parse_choice(name, given, names);
+            for (const auto& choice : choices)
+              if (choice.first == chosen) value = choice.second;
+          },
+          text)
+      ->type_name(type)
+      ->group("Reading X3D");
+}
+
+}  // namespace
+
+void add_read_options(CLI::App& command, ReadOptions& options) {
+  using Color = ReadOptions::Color;
+  using Shadows = ReadOptions::Shadows;
+  using Texture = ReadOptions::X3dTexture;
+  add_choice(command, "--x3d-color", "display|linear",
+             "Colours as they are, or decoded from sRGB and lit in linear light [display]",
+             options.x3d_color,
+             std::array<std::pair<const char*, Color>, 2>{
+                 {{"display", Color::display}, {"linear", Color::linear}}});
+  add_choice(command, "--x3d-shadows", "on|file|off",
+             "Which lights cast shadows: all, those that the file says, or none [on]",
+             options.x3d_shadows,
+             std::array<std::pair<const char*, Shadows>, 3>{
+                 {{"on", Shadows::on}, {"file", Shadows::file}, {"off", Shadows::off}}});
+  add_choice(command, "--x3d-texture", "version|replace|modulate",
+             "A coloured texture replaces the material's colour, or multiplies it [version: up to "
+             "3.3 it replaces]",
+             options.x3d_texture,
+             std::array<std::pair<const char*, Texture>, 3>{{{"version", Texture::by_version},
+                                                             {"replace", Texture::replace},
+                                                             {"modulate", Texture::modulate}}});
+  command
+      .add_flag("--x3d-two-sided", options.x3d_two_sided,
+                "Show back faces, which files that leave 'solid' out hide")
+      ->group("Reading X3D");
+}
+
+}  // namespace tessera

@@ -1,0 +1,66 @@
+#include "renderer/accel/deferred_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderer/accel/make_accelerator.h"
+
+namespace tessera {
+
+DeferredMesh::DeferredMesh(std::shared_ptr<const TriangleMesh> mesh, AcceleratorKind kind,
+                           int threads, std::shared_ptr<BuildCount> built)
+    : mesh_(std::move(mesh)),
+      kind_(kind),
+      threads_(threads),
+      built_count_(std::move(built)),
+      bounds_(mesh_->bounds()) {}
+
+/// Sure of it: by a box grown by far more than any rounding. What is not a number does not pass by.
+bool DeferredMesh::passes_by(const Ray& ray) const {
+  double size = 0;
+  for (int a = 0; a < 3; ++a)
+    size = std::max(
+        {size, std::abs(bounds_.min[a]), std::abs(bounds_.max[a]), std::abs(ray.origin[a])});
+  double enter = -Bounds3::kInfinity, leave = Bounds3::kInfinity;
+  for (int a = 0; a < 3; ++a) {
+    const double low = bounds_.min[a] - size * 0x1p-20 - ray.origin[a];
+    const double high = bounds_.max[a] + size * 0x1p-20 - ray.origin[a];
+    if (ray.direction[a] == 0) {
+      if (low > 0 || high < 0) return true;
+      continue;
+    }
+    const double t0 = low / ray.direction[a], t1 = high / ray.direction[a];
+    if (std::isnan(t0) || std::isnan(t1)) return false;
+    enter = std::max(enter, std::min(t0, t1));
+    leave = std::min(leave, std::max(t0, t1));
+  }
+  return enter > leave;
+}
+
+const Accelerator* DeferredMesh::accelerator_for(const Ray& ray) const {
+  if (const Accelerator* built = built_.load(std::memory_order_acquire)) return built;
+  if (passes_by(ray)) return nullptr;
+  std::call_once(once_, [this] {
+    owned_ = make_mesh_accelerator(mesh_, kind_, threads_);
+    if (built_count_) ++*built_count_;
+    built_.store(owned_.get(), std::memory_order_release);
+  });
+  return owned_.get();
+}
+
+bool DeferredMesh::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
+  const Accelerator* accelerator = accelerator_for(ray);
+  return accelerator && accelerator->closest_hit(ray, hit, counters);
+}
+
+bool DeferredMesh::any_hit(const Ray& ray, TraversalCounters& counters) const {
+  const Accelerator* accelerator = accelerator_for(ray);
+  return accelerator && accelerator->any_hit(ray, counters);
+}
+
+AcceleratorStatistics DeferredMesh::statistics() const {
+  const Accelerator* built = built_.load(std::memory_order_acquire);
+  return built ? built->statistics() : AcceleratorStatistics{};
+}
+
+}  // namespace tessera

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+
+#include "renderer/accel/accelerator.h"
+#include "renderer/shapes/triangle_mesh.h"
+
+namespace tessera {
+
+/// Trees that were built since the count was last read.
+using BuildCount = std::atomic<uint64_t>;
+
+/// A mesh whose accelerator is built by the first ray whose line meets its box; other threads that
+/// need it wait. The answers are those of the accelerator. Unlike others it allocates, once, in a
+/// call for a hit.
+class DeferredMesh final : public Accelerator {
+ public:
+  /// `kind` must be one that cannot be absent from the program. `built` may be null.
+  DeferredMesh(std::shared_ptr<const TriangleMesh> mesh, AcceleratorKind kind, int threads,
+               std::shared_ptr<BuildCount> built);
+  Bounds3 bounds() const override { return bounds_; }
+  bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
+  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  /// Of the accelerator, once it is built.
+  AcceleratorStatistics statistics() const override;
+
+ private:
+  /// Null for a ray that passes by before there is an accelerator.
+  const Accelerator* accelerator_for(const Ray& ray) const;
+  bool passes_by(const Ray& ray) const;
+
+  std::shared_ptr<const TriangleMesh> mesh_;
+  AcceleratorKind kind_;
+  int threads_;
+  std::shared_ptr<BuildCount> built_count_;
+  Bounds3 bounds_;
+  mutable std::once_flag once_;
+  mutable std::unique_ptr<const Accelerator> owned_;
+  mutable std::atomic<const Accelerator*> built_{nullptr};
+};
+
+}  // namespace tessera

@@ -1,0 +1,167 @@
+#include "scenes/formats/gltf/gltf_accessor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace tessera {
+namespace {
+
+/// Zeros cost the file nothing, so that their number has to be bounded some other way.
+constexpr uint64_t kMaxZeros = uint64_t{1} << 24;
+
+template <typename Number>
+Number load(const char* at) {
+  Number number;
+  std::memcpy(&number, at, sizeof number);
+  return number;
+}
+
+GltfValue find_accessor(const GltfFile& file, const GltfValue& reference) {
+  const auto index = reference.index(file.root()["accessors"].size(), "accessor");
+  if (!index) throw reference.error("no accessor", "its index");
+  return file.element("accessors", *index);
+}
+
+}  // namespace
+
+GltfAccessor::Component GltfAccessor::component_of(const GltfValue& type) {
+  constexpr std::array<std::pair<uint64_t, Component>, 6> kTypes{{{5120, Component::int8},
+                                                                  {5121, Component::uint8},
+                                                                  {5122, Component::int16},
+                                                                  {5123, Component::uint16},
+                                                                  {5125, Component::uint32},
+                                                                  {5126, Component::float32}}};
+  const uint64_t number = type.required_whole();
+  for (const auto& [known, component] : kTypes)
+    if (number == known) return component;
+  throw type.error(fmt::format("{}", number), "5120 to 5123, 5125 or 5126");
+}
+
+size_t GltfAccessor::size_of(Component component) {
+  constexpr std::array<size_t, 6> kSizes{1, 1, 2, 2, 4, 4};
+  return kSizes[static_cast<size_t>(component)];
+}
+
+GltfAccessor::GltfAccessor(GltfFile& file, const GltfValue& reference)
+    : value_(find_accessor(file, reference)) {
+  constexpr std::array<std::string_view, 4> kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
+  component_ = component_of(value_["componentType"]);
+  const std::string type = value_["type"].text("");
+  const auto found = std::find(kTypes.begin(), kTypes.end(), type);
+  if (found == kTypes.end())
+    throw value_["type"].error(fmt::format("'{}'", type), "SCALAR, VEC2, VEC3 or VEC4");
+  components_ = static_cast<size_t>(found - kTypes.begin()) + 1;
+  normalized_ = value_["normalized"].flag(false) && component_ != Component::float32;
+  const uint64_t count = value_["count"].required_whole();
+  if (value_["bufferView"]) {
+    rows_ = rows(file, value_, count, components_ * size_of(component_));
+  } else if (count > kMaxZeros) {
+    throw value_["count"].error(fmt::format("{} zeros", count),
+                                fmt::format("at most {}", kMaxZeros));
+  }
+  count_ = count;
+  if (const GltfValue sparse = value_["sparse"]) read_sparse(file, sparse);
+}
+
+GltfAccessor::Rows GltfAccessor::rows(GltfFile& file, const GltfValue& holder, size_t count,
+                                      size_t row_size) const {
+  const auto which = holder["bufferView"].index(file.root()["bufferViews"].size(), "buffer view");
+  if (!which) throw holder.error("no bufferView", "its index");
+  const GltfFile::View view = file.view(*which);
+  const size_t stride = view.stride == 0 ? row_size : view.stride;
+  if (stride < row_size)
+    throw holder.error(fmt::format("rows of {} bytes every {}", row_size, stride),
+                       "rows that do not overlap");
+  const uint64_t offset = holder["byteOffset"].whole().value_or(0);
+  const size_t held = view.bytes.size();
+  const size_t room =
+      offset > held || held - offset < row_size ? 0 : (held - offset - row_size) / stride + 1;
+  if (count > room)
+    throw holder.error(fmt::format("{} rows", count),
+                       fmt::format("at most {}, which its buffer view holds", room));
+  return {view.bytes.data() + std::min<uint64_t>(offset, held), stride};
+}
+
+void GltfAccessor::read_sparse(GltfFile& file, const GltfValue& sparse) {
+  const uint64_t count = sparse["count"].required_whole();
+  if (count > count_)
+    throw sparse["count"].error(fmt::format("{}", count), fmt::format("at most {}", count_));
+  file.spend(count, sparse);
+  const GltfValue indices = sparse["indices"];
+  const Component type = component_of(indices["componentType"]);
+  const Rows numbers = rows(file, indices, count, size_of(type));
+  sparse_.values = rows(file, sparse["values"], count, components_ * size_of(component_));
+  for (size_t i = 0; i < count; ++i) {
+    const char* const at = numbers.data + i * numbers.stride;
+    const uint32_t row = type == Component::uint8    ? load<uint8_t>(at)
+                         : type == Component::uint16 ? load<uint16_t>(at)
+                                                     : load<uint32_t>(at);
+    const bool increases = sparse_.rows.empty() || row > sparse_.rows.back();
+    if (row >= count_ || !increases)
+      throw indices.error(fmt::format("index {} of {}", row, count_),
+                          "increasing ones below the accessor's count");
+    sparse_.rows.push_back(row);
+  }
+}
+
+const char* GltfAccessor::row(size_t index) const {
+  const auto found = std::lower_bound(sparse_.rows.begin(), sparse_.rows.end(), index);
+  if (found != sparse_.rows.end() && *found == index)
+    return sparse_.values.data +
+           static_cast<size_t>(found - sparse_.rows.begin()) * sparse_.values.stride;
+  return rows_.data ? rows_.data + index * rows_.stride : nullptr;
+}
+
+double GltfAccessor::value(const char* row, size_t component) const {
+  if (!row) return 0;
+  const char* const at = row + component * size_of(component_);
+  switch (component_) {
+    case Component::int8:
+      return normalized_ ? std::max(load<int8_t>(at) / 127.0, -1.0) : load<int8_t>(at);
+    case Component::uint8:
+      return load<uint8_t>(at) / (normalized_ ? 255.0 : 1.0);
+    case Component::int16:
+      return normalized_ ? std::max(load<int16_t>(at) / 32767.0, -1.0) : load<int16_t>(at);
+    case Component::uint16:
+      return load<uint16_t>(at) / (normalized_ ? 65535.0 : 1.0);
+    case Component::uint32:
+      return load<uint32_t>(at) / (normalized_ ? 4294967295.0 : 1.0);
+    case Component::float32:
+      break;
+  }
+  return double{load<float>(at)};
+}
+
+std::vector<float> GltfAccessor::floats(size_t first, size_t last, size_t width) const {
+  std::vector<float> out;
+  out.reserve((last - first) * width);
+  for (size_t i = first; i < last; ++i) {
+    const char* const at = row(i);
+    for (size_t c = 0; c < width; ++c) {
+      const auto number = static_cast<float>(c < components_ ? value(at, c) : 1);
+      if (!std::isfinite(number))
+        throw value_.error(fmt::format("row {} holds {}", i, number), "finite numbers");
+      out.push_back(number);
+    }
+  }
+  return out;
+}
+
+std::vector<uint32_t> GltfAccessor::indices() const {
+  if (components_ != 1 || component_ == Component::float32 || normalized_)
+    throw value_.error("other numbers than an index", "SCALAR of whole numbers");
+  std::vector<uint32_t> out;
+  out.reserve(count_);
+  for (size_t i = 0; i < count_; ++i) {
+    const double number = value(row(i), 0);
+    if (number < 0) throw value_.error(fmt::format("index {}", number), "0 or more");
+    out.push_back(static_cast<uint32_t>(number));
+  }
+  return out;
+}
+
+}  // namespace tessera

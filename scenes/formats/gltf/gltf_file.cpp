@@ -1,0 +1,209 @@
+#include "scenes/formats/gltf/gltf_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+
+namespace tessera {
+namespace {
+
+constexpr size_t kMaxJson = size_t{256} << 20;
+constexpr size_t kMaxValues = size_t{1} << 24;
+constexpr int kMaxDepth = 64;
+
+uint32_t word_at(std::string_view bytes, size_t offset) {
+  uint32_t word = 0;
+  std::memcpy(&word, bytes.data() + offset, sizeof word);
+  return word;
+}
+
+std::optional<std::string> decode_base64(std::string_view text) {
+  std::array<int, 256> codes;
+  codes.fill(-1);
+  constexpr std::string_view kAlphabet =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (size_t i = 0; i < kAlphabet.size(); ++i)
+    codes[static_cast<unsigned char>(kAlphabet[i])] = static_cast<int>(i);
+  while (text.ends_with('=')) text.remove_suffix(1);
+  std::string bytes;
+  bytes.reserve(text.size() / 4 * 3 + 3);
+  uint32_t bits = 0;
+  int held = 0;
+  for (const char c : text) {
+    const int code = codes[static_cast<unsigned char>(c)];
+    if (code < 0) return std::nullopt;
+    bits = bits << 6 | static_cast<uint32_t>(code);
+    held += 6;
+    if (held < 8) continue;
+    held -= 8;
+    bytes += static_cast<char>(bits >> held & 0xFF);
+  }
+  return bytes;
+}
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+}  // namespace
+
+GltfFile::GltfFile(std::string_view bytes, const std::string& name, GltfFolder folder)
+    : text_{.name = name}, folder_(std::move(folder)) {
+  read_container(bytes);
+  parse();
+  buffers_.resize(root()["buffers"].size());
+}
+
+GltfFile::~GltfFile() = default;
+
+GltfValue GltfFile::root() const { return {json_.get(), &text_, ""}; }
+
+void GltfFile::read_container(std::string_view bytes) {
+  constexpr size_t kHeader = 12, kChunkHeader = 8;
+  constexpr uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+  if (!bytes.starts_with("glTF")) {
+    text_.text = json_text_ = skip_byte_order_mark(bytes);
+    return;
+  }
+  const auto fail = [&](std::string_view found, std::string_view expected) {
+    return scene_error({text_.name}, found, expected);
+  };
+  if (bytes.size() < kHeader + kChunkHeader)
+    throw fail("the file ends in its header", "a .glb file");
+  if (word_at(bytes, 4) != 2)
+    throw fail(fmt::format("version {} of the container", word_at(bytes, 4)), "version 2");
+  if (word_at(bytes, 8) > bytes.size())
+    throw fail(fmt::format("{} bytes in the header", word_at(bytes, 8)),
+               fmt::format("at most {}, the file's length", bytes.size()));
+  bytes = bytes.substr(0, word_at(bytes, 8));
+  for (size_t at = kHeader; at + kChunkHeader <= bytes.size();) {
+    const size_t length = word_at(bytes, at);
+    const uint32_t kind = word_at(bytes, at + 4);
+    at += kChunkHeader;
+    if (length > bytes.size() - at)
+      throw fail(fmt::format("a chunk of {} bytes", length),
+                 fmt::format("at most {}, what is left of the file", bytes.size() - at));
+    if (kind == kJsonChunk && json_text_.empty()) json_text_ = bytes.substr(at, length);
+    if (kind == kBinaryChunk && binary_.empty()) binary_ = bytes.substr(at, length);
+    at += length;
+  }
+  if (json_text_.empty()) throw fail("no chunk of JSON", "one");
+}
+
+void GltfFile::parse() {
+  if (json_text_.size() > kMaxJson)
+    throw scene_error({text_.name}, fmt::format("{} bytes of JSON", json_text_.size()),
+                      fmt::format("at most {}; a .glb holds more", kMaxJson));
+  size_t values = 0;
+  const auto count = [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+    if (depth > kMaxDepth)
+      throw scene_error({text_.name}, "JSON that is nested deeper",
+                        fmt::format("at most {} levels", kMaxDepth));
+    if (++values > kMaxValues)
+      throw scene_error({text_.name}, "too many values", fmt::format("at most {}", kMaxValues));
+    return true;
+  };
+  try {
+    json_ = std::make_unique<nlohmann::json>(nlohmann::json::parse(json_text_, count));
+  } catch (const nlohmann::json::exception& problem) {
+    const auto* const syntax = dynamic_cast<const nlohmann::json::parse_error*>(&problem);
+    SourcePlace place{text_.name};
+    if (syntax && !text_.text.empty()) {
+      const std::string_view before = json_text_.substr(0, syntax->byte > 0 ? syntax->byte - 1 : 0);
+      place.line = 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n'));
+      const size_t line = before.rfind('\n');
+      place.column = static_cast<int>(line == std::string_view::npos ? before.size()
+                                                                     : before.size() - line - 1) +
+                     1;
+    }
+    throw scene_error(place, "what is no JSON", "the JSON of a glTF file");
+  }
+  if (!json_->is_object()) throw root().error("no JSON object", "the JSON of a glTF file");
+}
+
+void GltfFile::spend(uint64_t amount, const GltfValue& on) {
+  spent_ += std::min(amount, kMostRead + 1);
+  if (spent_ > kMostRead)
+    throw on.error("too much in all",
+                   fmt::format("at most {} numbers, or bytes of pictures", kMostRead));
+}
+
+std::optional<std::string> GltfFile::data_of_uri(const GltfValue& uri) {
+  const std::string text = uri.text("");
+  if (!text.starts_with("data:")) return std::nullopt;
+  const size_t comma = text.find(',');
+  if (comma == std::string::npos || !std::string_view(text).substr(0, comma).ends_with(";base64"))
+    throw uri.error("a data: URI that is not base64", "data:...;base64,...");
+  auto bytes = decode_base64(std::string_view(text).substr(comma + 1));
+  if (!bytes) throw uri.error("a data: URI that holds other characters", "base64");
+  return bytes;
+}
+
+std::string GltfFile::path_of_uri(const GltfValue& uri) {
+  const std::string text = uri.text("");
+  std::string path;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const int high = text[i] == '%' && i + 2 < text.size() ? hex_digit(text[i + 1]) : -1;
+    const int low = high < 0 ? -1 : hex_digit(text[i + 2]);
+    if (low < 0) {
+      path += text[i];
+    } else {
+      path += static_cast<char>(high * 16 + low);
+      i += 2;
+    }
+  }
+  if (find_invalid_utf8(path) != std::string::npos)
+    throw uri.error("a name that is no UTF-8", "a relative path");
+  return path;
+}
+
+std::string_view GltfFile::buffer(size_t index) {
+  const GltfValue value = element("buffers", index);
+  const uint64_t length = value["byteLength"].required_whole();
+  const GltfValue uri = value["uri"];
+  std::string_view bytes = binary_;
+  if (uri) {
+    std::optional<std::string>& held = buffers_[index];
+    if (!held) held = data_of_uri(uri);
+    if (!held) {
+      try {
+        if (!folder_) throw scene_error("other files are not read here");
+        held = folder_(path_of_uri(uri));
+      } catch (const Error& problem) {
+        throw uri.error(problem.what(), "a file in the folder of the scene or below it");
+      }
+    }
+    bytes = *held;
+  } else if (index != 0 || binary_.empty()) {
+    throw value.error("neither a uri nor the binary part of a .glb", "one of them");
+  }
+  if (bytes.size() < length)
+    throw value["byteLength"].error(fmt::format("{} bytes", length),
+                                    fmt::format("at most {}, which are there", bytes.size()));
+  return bytes.substr(0, length);
+}
+
+GltfFile::View GltfFile::view(size_t index) {
+  const GltfValue value = element("bufferViews", index);
+  const auto which = value["buffer"].index(buffers_.size(), "buffer");
+  if (!which) throw value.error("no buffer", "its index");
+  const std::string_view bytes = buffer(*which);
+  const uint64_t offset = value["byteOffset"].whole().value_or(0);
+  const uint64_t length = value["byteLength"].required_whole();
+  if (offset > bytes.size() || length > bytes.size() - offset)
+    throw value.error(fmt::format("{} bytes from byte {} on", length, offset),
+                      fmt::format("an end within the buffer's {} bytes", bytes.size()));
+  const uint64_t stride = value["byteStride"].whole().value_or(0);
+  if (stride > 252) throw value["byteStride"].error(fmt::format("{}", stride), "4 to 252");
+  return {bytes.substr(offset, length), stride};
+}
+
+}  // namespace tessera

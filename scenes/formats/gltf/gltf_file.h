@@ -1,0 +1,62 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenes/formats/gltf/gltf_value.h"
+
+namespace tessera {
+
+/// The bytes of a file that a glTF file names by `uri`, already decoded to a relative path. Throws
+/// scene_error, without a place, for what may not or can not be read.
+using GltfFolder = std::function<std::string(const std::string& path)>;
+
+/// A glTF 2.0 file's JSON and the bytes that it refers to (Khronos, glTF 2.0 specification, 3 and
+/// 4).
+class GltfFile {
+ public:
+  /// `bytes` are those of a .gltf or a .glb and have to outlive this.
+  GltfFile(std::string_view bytes, const std::string& name, GltfFolder folder);
+  GltfFile(const GltfFile&) = delete;
+  GltfFile& operator=(const GltfFile&) = delete;
+  ~GltfFile();
+
+  GltfValue root() const;
+  const std::string& name() const { return text_.name; }
+  /// An element of a top-level array, by an index that some value holds.
+  GltfValue element(const char* array, size_t index) const { return root()[array].at(index); }
+
+  struct View {
+    std::string_view bytes;
+    size_t stride = 0;  ///< 0: tightly packed
+  };
+  /// Loads the buffer on its first use. Throws where the view leaves it.
+  View view(size_t index);
+  /// Counts what is read of the file: its parts may refer to each other again and again, so that a
+  /// small file could ask for more than any machine has. Throws beyond kMostRead.
+  void spend(uint64_t amount, const GltfValue& on);
+  static constexpr uint64_t kMostRead = uint64_t{1} << 31;
+  /// The bytes that a data: URI holds; nothing for another URI.
+  static std::optional<std::string> data_of_uri(const GltfValue& uri);
+  /// A relative URI as a path.
+  static std::string path_of_uri(const GltfValue& uri);
+
+ private:
+  void read_container(std::string_view bytes);
+  void parse();
+  std::string_view buffer(size_t index);
+
+  GltfText text_;
+  std::string_view json_text_, binary_;
+  GltfFolder folder_;
+  std::unique_ptr<nlohmann::json> json_;
+  std::vector<std::optional<std::string>> buffers_;
+  uint64_t spent_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,189 @@
+#include "scenes/formats/gltf/gltf_material.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "renderer/math/elementary.h"
+
+namespace tessera {
+namespace {
+
+using Image = v1::Texture::Image;
+
+double share(const GltfValue& value, double without) {
+  const double number = value.number(without);
+  if (number < 0 || number > 1) throw value.error(fmt::format("{}", number), "0 to 1");
+  return number;
+}
+
+/// The objects of a material that refer to textures, the most visible first.
+std::vector<GltfValue> texture_infos(const GltfValue& in) {
+  const GltfValue pbr = in["pbrMetallicRoughness"], more = in["extensions"];
+  return {pbr["baseColorTexture"],
+          pbr["metallicRoughnessTexture"],
+          in["normalTexture"],
+          in["emissiveTexture"],
+          in["occlusionTexture"],
+          more["KHR_materials_transmission"]["transmissionTexture"],
+          more["KHR_materials_clearcoat"]["clearcoatTexture"],
+          more["KHR_materials_clearcoat"]["clearcoatRoughnessTexture"]};
+}
+
+}  // namespace
+
+const std::string& GltfMaterials::use(std::optional<size_t> index) { return find(index).name; }
+size_t GltfMaterials::uv_set(std::optional<size_t> index) { return find(index).uv_set; }
+
+const GltfMaterials::Known& GltfMaterials::find(std::optional<size_t> index) {
+  const auto [known, is_new] = known_.try_emplace(index);
+  if (!is_new) return known->second;
+  v1::Material& made = *out_.scene.add_materials();
+  if (index) {
+    const GltfValue in = file_.element("materials", *index);
+    made = convert(in);
+    const std::string name = in["name"].text("");
+    known->second.name = unique_(name.empty() ? fmt::format("material {}", *index) : name);
+    known->second.uv_set = choose_uv_set(in);
+  } else {
+    made.mutable_physical();
+    made.set_sides(v1::Material::FRONT_ONLY);
+    known->second.name = unique_("default");
+  }
+  made.set_name(known->second.name);
+  return known->second;
+}
+
+size_t GltfMaterials::choose_uv_set(const GltfValue& in) {
+  std::optional<size_t> chosen;
+  for (const GltfValue& info : texture_infos(in)) {
+    if (!info) continue;
+    const GltfValue moved = info["extensions"]["KHR_texture_transform"]["texCoord"];
+    const size_t set = (moved ? moved : info["texCoord"]).whole().value_or(0);
+    if (!chosen) chosen = set;
+    if (set != *chosen)
+      warnings_.add("materials with several sets of texture coordinates take their first one");
+  }
+  return chosen.value_or(0);
+}
+
+void GltfMaterials::color(const GltfValue& factor, double without, const GltfValue& info,
+                          v1::ColorInput* out) {
+  const auto given = factor.numbers(factor.size() == 4 ? 4 : 3);
+  const std::vector<double> rgb = given.value_or(std::vector<double>(3, without));
+  for (size_t i = 0; i < 3; ++i)
+    if (rgb[i] < 0) throw factor.error(fmt::format("{}", rgb[i]), "colours of 0 or more");
+  out->mutable_value()->set_r(rgb[0]);
+  out->mutable_value()->set_g(rgb[1]);
+  out->mutable_value()->set_b(rgb[2]);
+  out->set_texture(textures_.use(info, Image::ENCODING_SRGB));
+}
+
+void GltfMaterials::number(const GltfValue& factor, double without, const GltfValue& info,
+                           v1::FloatInput::Channel channel, v1::FloatInput* out) {
+  out->set_value(share(factor, without));
+  out->set_texture(textures_.use(info, Image::ENCODING_LINEAR));
+  if (!out->texture().empty()) out->set_channel(channel);
+}
+
+v1::Material GltfMaterials::convert(const GltfValue& in) {
+  v1::Material out;
+  const GltfValue pbr = in["pbrMetallicRoughness"];
+  if (in["extensions"]["KHR_materials_unlit"]) {
+    color(pbr["baseColorFactor"], 1, pbr["baseColorTexture"], out.mutable_unlit()->mutable_color());
+  } else {
+    physical(in, out);
+  }
+  coverage(in, pbr, out);
+  // Light inside a body has to find its back faces.
+  const bool clear = out.physical().has_transmission() && !out.physical().thin();
+  if (!in["doubleSided"].flag(false) && !clear) out.set_sides(v1::Material::FRONT_ONLY);
+  if (const GltfValue normals = in["normalTexture"]) {
+    out.set_normal_map(textures_.use(normals, Image::ENCODING_LINEAR));
+    if (const GltfValue scale = normals["scale"]) out.set_normal_scale(scale.number(1));
+  }
+  return out;
+}
+
+void GltfMaterials::physical(const GltfValue& in, v1::Material& out) {
+  const GltfValue pbr = in["pbrMetallicRoughness"], extensions = in["extensions"];
+  v1::Physical& made = *out.mutable_physical();
+  color(pbr["baseColorFactor"], 1, pbr["baseColorTexture"], made.mutable_base_color());
+  const GltfValue packed = pbr["metallicRoughnessTexture"];
+  number(pbr["metallicFactor"], 1, packed, v1::FloatInput::BLUE, made.mutable_metallic());
+  number(pbr["roughnessFactor"], 1, packed, v1::FloatInput::GREEN, made.mutable_roughness());
+  if (const GltfValue occlusion = in["occlusionTexture"]) {
+    number({nullptr, nullptr, ""}, 1, occlusion, v1::FloatInput::RED, made.mutable_occlusion());
+    if (share(occlusion["strength"], 1) != 1)
+      warnings_.add("an occlusionTexture's strength is taken as 1");
+  }
+  const GltfValue glow = in["emissiveFactor"];
+  if (glow) {
+    color(glow, 0, in["emissiveTexture"], made.mutable_emission());
+    const GltfValue strength = extensions["KHR_materials_emissive_strength"]["emissiveStrength"];
+    const double times = strength.number(1);
+    if (times < 0) throw strength.error(fmt::format("{}", times), "0 or more");
+    v1::Color& value = *made.mutable_emission()->mutable_value();
+    value.set_r(value.r() * times);
+    value.set_g(value.g() * times);
+    value.set_b(value.b() * times);
+  }
+  layers(extensions, made);
+}
+
+void GltfMaterials::layers(const GltfValue& extensions, v1::Physical& out) {
+  if (const GltfValue index = extensions["KHR_materials_ior"]["ior"]) {
+    const double value = index.number(1.5);
+    if (value != 0 && value < 1) throw index.error(fmt::format("{}", value), "1 or more");
+    // 0 asks for full reflection at every angle; the largest index there is comes nearest.
+    out.set_refractive_index(value == 0 ? 1e6 : value);
+  }
+  const GltfValue clear = extensions["KHR_materials_transmission"];
+  const GltfValue volume = extensions["KHR_materials_volume"];
+  if (clear) {
+    number(clear["transmissionFactor"], 0, clear["transmissionTexture"], v1::FloatInput::RED,
+           out.mutable_transmission());
+    out.set_thin(volume["thicknessFactor"].number(0) <= 0);
+  }
+  const GltfValue tint = volume["attenuationColor"];
+  const double distance = volume["attenuationDistance"].number(0);
+  if (const auto rgb = tint.numbers(3); rgb && distance > 0) {
+    constexpr double kDarkest = 1e-6;
+    const auto absorption = [&](double c) {
+      return -portable::log(std::clamp(c, kDarkest, 1.0)) / distance;
+    };
+    out.mutable_absorption()->set_r(absorption((*rgb)[0]));
+    out.mutable_absorption()->set_g(absorption((*rgb)[1]));
+    out.mutable_absorption()->set_b(absorption((*rgb)[2]));
+  }
+  if (const GltfValue coat = extensions["KHR_materials_clearcoat"]) {
+    number(coat["clearcoatFactor"], 0, coat["clearcoatTexture"], v1::FloatInput::RED,
+           out.mutable_clearcoat());
+    number(coat["clearcoatRoughnessFactor"], 0, coat["clearcoatRoughnessTexture"],
+           v1::FloatInput::GREEN, out.mutable_clearcoat_roughness());
+    if (coat["clearcoatNormalTexture"]) warnings_.add("clearcoatNormalTexture is not read");
+  }
+}
+
+void GltfMaterials::coverage(const GltfValue& in, const GltfValue& base, v1::Material& out) {
+  const GltfValue mode = in["alphaMode"];
+  const std::string name = mode.text("OPAQUE");
+  if (name == "OPAQUE") {
+    out.set_alpha(v1::Material::ALPHA_OPAQUE);
+    return;
+  }
+  if (name == "MASK") {
+    out.set_alpha(v1::Material::ALPHA_MASK);
+    out.set_alpha_cutoff(share(in["alphaCutoff"], .5));
+  } else if (name == "BLEND") {
+    out.set_alpha(v1::Material::ALPHA_BLEND);
+  } else {
+    throw mode.error(fmt::format("'{}'", name), "OPAQUE, MASK or BLEND");
+  }
+  if (const GltfValue factor = base["baseColorFactor"]; factor.size() == 4)
+    out.mutable_opacity()->set_value(share(factor.at(3), 1));
+}
+
+}  // namespace tessera

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "scenes/formats/gltf/gltf_file.h"
+#include "scenes/import/loaded_scene.h"
+#include "scenes/import/texture_set.h"
+#include "scenes/import/unique_names.h"
+#include "scenes/import/warnings.h"
+
+namespace tessera {
+
+/// Whether a picture of that relative path may be read and is there.
+using GltfPictureCheck = std::function<bool(const std::string& path)>;
+
+/// A glTF file's textures and samplers as ours. Pictures that the file holds itself go to
+/// LoadedScene::pictures.
+class GltfTextures {
+ public:
+  GltfTextures(GltfFile& file, GltfPictureCheck check, LoadedScene& out, Warnings& warnings)
+      : file_(file), check_(std::move(check)), out_(out), warnings_(warnings) {}
+
+  /// The name of the texture that a textureInfo object refers to, empty where there is none.
+  std::string use(const GltfValue& info, v1::Texture::Image::Encoding encoding);
+  bool is_used(size_t index) const { return used_.contains(index); }
+  /// Of the textures used so far.
+  const TextureSet& all() const { return textures_; }
+
+ private:
+  std::string picture(const GltfValue& image, size_t index);
+  static void sample(const GltfValue& sampler, v1::Texture::Image& image);
+  static void place(const GltfValue& transform, v1::Texture& texture);
+
+  GltfFile& file_;
+  GltfPictureCheck check_;
+  LoadedScene& out_;
+  Warnings& warnings_;
+  TextureSet textures_;
+  std::set<size_t> used_;
+  std::map<size_t, std::string> pictures_;  ///< what Image.file says of an image; empty: none
+};
+
+/// A glTF file's materials as ours, each made when it is first used.
+class GltfMaterials {
+ public:
+  GltfMaterials(GltfFile& file, GltfPictureCheck check, LoadedScene& out, Warnings& warnings)
+      : file_(file),
+        textures_(file, std::move(check), out, warnings),
+        out_(out),
+        warnings_(warnings) {}
+
+  /// Its name in the scene; without an index that of the material that glTF gives by default.
+  const std::string& use(std::optional<size_t> index);
+  /// Which set of texture coordinates its textures take. A mesh has one.
+  size_t uv_set(std::optional<size_t> index);
+  const TextureSet& textures() const { return textures_.all(); }
+  bool is_used(size_t index) const { return known_.contains(index); }
+  bool is_texture_used(size_t index) const { return textures_.is_used(index); }
+
+ private:
+  struct Known {
+    std::string name;
+    size_t uv_set = 0;
+  };
+
+  const Known& find(std::optional<size_t> index);
+  v1::Material convert(const GltfValue& in);
+  void physical(const GltfValue& in, v1::Material& out);
+  void layers(const GltfValue& extensions, v1::Physical& out);
+  void coverage(const GltfValue& in, const GltfValue& base, v1::Material& out);
+  size_t choose_uv_set(const GltfValue& in);
+  void color(const GltfValue& factor, double without, const GltfValue& info, v1::ColorInput* out);
+  void number(const GltfValue& factor, double without, const GltfValue& info,
+              v1::FloatInput::Channel channel, v1::FloatInput* out);
+
+  GltfFile& file_;
+  GltfTextures textures_;
+  LoadedScene& out_;
+  Warnings& warnings_;
+  UniqueNames unique_;
+  std::map<std::optional<size_t>, Known> known_;
+};
+
+}  // namespace tessera

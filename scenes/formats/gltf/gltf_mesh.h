@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include "scenes/formats/gltf/gltf_accessor.h"
+#include "scenes/formats/gltf/gltf_material.h"
+#include "scenes/import/loaded_scene.h"
+#include "scenes/import/warnings.h"
+
+namespace tessera {
+
+/// Turns meshes of a glTF file into shapes. Primitives over the same vertices become one shape with
+/// a material for each of its triangles.
+class GltfMeshes {
+ public:
+  GltfMeshes(GltfFile& file, GltfMaterials& materials, LoadedScene& out, Warnings& warnings)
+      : file_(file), materials_(materials), out_(out), warnings_(warnings) {}
+
+  /// The shapes of mesh `index`, with their data among the scene's blobs.
+  std::vector<v1::Shape> read(size_t index);
+
+ private:
+  /// Where the numbers of a primitive's vertices stand: accessors' values, empty where there is
+  /// none.
+  struct Attributes {
+    GltfValue position, normal, uv, color;
+    std::string key() const;  ///< equal for equal accessors
+  };
+  struct Group;
+
+  Attributes attributes_of(const GltfValue& primitive, std::optional<size_t> material);
+  void add(const GltfValue& primitive, std::optional<size_t> material, Group& group);
+  v1::Shape finish(Group& group);
+  std::vector<float> rows(const GltfAccessor& from, size_t width, const Group& group);
+
+  GltfFile& file_;
+  GltfMaterials& materials_;
+  LoadedScene& out_;
+  Warnings& warnings_;
+};
+
+}  // namespace tessera

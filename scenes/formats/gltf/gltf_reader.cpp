@@ -1,0 +1,355 @@
+#include "scenes/formats/gltf/gltf_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include "base/file.h"
+#include "renderer/math/elementary.h"
+#include "renderer/math/transform.h"
+#include "scenes/formats/gltf/gltf_mesh.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxBytes = uint64_t{1} << 40;
+
+constexpr std::array<std::string_view, 10> kExtensions{
+    "EXT_texture_webp",        "KHR_lights_punctual",
+    "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
+    "KHR_materials_ior",       "KHR_materials_transmission",
+    "KHR_materials_unlit",     "KHR_materials_volume",
+    "KHR_mesh_quantization",   "KHR_texture_transform"};
+
+void put(const Affine& from, v1::Transform* to) {
+  v1::Matrix& matrix = *to->add_steps()->mutable_matrix();
+  for (const auto& row : from.m)
+    for (const double value : row) matrix.add_rows(value);
+}
+
+void put(const Vec3& from, v1::Vec3* to) {
+  to->set_x(from.x);
+  to->set_y(from.y);
+  to->set_z(from.z);
+}
+
+Affine rotation_of(const GltfValue& value, const std::vector<double>& q) {
+  const double x = q[0], y = q[1], z = q[2], w = q[3];
+  const double squared = x * x + y * y + z * z + w * w;
+  if (!(squared > 1e-12 && squared < 1e12))
+    throw value.error("a quaternion of no length", "a unit one");
+  const double s = 2 / squared;
+  Affine r;
+  r.m[0] = {1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y), 0};
+  r.m[1] = {s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x), 0};
+  r.m[2] = {s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y), 0};
+  return r;
+}
+
+Affine transform_of(const GltfValue& node) {
+  if (const auto columns = node["matrix"].numbers(16)) {
+    Affine out;
+    for (size_t i = 0; i < 16; ++i) {
+      const size_t row = i % 4;
+      if (row < 3)
+        out.m[row][i / 4] = (*columns)[i];
+      else if ((*columns)[i] != (i == 15 ? 1 : 0))
+        throw node["matrix"].error("a last row other than 0 0 0 1", "an affine matrix");
+    }
+    return out;
+  }
+  const auto vec = [&](const char* key, double without) {
+    const auto v = node[key].numbers(3).value_or(std::vector<double>(3, without));
+    return Vec3{v[0], v[1], v[2]};
+  };
+  const auto turn = node["rotation"].numbers(4);
+  return translation(vec("translation", 0)) *
+         (turn ? rotation_of(node["rotation"], *turn) : Affine{}) * scaling(vec("scale", 1));
+}
+
+class GltfReader {
+ public:
+  GltfReader(GltfFile& file, GltfPictureCheck check)
+      : file_(file),
+        materials_(file, std::move(check), out_, warnings_),
+        meshes_(file, materials_, out_, warnings_) {}
+
+  LoadedScene read() {
+    check_version();
+    check_extensions();
+    count_uses(roots());
+    for (const Place& place : places_) node(place);
+    for (const v1::Texture& texture : materials_.textures().all())
+      *out_.scene.add_textures() = texture;
+    if (const size_t count = file_.root()["animations"].size())
+      warnings_.add("animations are not read", count);
+    list_unused("meshes", "mesh", [&](size_t i) { return uses_.contains(i); });
+    list_unused("materials", "material", [&](size_t i) { return materials_.is_used(i); });
+    list_unused("textures", "texture", [&](size_t i) { return materials_.is_texture_used(i); });
+    list_unused("nodes", "node", [&](size_t i) { return seen_[i]; });
+    out_.warnings = warnings_.list(file_.name());
+    return std::move(out_);
+  }
+
+ private:
+  struct Place {
+    size_t node;
+    Affine world;
+  };
+
+  template <typename Test>
+  void list_unused(const char* array, const char* what, const Test& is_used) {
+    constexpr size_t kMost = 1000;
+    const GltfValue all = file_.root()[array];
+    for (size_t i = 0; i < all.size() && out_.unused.size() < kMost; ++i) {
+      if (is_used(i)) continue;
+      const std::string name = all.at(i)["name"].text("");
+      out_.unused.push_back(name.empty() ? fmt::format("{} {}", what, i)
+                                         : fmt::format("{} '{}'", what, to_utf8(name)));
+    }
+  }
+
+  void check_version() {
+    const GltfValue version = file_.root()["asset"]["version"];
+    const std::string text = version.text("");
+    if (!text.starts_with("2."))
+      throw(version ? version : file_.root())
+          .error(text.empty() ? std::string("no asset/version") : fmt::format("version '{}'", text),
+                 "glTF 2.0");
+  }
+
+  void check_extensions() {
+    const auto is_read = [](const std::string& name) {
+      return std::find(kExtensions.begin(), kExtensions.end(), name) != kExtensions.end();
+    };
+    const GltfValue required = file_.root()["extensionsRequired"];
+    const std::vector<std::string> known(kExtensions.begin(), kExtensions.end());
+    for (size_t i = 0; i < required.size(); ++i)
+      if (const std::string name = required.at(i).text(""); !is_read(name))
+        throw required.at(i).error(fmt::format("the file requires extension '{}'", name),
+                                   fmt::format("one that is read{}", suggestion(name, known)));
+    const GltfValue used = file_.root()["extensionsUsed"];
+    for (size_t i = 0; i < used.size(); ++i)
+      if (const std::string name = used.at(i).text(""); !is_read(name))
+        warnings_.add(fmt::format("extension '{}' is not read", name));
+  }
+
+  size_t node_count() const { return file_.root()["nodes"].size(); }
+
+  std::vector<size_t> children(const GltfValue& list) {
+    std::vector<size_t> nodes;
+    for (size_t i = 0; i < list.size(); ++i)
+      nodes.push_back(*list.at(i).index(node_count(), "node"));
+    return nodes;
+  }
+
+  /// Of the scene that the file shows; a file without scenes shows all nodes that are no children.
+  std::vector<size_t> roots() {
+    const GltfValue scenes = file_.root()["scenes"];
+    const auto shown = file_.root()["scene"].index(scenes.size(), "scene");
+    if (scenes.size() > 1)
+      warnings_.add(fmt::format("scene {} of {} is read", shown.value_or(0), scenes.size()));
+    if (scenes.size() > 0) return children(scenes.at(shown.value_or(0))["nodes"]);
+    std::vector<bool> is_child(node_count());
+    for (size_t i = 0; i < is_child.size(); ++i)
+      for (const size_t child : children(file_.element("nodes", i)["children"]))
+        is_child[child] = true;
+    std::vector<size_t> out;
+    for (size_t i = 0; i < is_child.size(); ++i)
+      if (!is_child[i]) out.push_back(i);
+    return out;
+  }
+
+  /// Lists the nodes of the graph in the order of the file's trees, each with its place in the
+  /// world, and counts how often meshes are shown.
+  void count_uses(const std::vector<size_t>& from) {
+    seen_.resize(node_count());
+    std::vector<Place> open;
+    const auto push = [&](const std::vector<size_t>& nodes, const Affine& world) {
+      for (size_t i = nodes.size(); i-- > 0;) open.push_back({nodes[i], world});
+    };
+    for (push(from, {}); !open.empty();) {
+      Place place = open.back();
+      open.pop_back();
+      const GltfValue in = file_.element("nodes", place.node);
+      if (seen_[place.node]) throw in.error("a node with two parents, or below itself", "a tree");
+      seen_[place.node] = true;
+      place.world = place.world * transform_of(in);
+      for (const auto& row : place.world.m)
+        for (const double value : row)
+          if (!std::isfinite(value))
+            throw in.error("a transform beyond all numbers", "a smaller one");
+      if (const auto mesh = in["mesh"].index(file_.root()["meshes"].size(), "mesh")) ++uses_[*mesh];
+      push(children(in["children"]), place.world);
+      places_.push_back(place);
+    }
+  }
+
+  void node(const Place& place) {
+    const GltfValue in = file_.element("nodes", place.node);
+    const std::string name = in["name"].text("");
+    if (const auto mesh = in["mesh"].whole()) show(*mesh, name, place.world);
+    if (in["mesh"] && in["skin"]) warnings_.add("meshes with a skin are shown unbent");
+    if (in["camera"]) camera(in["camera"], name, place.world);
+    const GltfValue light_index = in["extensions"]["KHR_lights_punctual"]["light"];
+    if (!light_index) return;
+    const GltfValue lights = file_.root()["extensions"]["KHR_lights_punctual"]["lights"];
+    light(lights.at(*light_index.index(lights.size(), "light")), name, place.world);
+  }
+
+  void show(size_t mesh, const std::string& name, const Affine& world) {
+    const auto [known, is_new] = shown_.try_emplace(mesh);
+    const bool shared = uses_[mesh] > 1;
+    const std::string own = file_.element("meshes", mesh)["name"].text("");
+    if (is_new) {
+      known->second.shapes = meshes_.read(mesh);
+      if (shared && !known->second.shapes.empty()) {
+        v1::Object& object = *out_.scene.add_objects();
+        object.set_name(unique_object_(own.empty() ? fmt::format("mesh {}", mesh) : own));
+        known->second.object = object.name();
+        for (v1::Shape& shape : known->second.shapes)
+          *object.add_nodes()->mutable_shape() = std::move(shape);
+      }
+    }
+    if (known->second.shapes.empty()) return;
+    v1::Node& node = *out_.scene.add_nodes();
+    node.set_name(name.empty() ? own : name);
+    if (!(world == Affine{})) put(world, node.mutable_transform());
+    if (shared) {
+      node.set_instance_of(known->second.object);
+    } else if (known->second.shapes.size() == 1) {
+      *node.mutable_shape() = std::move(known->second.shapes.front());
+    } else {
+      for (v1::Shape& shape : known->second.shapes)
+        *node.add_children()->mutable_shape() = std::move(shape);
+    }
+  }
+
+  void camera(const GltfValue& reference, const std::string& node_name, const Affine& world) {
+    const auto index = reference.index(file_.root()["cameras"].size(), "camera");
+    const GltfValue in = file_.element("cameras", *index);
+    const std::string own = in["name"].text("");
+    v1::Camera& out = *out_.scene.add_cameras();
+    out.set_name(unique_camera_(!own.empty()         ? own
+                                : !node_name.empty() ? node_name
+                                                     : fmt::format("camera {}", *index)));
+    put(world, out.mutable_world_from_camera());
+    const std::string type = in["type"].text("");
+    if (type == "orthographic") {
+      const GltfValue values = in["orthographic"];
+      const double x = positive(values["xmag"]), y = positive(values["ymag"]);
+      v1::Orthographic& window = *out.mutable_orthographic();
+      window.set_min_x(-x);
+      window.set_max_x(x);
+      window.set_min_y(-y);
+      window.set_max_y(y);
+    } else if (type == "perspective") {
+      const GltfValue angle = in["perspective"]["yfov"];
+      const double degrees = portable::degrees(positive(angle));
+      if (degrees >= 180) throw angle.error(fmt::format("{} degrees", degrees), "less than 180");
+      out.mutable_perspective()->set_field_of_view(degrees);
+      out.mutable_perspective()->set_axis(v1::Perspective::VERTICAL);
+    } else {
+      throw in["type"].error(fmt::format("'{}'", type), "perspective or orthographic");
+    }
+  }
+
+  static double positive(const GltfValue& value) {
+    const double number = value.number(0);
+    if (!(std::abs(number) > 0)) throw value.error("0", "a number above 0");
+    return std::abs(number);
+  }
+
+  /// Candela and lux against the radiance of what is lit: a white Lambert surface sends out its
+  /// irradiance over pi, while ours faces a light of intensity 1 and sends out 1.
+  void light(const GltfValue& in, const std::string& node_name, const Affine& world) {
+    v1::Node& node = *out_.scene.add_nodes();
+    v1::Light& out = *node.mutable_light();
+    out.set_name(unique_light_(in["name"].text(node_name.empty() ? "light" : node_name)));
+    node.set_name(node_name);
+    if (const auto rgb = in["color"].numbers(3)) {
+      out.mutable_color()->set_r((*rgb)[0]);
+      out.mutable_color()->set_g((*rgb)[1]);
+      out.mutable_color()->set_b((*rgb)[2]);
+    }
+    const double intensity = in["intensity"].number(1);
+    if (intensity < 0) throw in["intensity"].error(fmt::format("{}", intensity), "0 or more");
+    out.set_intensity(intensity / portable::kPi);
+    Vec3 direction = world(Vec3{0, 0, -1});
+    if (!(length_squared(direction) > 0)) direction = {0, 0, -1};
+    const Vec3 position = world(Point3{}) - Point3{};
+    const std::string type = in["type"].text("");
+    if (type == "directional") {
+      put(normalize(direction), out.mutable_directional()->mutable_direction());
+      return;
+    }
+    out.mutable_attenuation()->set_quadratic(1);
+    if (const GltfValue range = in["range"]) out.set_radius(positive(range));
+    if (type == "point") {
+      put(position, out.mutable_point()->mutable_position());
+    } else if (type == "spot") {
+      v1::Light::Spot& spot = *out.mutable_spot();
+      put(position, spot.mutable_position());
+      put(normalize(direction), spot.mutable_direction());
+      const GltfValue inner = in["spot"]["innerConeAngle"], outer = in["spot"]["outerConeAngle"];
+      const double from = inner.number(0), to = outer.number(portable::kPi / 4);
+      if (!(from >= 0 && from < to && to <= portable::kPi / 2 + 1e-6))
+        throw in["spot"].error(fmt::format("angles {} and {}", from, to),
+                               "0 <= innerConeAngle < outerConeAngle <= pi / 2");
+      spot.set_beam_width(portable::degrees(from));
+      spot.set_cut_off(portable::degrees(to));
+    } else {
+      throw in["type"].error(fmt::format("'{}'", type), "directional, point or spot");
+    }
+  }
+
+  struct Shown {
+    std::vector<v1::Shape> shapes;
+    std::string object;
+  };
+
+  GltfFile& file_;
+  LoadedScene out_;
+  Warnings warnings_;
+  GltfMaterials materials_;
+  GltfMeshes meshes_;
+  UniqueNames unique_object_, unique_camera_, unique_light_;
+  std::vector<Place> places_;
+  std::vector<bool> seen_;  ///< the nodes that places_ holds
+  std::map<size_t, size_t> uses_;
+  std::map<size_t, Shown> shown_;
+};
+
+}  // namespace
+
+LoadedScene read_gltf(const std::string& path) {
+  const std::string bytes = read_input_file(path, kMaxBytes);
+  const fs::path folder = fs::path(path).parent_path();
+  const auto inside = [&](const std::string& name) {
+    return fs::path(name).is_absolute() ? std::nullopt : resolve_inside(folder, name);
+  };
+  GltfFile file(bytes, path, [&](const std::string& name) {
+    const auto found = inside(name);
+    if (!found) throw scene_error(fmt::format("'{}' is not inside the scene's folder", name));
+    return read_input_file(found->string(), kMaxBytes);
+  });
+  return GltfReader(file,
+                    [&](const std::string& name) {
+                      const auto found = inside(name);
+                      std::error_code ignored;
+                      return found && fs::is_regular_file(*found, ignored);
+                    })
+      .read();
+}
+
+LoadedScene parse_gltf(std::string_view bytes, const std::string& name) {
+  GltfFile file(bytes, name, {});
+  return GltfReader(file, {}).read();
+}
+
+}  // namespace tessera

@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "renderer/math/elementary.h"
+#include "scenes/formats/gltf/gltf_material.h"
+
+namespace tessera {
+namespace {
+
+v1::Texture::Image::Wrap wrap_of(const GltfValue& mode) {
+  constexpr uint64_t kClamp = 33071, kMirror = 33648, kRepeat = 10497;
+  const uint64_t number = mode.whole().value_or(kRepeat);
+  if (number == kClamp) return v1::Texture::Image::CLAMP;
+  if (number == kMirror) return v1::Texture::Image::MIRROR;
+  if (number == kRepeat) return v1::Texture::Image::REPEAT;
+  throw mode.error(fmt::format("{}", number), "33071 (clamp), 33648 (mirror) or 10497 (repeat)");
+}
+
+}  // namespace
+
+void GltfTextures::sample(const GltfValue& sampler, v1::Texture::Image& image) {
+  constexpr uint64_t kNearest = 9728, kLinear = 9729;
+  image.set_wrap_s(wrap_of(sampler["wrapS"]));
+  image.set_wrap_t(wrap_of(sampler["wrapT"]));
+  const auto near = sampler["magFilter"].whole(), far = sampler["minFilter"].whole();
+  if (near == kNearest)
+    image.set_filter(v1::Texture::Image::NEAREST);
+  else if (far == kNearest || far == kLinear)
+    image.set_filter(v1::Texture::Image::BILINEAR);
+}
+
+/// KHR_texture_transform: translation * rotation * scale of coordinates whose v runs down; ours
+/// runs up, so the matrix is turned over on both sides.
+void GltfTextures::place(const GltfValue& transform, v1::Texture& texture) {
+  if (!transform) return;
+  const auto offset = transform["offset"].numbers(2).value_or(std::vector<double>{0, 0});
+  const auto scale = transform["scale"].numbers(2).value_or(std::vector<double>{1, 1});
+  const double angle = transform["rotation"].number(0);
+  if (!(std::abs(angle) <= 1e6)) throw transform["rotation"].error("an angle", "a smaller one");
+  const double c = portable::cos(angle), s = portable::sin(angle);
+  const double a = c * scale[0], b = s * scale[1], d = -s * scale[0], e = c * scale[1];
+  v1::Matrix& matrix = *texture.mutable_transform()->add_steps()->mutable_matrix();
+  for (const double value :
+       {a, -b, 0., offset[0] + b, -d, e, 0., 1 - e - offset[1], 0., 0., 1., 0.})
+    matrix.add_rows(value);
+}
+
+std::string GltfTextures::picture(const GltfValue& image, size_t index) {
+  const auto [known, is_new] = pictures_.try_emplace(index);
+  if (!is_new) return known->second;
+  const GltfValue uri = image["uri"];
+  std::optional<std::string> bytes;
+  if (uri) {
+    bytes = GltfFile::data_of_uri(uri);
+  } else {
+    const auto view = image["bufferView"].index(file_.root()["bufferViews"].size(), "buffer view");
+    if (!view) throw image.error("no picture", "a uri or a bufferView");
+    bytes = file_.view(*view).bytes;
+    file_.spend(bytes->size(), image);
+  }
+  if (bytes) {
+    known->second =
+        fmt::format("{}#images/{}", std::filesystem::path(file_.name()).filename().string(), index);
+    out_.pictures[known->second] = std::move(*bytes);
+  } else {
+    std::string path = GltfFile::path_of_uri(uri);
+    if (check_ && !check_(path))
+      warnings_.add(fmt::format("picture '{}' is not in the scene's folder; it is left out", path));
+    else
+      known->second = std::move(path);
+  }
+  return known->second;
+}
+
+std::string GltfTextures::use(const GltfValue& info, v1::Texture::Image::Encoding encoding) {
+  if (!info) return "";
+  const auto index = info["index"].index(file_.root()["textures"].size(), "texture");
+  if (!index) throw info.error("no texture", "its index");
+  used_.insert(*index);
+  const GltfValue in = file_.element("textures", *index);
+  const GltfValue webp = in["extensions"]["EXT_texture_webp"]["source"];
+  const auto source = (webp ? webp : in["source"]).index(file_.root()["images"].size(), "image");
+  if (!source) {
+    warnings_.add("textures without an image that is read are left out");
+    return "";
+  }
+  const GltfValue source_image = file_.element("images", *source);
+  v1::Texture texture;
+  v1::Texture::Image& image = *texture.mutable_image();
+  image.set_file(picture(source_image, *source));
+  if (image.file().empty()) return "";
+  image.set_encoding(encoding);
+  const auto sampler = in["sampler"].index(file_.root()["samplers"].size(), "sampler");
+  if (sampler) sample(file_.element("samplers", *sampler), image);
+  place(info["extensions"]["KHR_texture_transform"], texture);
+  const std::string name = in["name"].text(source_image["name"].text(""));
+  texture.set_name(name.empty() ? fmt::format("texture {}", *index) : name);
+  return textures_.add(std::move(texture));
+}
+
+}  // namespace tessera

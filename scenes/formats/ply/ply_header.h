@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tessera {
+
+enum class PlyType : uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+/// Bytes of a value in the binary encodings.
+size_t ply_size(PlyType type);
+
+struct PlyProperty {
+  std::string name;
+  PlyType type = PlyType::float32;
+  std::optional<PlyType> count_type;  ///< a list: this many values follow a count of that type
+};
+
+struct PlyElement {
+  std::string name;
+  uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+};
+
+struct PlyHeader {
+  enum class Encoding { ascii, little_endian, big_endian };
+  Encoding encoding = Encoding::ascii;
+  std::vector<PlyElement> elements;
+  std::string texture_file;  ///< of a line "comment TextureFile NAME", as scanners write
+  size_t data_begin = 0;     ///< the byte after the header
+};
+
+/// Reads the header of a PLY file (Turk 1994). Every element's count is held against the bytes that
+/// follow. Throws scene_error with the place.
+PlyHeader read_ply_header(std::string_view bytes, const std::string& name);
+
+}  // namespace tessera

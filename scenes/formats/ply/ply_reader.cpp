@@ -1,0 +1,332 @@
+#include "scenes/formats/ply/ply_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "base/file.h"
+#include "renderer/math/elementary.h"
+#include "scenes/formats/ply/ply_source.h"
+#include "scenes/import/plain_material.h"
+#include "scenes/import/warnings.h"
+#include "scenes/mesh/mesh_data.h"
+#include "scenes/mesh/triangulate.h"
+
+namespace tessera {
+namespace {
+
+constexpr uint64_t kMaxBytes = uint64_t{1} << 40;
+constexpr uint64_t kMaxVertices = 0x7FFFFFFF;
+
+/// What a vertex's properties mean: places in a row of numbers.
+enum Slot : size_t { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kRed, kGreen, kBlue, kAlpha, kSlots };
+constexpr size_t kNone = kSlots;
+
+size_t slot_of(std::string_view name) {
+  constexpr std::array<std::pair<std::string_view, Slot>, 25> kNames{{{"x", kX},
+                                                                      {"y", kY},
+                                                                      {"z", kZ},
+                                                                      {"nx", kNx},
+                                                                      {"ny", kNy},
+                                                                      {"nz", kNz},
+                                                                      {"u", kU},
+                                                                      {"v", kV},
+                                                                      {"s", kU},
+                                                                      {"t", kV},
+                                                                      {"texture_u", kU},
+                                                                      {"texture_v", kV},
+                                                                      {"texture_s", kU},
+                                                                      {"texture_t", kV},
+                                                                      {"red", kRed},
+                                                                      {"green", kGreen},
+                                                                      {"blue", kBlue},
+                                                                      {"alpha", kAlpha},
+                                                                      {"r", kRed},
+                                                                      {"g", kGreen},
+                                                                      {"b", kBlue},
+                                                                      {"a", kAlpha},
+                                                                      {"diffuse_red", kRed},
+                                                                      {"diffuse_green", kGreen},
+                                                                      {"diffuse_blue", kBlue}}};
+  for (const auto& [known, slot] : kNames)
+    if (name == known) return slot;
+  return kNone;
+}
+
+/// IEC 61966-2-1.
+double srgb_to_linear(double v) {
+  return v <= 0.04045 ? v / 12.92 : portable::pow((v + 0.055) / 1.055, 2.4);
+}
+
+/// Whole numbers are codes of a display, as scanners write them; others are light.
+float color_value(double value, PlyType type, bool is_alpha) {
+  if (type >= PlyType::float32) return static_cast<float>(value);
+  const double largest = type == PlyType::uint8    ? 255
+                         : type == PlyType::uint16 ? 65535
+                         : type == PlyType::int8   ? 127
+                         : type == PlyType::int16  ? 32767
+                                                   : 4294967295.0;
+  const double share = std::clamp(value / largest, 0.0, 1.0);
+  return static_cast<float>(is_alpha ? share : srgb_to_linear(share));
+}
+
+template <typename Source>
+class PlyMesh {
+ public:
+  PlyMesh(Source source, Warnings& warnings) : in_(std::move(source)), warnings_(warnings) {}
+
+  MeshData read(const PlyHeader& header) {
+    for (size_t i = 0; i <= 255; ++i)
+      codes_[i] = color_value(static_cast<double>(i), PlyType::uint8, false);
+    for (const PlyElement& element : header.elements) {
+      if (element.properties.empty()) continue;
+      if (element.name == "vertex")
+        vertices(element);
+      else if (element.name == "face" || element.name == "tristrips")
+        faces(element, element.name == "tristrips");
+      else
+        skip(element);
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  void skip(const PlyElement& element) {
+    if (element.count > 0)
+      warnings_.add(fmt::format("element '{}' is left out", element.name), element.count);
+    for (uint64_t row = 0; row < element.count; ++row)
+      for (const PlyProperty& property : element.properties) skip(property);
+  }
+
+  void skip(const PlyProperty& property) {
+    const uint64_t count = property.count_type ? list_count(property) : 1;
+    for (uint64_t i = 0; i < count; ++i) in_.skip(property.type);
+  }
+
+  uint64_t list_count(const PlyProperty& list) {
+    const double count = in_.value(*list.count_type);
+    const uint64_t room = in_.room(list.type);
+    if (!(count >= 0 && count <= static_cast<double>(room)) || count != std::floor(count))
+      throw in_.error(fmt::format("a list '{}' of ", list.name), fmt::format("{}", count),
+                      fmt::format("a count of at most {}, for which the file has room", room));
+    return static_cast<uint64_t>(count);
+  }
+
+  void vertices(const PlyElement& element) {
+    if (mesh_.vertex_count() > 0) throw in_.error("", "a second element 'vertex'", "one");
+    if (element.count > kMaxVertices)
+      throw in_.error("", "too many vertices", fmt::format("at most {}", kMaxVertices));
+    std::vector<size_t> slots;
+    std::array<bool, kSlots> has{};
+    for (const PlyProperty& property : element.properties) {
+      size_t slot = property.count_type ? kNone : slot_of(property.name);
+      if (slot != kNone && has[slot]) slot = kNone;
+      slots.push_back(slot);
+      if (slot != kNone)
+        has[slot] = true;
+      else
+        warnings_.add(fmt::format("property '{}' of 'vertex' is not read", property.name));
+    }
+    if (!has[kX] || !has[kY] || !has[kZ])
+      throw in_.error("", "vertices without x, y and z", "three coordinates");
+    const bool normals = has[kNx] && has[kNy] && has[kNz];
+    const bool uvs = has[kU] && has[kV];
+    const bool colors = has[kRed] && has[kGreen] && has[kBlue];
+    for (uint64_t row = 0; row < element.count; ++row) {
+      std::array<float, kSlots> values{};
+      values[kAlpha] = 1;
+      vertex(element, slots, values);
+      const auto put = [&](std::vector<float>& to, size_t first, size_t last) {
+        to.insert(to.end(), values.begin() + first, values.begin() + last + 1);
+      };
+      put(mesh_.positions, kX, kZ);
+      if (normals) put(mesh_.normals, kNx, kNz);
+      if (uvs) put(mesh_.uvs, kU, kV);
+      if (colors) put(mesh_.colors, kRed, kAlpha);
+    }
+  }
+
+  void vertex(const PlyElement& element, const std::vector<size_t>& slots,
+              std::array<float, kSlots>& values) {
+    for (size_t p = 0; p < slots.size(); ++p) {
+      const PlyProperty& property = element.properties[p];
+      const size_t slot = slots[p];
+      if (slot == kNone) {
+        skip(property);
+        continue;
+      }
+      const double value = in_.value(property.type);
+      if (slot < kRed)
+        values[slot] = static_cast<float>(value);
+      else if (slot < kAlpha && property.type == PlyType::uint8 && value >= 0 && value <= 255)
+        values[slot] = codes_[static_cast<size_t>(value)];
+      else
+        values[slot] = color_value(value, property.type, slot == kAlpha);
+    }
+  }
+
+  void faces(const PlyElement& element, bool strips) {
+    size_t list = element.properties.size();
+    for (size_t p = 0; p < element.properties.size(); ++p) {
+      const PlyProperty& property = element.properties[p];
+      if (property.count_type &&
+          (property.name == "vertex_indices" || property.name == "vertex_index"))
+        list = p;
+      else
+        warnings_.add(
+            fmt::format("property '{}' of '{}' is not read", property.name, element.name));
+    }
+    if (list == element.properties.size())
+      throw in_.error("", fmt::format("'{}' without vertex_indices", element.name),
+                      "a list of that name");
+    for (uint64_t row = 0; row < element.count; ++row) {
+      row_ = row;
+      for (size_t p = 0; p < element.properties.size(); ++p) {
+        if (p != list)
+          skip(element.properties[p]);
+        else if (strips)
+          strip(element.properties[p]);
+        else
+          face(element.properties[p]);
+      }
+    }
+  }
+
+  std::string row_name(const char* what) const { return fmt::format("{} {}: ", what, row_ + 1); }
+
+  uint32_t index(const PlyProperty& list, double value) {
+    const size_t count = mesh_.vertex_count();
+    if (!(value >= 0 && value < static_cast<double>(count)) || value != std::floor(value))
+      throw in_.error(row_name("face"), fmt::format("'{}' {}", list.name, value),
+                      count == 0 ? std::string("vertices before the faces")
+                                 : fmt::format("an index of 0 to {}", count - 1));
+    return static_cast<uint32_t>(value);
+  }
+
+  void add(uint32_t a, uint32_t b, uint32_t c) {
+    if (a == b || b == c || c == a)
+      warnings_.add("triangles that name a vertex twice are left out");
+    else
+      mesh_.triangles.insert(mesh_.triangles.end(), {a, b, c});
+  }
+
+  void face(const PlyProperty& list) {
+    const uint64_t count = list_count(list);
+    polygon_.clear();
+    for (uint64_t i = 0; i < count; ++i) polygon_.push_back(index(list, in_.value(list.type)));
+    if (count == 3) return add(polygon_[0], polygon_[1], polygon_[2]);
+    if (count < 3) return warnings_.add("faces with fewer than 3 corners are left out");
+    points_.clear();
+    for (const uint32_t v : polygon_) {
+      const float* const p = &mesh_.positions[size_t{v} * 3];
+      points_.push_back({p[0], p[1], p[2]});
+    }
+    triples_.clear();
+    if (!triangulate(points_, triples_))
+      throw in_.error(row_name("face"), fmt::format("concave, with {} corners", count),
+                      fmt::format("at most {}", kMaxConcaveCorners));
+    for (const CornerTriple& t : triples_) add(polygon_[t[0]], polygon_[t[1]], polygon_[t[2]]);
+  }
+
+  /// Every index after the second makes a triangle with the two before it; -1 begins anew.
+  void strip(const PlyProperty& list) {
+    const uint64_t count = list_count(list);
+    polygon_.clear();
+    for (uint64_t i = 0; i < count; ++i) {
+      const double value = in_.value(list.type);
+      if (value == -1) {
+        polygon_.clear();
+        continue;
+      }
+      polygon_.push_back(index(list, value));
+      const size_t n = polygon_.size();
+      if (n < 3) continue;
+      const bool odd = n % 2 == 0;
+      const uint32_t a = polygon_[n - 3], b = polygon_[n - 2], c = polygon_[n - 1];
+      if (a != b && b != c && c != a) odd ? add(b, a, c) : add(a, b, c);
+    }
+  }
+
+  Source in_;
+  Warnings& warnings_;
+  MeshData mesh_;
+  uint64_t row_ = 0;
+  std::array<float, 256> codes_{};
+  std::vector<uint32_t> polygon_;
+  std::vector<Vec3> points_;
+  std::vector<CornerTriple> triples_;
+};
+
+MeshData read_mesh(const PlyHeader& header, std::string_view bytes, const std::string& name,
+                   Warnings& warnings) {
+  static_assert(std::endian::native == std::endian::little);
+  switch (header.encoding) {
+    case PlyHeader::Encoding::ascii:
+      return PlyMesh(PlyText(bytes, name, header.data_begin), warnings).read(header);
+    case PlyHeader::Encoding::little_endian:
+      return PlyMesh(PlyBinary<false>(bytes, name, header.data_begin), warnings).read(header);
+    case PlyHeader::Encoding::big_endian:
+      break;
+  }
+  return PlyMesh(PlyBinary<true>(bytes, name, header.data_begin), warnings).read(header);
+}
+
+/// Shows the picture in place of grey.
+void add_texture(const std::string& file, v1::Scene& scene, v1::Material& material) {
+  v1::Texture& texture = *scene.add_textures();
+  texture.set_name(file);
+  texture.mutable_image()->set_file(file);
+  material.set_alpha(v1::Material::ALPHA_OPAQUE);
+  v1::Classic& classic = *material.mutable_classic();
+  for (v1::ColorInput* input : {classic.mutable_ambient(), classic.mutable_diffuse()}) {
+    input->clear_value();
+    input->set_texture(file);
+  }
+}
+
+}  // namespace
+
+LoadedScene parse_ply(std::string_view bytes, const std::string& name,
+                      const std::function<bool(const std::string& path)>& has_picture) {
+  LoadedScene out;
+  Warnings warnings;
+  const PlyHeader header = read_ply_header(bytes, name);
+  MeshData mesh = read_mesh(header, bytes, name, warnings);
+  if (mesh.triangle_count() == 0) {
+    warnings.add("no faces: there is nothing to see");
+  } else {
+    v1::Node& node = *out.scene.add_nodes();
+    node.set_name(to_utf8(std::filesystem::path(name).stem().string()));
+    v1::Material& material = *out.scene.add_materials();
+    material = plain_material("default", !mesh.colors.empty());
+    if (const std::string& file = header.texture_file; !file.empty()) {
+      if (mesh.uvs.empty() || (has_picture && !has_picture(file)))
+        warnings.add(fmt::format("picture '{}' is {}", file,
+                                 mesh.uvs.empty()
+                                     ? "left out, for vertices have no texture coordinates"
+                                     : "not in the scene's folder; it is left out"));
+      else
+        add_texture(file, out.scene, material);
+    }
+    node.mutable_shape()->add_materials("default");
+    *node.mutable_shape()->mutable_mesh() = store_mesh(std::move(mesh), out.blobs);
+  }
+  out.warnings = warnings.list(name);
+  return out;
+}
+
+LoadedScene read_ply(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  return parse_ply(read_input_file(path, kMaxBytes), path, [&](const std::string& name) {
+    const auto file = resolve_inside(folder, name);
+    std::error_code ignored;
+    return file && std::filesystem::is_regular_file(*file, ignored);
+  });
+}
+
+}  // namespace tessera

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include "scenes/formats/ply/ply_header.h"
+#include "scenes/import/token_reader.h"
+
+namespace tessera {
+
+/// The values of a PLY file's rows as text.
+class PlyText {
+ public:
+  PlyText(std::string_view bytes, const std::string& name, size_t begin)
+      : in_(bytes, name, begin) {}
+
+  double value(PlyType /*type*/) { return in_.number("a finite number"); }
+  void skip(PlyType /*type*/) {
+    if (in_.word().empty()) throw in_.error(in_.quoted_word(), "a number");
+  }
+  /// How many more values the file has room for.
+  uint64_t room(PlyType /*type*/) const { return in_.remaining() / 2 + 1; }
+  Error error(std::string_view /*row*/, std::string_view found, std::string_view expected) const {
+    return in_.error(found, expected);
+  }
+
+ private:
+  TokenReader in_;
+};
+
+/// The same in binary; `kSwap` where the file's order of bytes is not this machine's.
+template <bool kSwap>
+class PlyBinary {
+ public:
+  PlyBinary(std::string_view bytes, std::string name, size_t begin)
+      : bytes_(bytes), name_(std::move(name)), at_(begin) {}
+
+  double value(PlyType type) {
+    const double value = any_value(type);
+    if (!(std::abs(value) <= std::numeric_limits<float>::max()))
+      throw error("", fmt::format("{}", value), "a finite number that single precision can hold");
+    return value;
+  }
+  void skip(PlyType type) { any_value(type); }
+  uint64_t room(PlyType type) const { return (bytes_.size() - at_) / ply_size(type); }
+  Error error(std::string_view row, std::string_view found, std::string_view expected) const {
+    return scene_error({name_}, fmt::format("{}{} (before byte {})", row, found, at_), expected);
+  }
+
+ private:
+  template <typename Number>
+  double take() {
+    std::array<char, sizeof(Number)> raw;
+    if (bytes_.size() - at_ < raw.size())
+      throw error("", "the file ends here", "the data that its header announces");
+    std::memcpy(raw.data(), bytes_.data() + at_, raw.size());
+    at_ += raw.size();
+    if constexpr (kSwap) std::reverse(raw.begin(), raw.end());
+    Number number;
+    std::memcpy(&number, raw.data(), raw.size());
+    return static_cast<double>(number);
+  }
+
+  double any_value(PlyType type) {
+    switch (type) {
+      case PlyType::int8:
+        return take<int8_t>();
+      case PlyType::uint8:
+        return take<uint8_t>();
+      case PlyType::int16:
+        return take<int16_t>();
+      case PlyType::uint16:
+        return take<uint16_t>();
+      case PlyType::int32:
+        return take<int32_t>();
+      case PlyType::uint32:
+        return take<uint32_t>();
+      case PlyType::float32:
+        return take<float>();
+      case PlyType::float64:
+        break;
+    }
+    return take<double>();
+  }
+
+  std::string_view bytes_;
+  std::string name_;
+  size_t at_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,168 @@
+#include "scenes/formats/stl/stl_reader.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+#include "base/file.h"
+#include "scenes/import/plain_material.h"
+#include "scenes/import/token_reader.h"
+#include "scenes/import/warnings.h"
+#include "scenes/mesh/mesh_data.h"
+#include "scenes/mesh/point_table.h"
+
+namespace tessera {
+namespace {
+
+constexpr uint64_t kMaxBytes = uint64_t{1} << 40;
+constexpr size_t kMaxTriangles = 0x7FFFFFFF / 3;
+constexpr size_t kHeader = 80, kDataBegin = 84, kRecord = 50;
+
+using Corners = std::array<std::array<float, 3>, 3>;
+
+class StlMesh {
+ public:
+  explicit StlMesh(Warnings& warnings) : warnings_(warnings) {}
+
+  void add(const Corners& corners) {
+    std::array<uint32_t, 3> t;
+    for (size_t i = 0; i < 3; ++i) t[i] = points_.add(corners[i]);
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
+      warnings_.add("triangles with two equal corners are left out");
+    else
+      triangles_.insert(triangles_.end(), t.begin(), t.end());
+  }
+
+  MeshData take() {
+    MeshData mesh;
+    mesh.positions = points_.take();
+    mesh.triangles = std::move(triangles_);
+    return mesh;
+  }
+
+ private:
+  Warnings& warnings_;
+  PointTable points_;
+  std::vector<uint32_t> triangles_;
+};
+
+uint32_t announced_triangles(std::string_view bytes) {
+  uint32_t count = 0;
+  if (bytes.size() >= kDataBegin) std::memcpy(&count, bytes.data() + kHeader, sizeof count);
+  return count;
+}
+
+/// Binary files may begin with "solid" too. Where the count of a binary file is, a text has bytes
+/// that fit its length by no chance, and no zero.
+bool is_text(std::string_view bytes) {
+  if (bytes.size() == kDataBegin + uint64_t{announced_triangles(bytes)} * kRecord) return false;
+  return TokenReader(bytes, "").word() == "solid" &&
+         bytes.substr(0, kDataBegin).find('\0') == std::string_view::npos;
+}
+
+void read_binary(std::string_view bytes, const std::string& name, StlMesh& mesh,
+                 Warnings& warnings) {
+  if (bytes.size() < kDataBegin)
+    throw scene_error({name}, "neither 'solid' nor the 84 bytes that binary files begin with",
+                      "an STL file");
+  const size_t count = announced_triangles(bytes);
+  const size_t room = (bytes.size() - kDataBegin) / kRecord;
+  if (count > room || count > kMaxTriangles)
+    throw scene_error(
+        {name}, fmt::format("{} triangles in the header", count),
+        fmt::format("at most {}, for which the file has room", std::min(room, kMaxTriangles)));
+  if (bytes.size() > kDataBegin + count * kRecord)
+    warnings.add("what follows the last triangle is not read");
+  for (size_t i = 0; i < count; ++i) {
+    Corners corners;
+    std::memcpy(corners.data(), bytes.data() + kDataBegin + i * kRecord + 12, sizeof corners);
+    for (const auto& corner : corners)
+      for (const float c : corner)
+        if (!std::isfinite(c))
+          throw scene_error({name},
+                            fmt::format("triangle {} of {}: coordinate {}", i + 1, count, c),
+                            "finite numbers");
+    mesh.add(corners);
+  }
+}
+
+class StlText {
+ public:
+  StlText(std::string_view bytes, const std::string& name, StlMesh& mesh)
+      : in_(bytes, name), mesh_(mesh) {}
+
+  void read() {
+    for (;;) {
+      const std::string_view keyword = in_.word();
+      if (keyword.empty()) return;
+      if (keyword == "facet") {
+        facet();
+      } else if (keyword == "solid" || keyword == "endsolid") {
+        in_.rest_of_line();  // its name
+      } else if (keyword == "end") {
+        expect("solid");
+        in_.rest_of_line();
+      } else {
+        throw in_.error(in_.quoted_word(), "facet, solid or endsolid");
+      }
+    }
+  }
+
+ private:
+  void expect(std::string_view wanted) {
+    if (in_.word() != wanted) throw in_.error(in_.quoted_word(), fmt::format("'{}'", wanted));
+  }
+
+  void facet() {
+    expect("normal");
+    // Never used, and some programs write what is no number for the normals of slivers.
+    for (int a = 0; a < 3; ++a)
+      if (in_.word().empty()) throw in_.error(in_.quoted_word(), "a component of the normal");
+    expect("outer");
+    expect("loop");
+    Corners corners;
+    for (auto& corner : corners) {
+      expect("vertex");
+      for (float& c : corner) c = static_cast<float>(in_.number("a coordinate"));
+    }
+    expect("endloop");
+    expect("endfacet");
+    mesh_.add(corners);
+  }
+
+  TokenReader in_;
+  StlMesh& mesh_;
+};
+
+}  // namespace
+
+LoadedScene parse_stl(std::string_view bytes, const std::string& name) {
+  LoadedScene out;
+  Warnings warnings;
+  StlMesh builder(warnings);
+  if (is_text(bytes))
+    StlText(bytes, name, builder).read();
+  else
+    read_binary(bytes, name, builder, warnings);
+  MeshData mesh = builder.take();
+  if (mesh.triangle_count() == 0) {
+    warnings.add("no triangles: there is nothing to see");
+  } else {
+    v1::Node& node = *out.scene.add_nodes();
+    node.set_name(to_utf8(std::filesystem::path(name).stem().string()));
+    *out.scene.add_materials() = plain_material("default", false);
+    node.mutable_shape()->add_materials("default");
+    *node.mutable_shape()->mutable_mesh() = store_mesh(std::move(mesh), out.blobs);
+  }
+  out.warnings = warnings.list(name);
+  return out;
+}
+
+LoadedScene read_stl(const std::string& path) {
+  return parse_stl(read_input_file(path, kMaxBytes), path);
+}
+
+}  // namespace tessera

@@ -1,0 +1,370 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "scenes/formats/x3d/document/x3d_document.h"
+#include "scenes/formats/x3d/document/x3d_tree.h"
+
+namespace tessera {
+namespace {
+
+constexpr size_t kMaxSearched = 100;
+
+bool is_space(char c) { return c == ' ' || c == ',' || c == '\t' || c == '\n' || c == '\r'; }
+bool is_mark(char c) { return c == '[' || c == ']' || c == '{' || c == '}' || c == '"'; }
+
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' ||
+         static_cast<unsigned char>(c) >= 0x80;
+}
+
+bool is_bool(std::string_view word) {
+  return word == "TRUE" || word == "FALSE" || word == "true" || word == "false";
+}
+
+/// Where the string ends whose opening quote is at `at`: behind the closing one, or npos.
+size_t end_of_string(std::string_view text, size_t at) {
+  for (++at; at < text.size(); ++at) {
+    if (text[at] == '\\')
+      ++at;
+    else if (text[at] == '"')
+      return at + 1;
+  }
+  return std::string_view::npos;
+}
+
+/// Comments become spaces, so that every place stays what it is.
+void blank_comments(std::string& text) {
+  for (size_t at = 0; at < text.size();) {
+    if (text[at] == '"') {
+      at = std::min(end_of_string(text, at), text.size());
+    } else if (text[at] == '#') {
+      for (; at < text.size() && text[at] != '\n' && text[at] != '\r'; ++at) text[at] = ' ';
+    } else {
+      ++at;
+    }
+  }
+}
+
+}  // namespace
+
+/// Turns the classic encoding (ISO/IEC 19776-2) and VRML97's, which is nearly the same, into nodes.
+/// What a field's value is shows in how it begins: a name begins a node, all else is a value.
+class X3dClassicReader {
+ public:
+  X3dClassicReader(std::string_view text, const std::string& name) : tree_(document_) {
+    document_.name_ = name;
+    document_.source_ = text;
+    document_.text_ = text;
+    document_.quotes_strings_ = true;
+  }
+
+  X3dDocument read() {
+    read_header();
+    blank_comments(document_.text_);
+    X3dNode& scene = tree_.add("Scene", 0, 0);
+    document_.scene_ = &scene;
+    while (!at_end()) read_statement(scene, "children", 0);
+    return std::move(document_);
+  }
+
+ private:
+  struct Token {
+    std::string_view text;  ///< a word, a mark or a string with its quotes; empty: the end
+    size_t offset = 0;
+    bool is_string() const { return text.starts_with('"'); }
+    bool is(std::string_view other) const { return text == other; }
+    /// Whether it can begin a node.
+    bool is_name() const { return !text.empty() && is_letter(text[0]) && !is_bool(text); }
+  };
+
+  void read_header() {
+    const std::string_view text = document_.text_;
+    const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+    if (line.starts_with("#VRML V1"))
+      throw document_.error(0, "VRML 1.0, a different language", "VRML 2.0 (VRML97) or X3D");
+    if (line.starts_with("#VRML V2"))
+      document_.version_ = 20;
+    else if (line.starts_with("#X3D V") && line.size() >= 9 && (line[6] == '3' || line[6] == '4') &&
+             line[7] == '.' && line[8] >= '0' && line[8] <= '9')
+      document_.version_ = (line[6] - '0') * 10 + (line[8] - '0');
+    else if (line.starts_with("#X3D") || line.starts_with("#VRML"))
+      document_.remarks_.push_back(fmt::format("'{}' is read as X3D 3.3", line.substr(0, 40)));
+    else
+      throw document_.error(0, "a file that does not say what it is",
+                            "'#X3D V3.x utf8', '#VRML V2.0 utf8' or XML");
+  }
+
+  bool at_end() { return peek().text.empty(); }
+
+  /// The token at `at` or behind it.
+  Token token_from(size_t at) const {
+    const std::string_view text = document_.text_;
+    while (at < text.size() && is_space(text[at])) ++at;
+    if (at == text.size()) return {text.substr(at), at};
+    size_t end = at + 1;
+    if (text[at] == '"') {
+      end = end_of_string(text, at);
+      if (end == std::string_view::npos)
+        throw document_.error(at, "a string without an end", "a closing quote");
+    } else if (!is_mark(text[at])) {
+      while (end < text.size() && !is_space(text[end]) && !is_mark(text[end])) ++end;
+    }
+    return {text.substr(at, end - at), at};
+  }
+
+  Token peek() {
+    if (!peeked_) next_ = token_from(at_);
+    peeked_ = true;
+    return next_;
+  }
+
+  Token take() {
+    const Token token = peek();
+    at_ = token.offset + token.text.size();
+    peeked_ = false;
+    return token;
+  }
+
+  Error unexpected(const Token& token, std::string_view expected) const {
+    const std::string_view start = token.text.substr(0, 40);
+    return document_.error(
+        token.offset,
+        token.text.empty() ? std::string("the end of the file") : fmt::format("'{}'", start),
+        expected);
+  }
+
+  void expect(std::string_view mark) {
+    const Token token = take();
+    if (!token.is(mark)) throw unexpected(token, fmt::format("'{}'", mark));
+  }
+
+  std::string take_name(std::string_view what) {
+    const Token token = take();
+    if (!token.is_name()) throw unexpected(token, what);
+    return std::string(token.text);
+  }
+
+  /// What may stand beside nodes. False where a node or a field begins.
+  bool read_aside(int depth) {
+    const Token token = peek();
+    if (token.is("PROTO")) {
+      take();
+      declare(depth + 1);
+    } else if (token.is("EXTERNPROTO")) {
+      tree_.add("ExternProtoDeclare", take().offset, 0);
+      take_name("a name");
+      skip_list();
+      skip_value();
+    } else if (token.is("ROUTE") || token.is("IMPORT") || token.is("EXPORT")) {
+      tree_.add(std::string(token.text), take().offset, 0);
+      take();
+      if (peek().is("TO") || peek().is("AS")) {
+        take();
+        take();
+      }
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  void read_statement(X3dNode& parent, const std::string& container, int depth) {
+    if (read_aside(depth)) return;
+    const Token token = peek();
+    if (token.is("PROFILE") || token.is("COMPONENT")) {
+      take();
+      take();
+    } else if (token.is("META")) {
+      take();
+      const Token name = take(), content = take();
+      if (!name.is_string() || !content.is_string()) throw unexpected(name, "two strings");
+      document_.metadata_[inside(name)] = inside(content);
+    } else if (token.is("UNIT")) {
+      read_unit();
+    } else {
+      tree_.add_child(parent, container, read_node(depth + 1));
+    }
+  }
+
+  static std::string inside(const Token& string) {
+    return std::string(string.text.substr(1, string.text.size() - 2));
+  }
+
+  void read_unit() {
+    take();
+    const std::string category = take_name("a category");
+    take_name("the unit's name");
+    const Token factor = take();
+    double value = 0;
+    std::from_chars(factor.text.data(), factor.text.data() + factor.text.size(), value);
+    tree_.set_unit(category, value, factor.offset);
+  }
+
+  X3dNode* read_node(int depth) {
+    const Token token = take();
+    if (token.is("USE")) {
+      const size_t at = peek().offset;
+      return tree_.use(take_name("the DEF name of a node"), {}, at);
+    }
+    std::string def;
+    Token type = token;
+    if (token.is("DEF")) {
+      def = take().text;
+      type = take();
+      if (def.empty() || is_mark(def[0])) throw unexpected(token, "DEF, a name and a node");
+    }
+    if (!type.is_name()) throw unexpected(type, "a node");
+    const X3dPrototype* prototype = tree_.prototype(std::string(type.text));
+    if (prototype) return read_instance(*prototype, def, type, depth);
+    X3dNode& node = tree_.add(std::string(type.text), type.offset, depth);
+    if (!def.empty()) tree_.define(node, def);
+    read_body(node, depth);
+    tree_.finish(node);
+    return &node;
+  }
+
+  X3dNode* read_instance(const X3dPrototype& prototype, const std::string& def, const Token& type,
+                         int depth) {
+    X3dNode given;
+    given.offset = type.offset;
+    tree_.check_depth(type.offset, depth);
+    read_body(given, depth);
+    X3dNode* node = tree_.instantiate(prototype, given);
+    if (!def.empty()) tree_.define(*node, def);
+    tree_.finish(*node);
+    return node;
+  }
+
+  void read_body(X3dNode& node, int depth) {
+    expect("{");
+    while (!peek().is("}")) {
+      if (read_aside(depth)) continue;
+      if (read_interface(node, depth)) continue;
+      const std::string name = take_name("a field, or '}'");
+      read_value(node, name, depth);
+    }
+    take();
+  }
+
+  /// A field that a Script, a shader or a prototype declares. False where something else begins.
+  bool read_interface(X3dNode& node, int depth) {
+    constexpr std::array<std::string_view, 8> kAccess{
+        "eventIn", "eventOut",     "inputOnly",      "outputOnly",
+        "field",   "exposedField", "initializeOnly", "inputOutput"};
+    const auto access = std::find(kAccess.begin(), kAccess.end(), peek().text);
+    if (access == kAccess.end()) return false;
+    take();
+    take_name("the type of a field");
+    const std::string name = take_name("the name of a field");
+    const bool has_value = access - kAccess.begin() >= 4;
+    if (has_value || peek().is("IS")) read_value(node, name, depth);
+    return true;
+  }
+
+  /// The value of a field: nodes become children, all else is kept as text.
+  void read_value(X3dNode& node, const std::string& name, int depth) {
+    const Token first = peek();
+    if (first.is("IS")) {
+      take();
+      node.is.push_back({name, take_name("a field of the prototype")});
+    } else if (first.is("NULL")) {
+      take();
+    } else if (first.is("[")) {
+      take();
+      read_list(node, name, depth);
+    } else if (first.is_name()) {
+      tree_.add_child(node, name, read_node(depth + 1));
+    } else {
+      const Token last = skip_plain_value();
+      add_field(node, name, first.offset, last.offset + last.text.size());
+    }
+  }
+
+  void read_list(X3dNode& node, const std::string& name, int depth) {
+    const Token first = peek();
+    if (first.is_name()) {
+      while (!peek().is("]"))
+        if (!read_aside(depth)) tree_.add_child(node, name, read_node(depth + 1));
+      take();
+      return;
+    }
+    size_t end = first.offset;
+    for (Token token = take(); !token.is("]"); token = take()) {
+      if (token.text.empty() || (is_mark(token.text[0]) && !token.is_string()))
+        throw unexpected(token, fmt::format("']' after the values of {}", name));
+      end = token.offset + token.text.size();
+    }
+    add_field(node, name, first.offset, end);
+  }
+
+  void add_field(X3dNode& node, const std::string& name, size_t begin, size_t end) {
+    const std::string_view text = document_.text_;
+    // Looking for it takes time in the number of fields, and no node has many.
+    if (node.fields.size() < kMaxSearched && node.field(name))
+      document_.remarks_.push_back(
+          fmt::format("{} is given twice in {}; the first one holds", name, describe(node)));
+    node.fields.push_back({name, text.substr(begin, end - begin), begin});
+  }
+
+  /// One string or bool, or all numbers up to what is none. Returns the last token of it.
+  Token skip_plain_value() {
+    Token last = take();
+    if (last.is_string() || is_bool(last.text)) return last;
+    if (last.text.empty() || is_mark(last.text[0])) throw unexpected(last, "a value");
+    const auto is_number = [](const Token& token) {
+      return !token.text.empty() && !is_mark(token.text[0]) && !is_letter(token.text[0]);
+    };
+    while (is_number(peek())) last = take();
+    return last;
+  }
+
+  void skip_list() {
+    expect("[");
+    for (Token token = take(); !token.is("]"); token = take())
+      if (token.text.empty()) throw unexpected(token, "']'");
+  }
+
+  void skip_value() {
+    if (peek().is("["))
+      skip_list();
+    else
+      skip_plain_value();
+  }
+
+  void declare(int depth) {
+    tree_.check_depth(at_, depth);
+    const std::string name = take_name("the name of a prototype");
+    X3dPrototype made;
+    tree_.begin_prototype();
+    expect("[");
+    while (!peek().is("]"))
+      if (!read_interface(made.interface_node, depth))
+        throw unexpected(peek(), "a field of the prototype, or ']'");
+    take();
+    expect("{");
+    X3dNode holder;
+    while (!peek().is("}")) {
+      if (at_end()) throw unexpected(peek(), "'}'");
+      read_statement(holder, "body", depth);
+    }
+    take();
+    tree_.end_prototype();
+    if (!holder.children.empty()) made.body = holder.children.front().node;
+    tree_.declare(name, std::move(made));
+  }
+
+  X3dDocument document_;
+  X3dTree tree_;
+  size_t at_ = 0;
+  Token next_;
+  bool peeked_ = false;
+};
+
+X3dDocument X3dDocument::parse_classic(std::string_view text, const std::string& name) {
+  return X3dClassicReader(text, name).read();
+}
+
+}  // namespace tessera

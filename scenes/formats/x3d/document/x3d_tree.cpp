@@ -1,0 +1,162 @@
+#include "scenes/formats/x3d/document/x3d_tree.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera {
+
+X3dNode& X3dTree::place(size_t offset) {
+  X3dNode& node = (scopes_.size() > 1 ? document_.templates_ : document_.nodes_).emplace_back();
+  node.offset = offset;
+  return node;
+}
+
+void X3dTree::check_depth(size_t offset, int depth) const {
+  if (depth > X3dDocument::kMaxDepth)
+    throw document_.error(offset, "nodes nested too deep",
+                          fmt::format("at most {} levels", X3dDocument::kMaxDepth));
+}
+
+X3dNode& X3dTree::add(std::string type, size_t offset, int depth) {
+  check_depth(offset, depth);
+  X3dNode& node = place(offset);
+  node.type = std::move(type);
+  return node;
+}
+
+void X3dTree::define(X3dNode& node, std::string name) {
+  node.def = std::move(name);
+  scopes_.back().defs[node.def] = &node;
+  open_.insert(&node);
+}
+
+X3dNode* X3dTree::use(const std::string& name, std::string_view type, size_t offset) {
+  const auto& defs = scopes_.back().defs;
+  const auto known = defs.find(name);
+  if (known == defs.end()) {
+    std::vector<std::string> names;
+    for (const auto& entry : defs) names.push_back(entry.first);
+    throw document_.error(offset, fmt::format("USE of '{}', which is not defined", name),
+                          "the DEF name of a node before it" + suggestion(name, names));
+  }
+  X3dNode& node = *known->second;
+  if (open_.contains(&node))
+    throw document_.error(offset, fmt::format("USE of '{}' inside itself", name),
+                          "a graph without cycles");
+  if (!type.empty() && node.type != type)
+    throw document_.error(offset,
+                          fmt::format("{} with USE of '{}', which is a {}", type, name, node.type),
+                          "the same type");
+  ++node.uses;
+  return &node;
+}
+
+void X3dTree::add_child(X3dNode& parent, std::string container, X3dNode* node) {
+  parent.height = std::max(parent.height, node->height + 1);
+  if (parent.height > X3dDocument::kMaxHeight)
+    throw document_.error(node->offset, "nodes nested too deep once USE and PROTO are followed",
+                          fmt::format("at most {} levels", X3dDocument::kMaxHeight));
+  // The names of VRML97.
+  if ((parent.type == "Switch" && container == "choice") ||
+      (parent.type == "LOD" && container == "level"))
+    container = "children";
+  parent.children.push_back({std::move(container), node});
+}
+
+void X3dTree::begin_prototype() { scopes_.emplace_back(); }
+void X3dTree::end_prototype() { scopes_.pop_back(); }
+
+void X3dTree::declare(const std::string& name, X3dPrototype prototype) {
+  scopes_.back().prototypes[name] = std::move(prototype);
+}
+
+const X3dPrototype* X3dTree::prototype(const std::string& name) const {
+  for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope) {
+    const auto known = scope->prototypes.find(name);
+    if (known != scope->prototypes.end()) return &known->second;
+  }
+  return nullptr;
+}
+
+X3dNode* X3dTree::instantiate(const X3dPrototype& prototype, const X3dNode& given) {
+  if (!prototype.body) {
+    X3dNode& nothing = place(given.offset);
+    nothing.type = "Group";
+    return &nothing;
+  }
+  Copying copying{prototype, given, {}};
+  X3dNode* node = copy(*prototype.body, copying);
+  node->def.clear();
+  return node;
+}
+
+void X3dTree::count_copy(size_t offset, size_t bytes) {
+  copied_bytes_ += bytes;
+  if (++copies_ > kMaxCopies || copied_bytes_ > kMaxCopiedBytes)
+    throw document_.error(offset, "prototypes that become too many nodes",
+                          fmt::format("at most {} nodes and {} MiB of fields in all", kMaxCopies,
+                                      kMaxCopiedBytes >> 20));
+}
+
+X3dNode* X3dTree::copy(const X3dNode& from, Copying& copying) {
+  const auto [known, is_new] = copying.made.try_emplace(&from, nullptr);
+  if (!is_new) {
+    ++known->second->uses;
+    return known->second;
+  }
+  X3dNode& node = place(from.offset);
+  known->second = &node;
+  size_t bytes = 0;
+  for (const X3dField& field : from.fields) bytes += field.text.size();
+  count_copy(copying.given.offset, bytes);
+  node.type = from.type;
+  node.def = from.def;
+  node.fields = from.fields;
+  for (const X3dNode::Child& child : from.children)
+    add_child(node, child.container, copy(*child.node, copying));
+  for (const X3dNode::Is& is : from.is) fill(node, is, copying);
+  return &node;
+}
+
+/// Gives a field what the instance says, else what the interface does.
+void X3dTree::fill(X3dNode& node, const X3dNode::Is& is, const Copying& copying) {
+  for (const X3dNode* source : {&copying.given, &copying.prototype.interface_node}) {
+    const auto passed_on =
+        std::find_if(source->is.begin(), source->is.end(),
+                     [&](const X3dNode::Is& i) { return i.field == is.interface_field; });
+    if (passed_on != source->is.end()) {
+      node.is.push_back({is.field, passed_on->interface_field});
+      return;
+    }
+    if (const X3dField* field = source->field(is.interface_field)) {
+      node.fields.push_back({is.field, field->text, field->offset});
+      return;
+    }
+    bool found = false;
+    for (const X3dNode::Child& child : source->children) {
+      if (child.container != is.interface_field) continue;
+      found = true;
+      count_copy(copying.given.offset, 0);
+      ++child.node->uses;
+      add_child(node, is.field, child.node);
+    }
+    if (found) return;
+  }
+}
+
+void X3dTree::set_unit(const std::string& category, double factor, size_t offset) {
+  if (!(factor > 0) || !std::isfinite(factor))
+    throw document_.error(offset, fmt::format("a {} unit of {}", category, factor),
+                          "a factor above 0");
+  if (category == "length")
+    document_.metres_per_unit_ = factor;
+  else if (category == "angle")
+    document_.radians_per_unit_ = factor;
+  else if (category != "mass" && category != "force")
+    document_.remarks_.push_back(
+        fmt::format("unit of '{}' is left out; expected angle, force, length or mass", category));
+}
+
+}  // namespace tessera

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "scenes/formats/x3d/document/x3d_document.h"
+
+namespace tessera {
+
+/// PROTO, however it is written.
+struct X3dPrototype {
+  X3dNode interface_node;   ///< its fields and children are the defaults
+  X3dNode* body = nullptr;  ///< the first node, which an instance becomes; may be null
+};
+
+/// What the readers of all encodings build a document's nodes with: names, prototypes and limits.
+class X3dTree {
+ public:
+  static constexpr size_t kMaxCopies = 200000;          ///< nodes that prototypes become
+  static constexpr size_t kMaxCopiedBytes = 64u << 20;  ///< of text in their fields
+
+  explicit X3dTree(X3dDocument& document) : document_(document) { scopes_.emplace_back(); }
+
+  /// Throws where something is written at too many levels below the scene.
+  void check_depth(size_t offset, int depth) const;
+  /// A new node at `depth` levels below the scene.
+  X3dNode& add(std::string type, size_t offset, int depth);
+  /// Names the node, which from now until finish() must not be a part of itself.
+  void define(X3dNode& node, std::string name);
+  void finish(const X3dNode& node) { open_.erase(&node); }
+  /// The node of that name. `type` may be empty: any.
+  X3dNode* use(const std::string& name, std::string_view type, size_t offset);
+  void add_child(X3dNode& parent, std::string container, X3dNode* node);
+
+  /// Between these, nodes are a prototype's, with names and prototypes of their own.
+  void begin_prototype();
+  void end_prototype();
+  void declare(const std::string& name, X3dPrototype prototype);
+  /// The prototype of that name, or null. Stays where it is.
+  const X3dPrototype* prototype(const std::string& name) const;
+  /// A copy of the prototype's body with the fields and children of `given` in place of its own.
+  X3dNode* instantiate(const X3dPrototype& prototype, const X3dNode& given);
+
+  void set_unit(const std::string& category, double factor, size_t offset);
+
+ private:
+  struct Scope {
+    std::map<std::string, X3dNode*> defs;
+    std::map<std::string, X3dPrototype> prototypes;
+  };
+  struct Copying {
+    const X3dPrototype& prototype;
+    const X3dNode& given;
+    std::map<const X3dNode*, X3dNode*> made;
+  };
+
+  X3dNode& place(size_t offset);
+  void count_copy(size_t offset, size_t bytes);
+  X3dNode* copy(const X3dNode& from, Copying& copying);
+  void fill(X3dNode& node, const X3dNode::Is& is, const Copying& copying);
+
+  X3dDocument& document_;
+  std::vector<Scope> scopes_;
+  std::set<const X3dNode*> open_;
+  size_t copies_ = 0, copied_bytes_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,254 @@
+#include "scenes/formats/x3d/document/x3d_values.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace tessera {
+namespace {
+
+bool is_separator(char c) { return c == ' ' || c == ',' || c == '\t' || c == '\n' || c == '\r'; }
+
+std::string shown(std::string_view word) {
+  constexpr size_t kLongest = 40;
+  return word.size() > kLongest ? fmt::format("'{}...'", word.substr(0, kLongest))
+                                : fmt::format("'{}'", word);
+}
+
+/// Calls action(word, offset in `text`) for each word between separators.
+template <typename Action>
+void for_each_word(std::string_view text, const Action& action) {
+  for (size_t at = 0; at < text.size();) {
+    if (is_separator(text[at])) {
+      ++at;
+      continue;
+    }
+    const size_t begin = at;
+    while (at < text.size() && !is_separator(text[at])) ++at;
+    action(text.substr(begin, at - begin), begin);
+  }
+}
+
+template <typename Number>
+Number parse(const X3dDocument& document, std::string_view word, size_t offset) {
+  const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);
+  const char* end = word.data() + word.size();
+  Number value = 0;
+  const auto [stop, problem] = std::from_chars(begin, end, value);
+  if (stop != end || problem == std::errc::invalid_argument)
+    throw document.error(offset, shown(word), "a number");
+  if (problem == std::errc::result_out_of_range) {
+    double wide = 0;
+    const auto again = std::from_chars(begin, end, wide);
+    if (again.ec == std::errc() && std::abs(wide) < 1) return static_cast<Number>(wide);
+    throw document.error(offset, shown(word), "a number in the range of its precision");
+  }
+  if (!std::isfinite(value)) throw document.error(offset, shown(word), "a finite number");
+  return value;
+}
+
+/// What stands between the quotes of the string that begins at `at`, which is moved behind it. One
+/// without an end goes to the end of the text.
+std::string unquote(std::string_view text, size_t& at) {
+  std::string out;
+  for (++at; at < text.size() && text[at] != '"'; ++at) {
+    if (text[at] == '\\' && at + 1 < text.size() && (text[at + 1] == '"' || text[at + 1] == '\\'))
+      ++at;
+    out += text[at];
+  }
+  ++at;
+  return out;
+}
+
+}  // namespace
+
+const X3dField* X3dValues::read_field(const X3dNode& node, std::string_view name) const {
+  const X3dField* field = node.field(name);
+  if (!field) return nullptr;
+  read_bytes_ += field->text.size();
+  if (read_bytes_ > kMaxReadBytes)
+    throw document_.error(field->offset, "lists that are used too often",
+                          fmt::format("at most {} GiB read in all", kMaxReadBytes >> 30));
+  return field;
+}
+
+template <typename Number>
+std::vector<Number> X3dValues::list(const X3dNode& node, std::string_view name,
+                                    size_t width) const {
+  std::vector<Number> values;
+  const X3dField* field = read_field(node, name);
+  if (!field) return values;
+  for_each_word(field->text, [&](std::string_view word, size_t at) {
+    values.push_back(parse<Number>(document_, word, field->offset + at));
+  });
+  if (values.size() % width != 0)
+    throw document_.error(
+        field->offset, fmt::format("{} numbers in {} of {}", values.size(), name, describe(node)),
+        fmt::format("a multiple of {}", width));
+  return values;
+}
+
+bool X3dValues::boolean(const X3dNode& node, std::string_view name, bool otherwise) const {
+  const X3dField* field = node.field(name);
+  if (!field) return otherwise;
+  std::string lower;
+  for (const char c : field->text)
+    if (!is_separator(c)) lower += static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
+  if (lower != "true" && lower != "false")
+    throw document_.error(field->offset, shown(field->text), "true or false");
+  if (lower != field->text && !document_.quotes_strings())
+    warnings_.add(fmt::format("{}='{}' is read as {}", name, field->text, lower));
+  return lower == "true";
+}
+
+std::vector<double> X3dValues::exactly(const X3dNode& node, std::string_view name,
+                                       size_t count) const {
+  std::vector<double> values = list<double>(node, name, 1);
+  const X3dField* field = node.field(name);
+  if (field && values.size() != count)
+    throw document_.error(
+        field->offset, fmt::format("{} numbers in {} of {}", values.size(), name, describe(node)),
+        fmt::format("{}", count));
+  return values;
+}
+
+double X3dValues::number(const X3dNode& node, std::string_view name, double otherwise) const {
+  const auto values = exactly(node, name, 1);
+  return values.empty() ? otherwise : values[0];
+}
+
+double X3dValues::angle(const X3dNode& node, std::string_view name, double otherwise) const {
+  return node.field(name) ? number(node, name, 0) * document_.radians_per_unit() : otherwise;
+}
+
+std::vector<double> X3dValues::angles(const X3dNode& node, std::string_view name) const {
+  std::vector<double> all = numbers(node, name, 1);
+  for (double& angle : all) angle *= document_.radians_per_unit();
+  return all;
+}
+
+double X3dValues::amount(const X3dNode& node, std::string_view name, double otherwise) const {
+  const double value = number(node, name, otherwise);
+  if (value < 0) warnings_.add(fmt::format("{} of {} below 0 is read as 0", name, node.type));
+  return std::max(0., value);
+}
+
+double X3dValues::share(const X3dNode& node, std::string_view name, double otherwise) const {
+  const double value = number(node, name, otherwise);
+  if (value >= 0 && value <= 1) return value;
+  warnings_.add(fmt::format("{} of {} outside 0 to 1 is clamped", name, node.type));
+  return std::clamp(value, 0., 1.);
+}
+
+int64_t X3dValues::integer(const X3dNode& node, std::string_view name, int64_t otherwise) const {
+  const Integers values = integers(node, name);
+  const X3dField* field = node.field(name);
+  if (!field) return otherwise;
+  if (values.values.size() != 1)
+    throw document_.error(field->offset, fmt::format("{} numbers", values.values.size()), "1");
+  return values.values[0];
+}
+
+Vec3 X3dValues::vec3(const X3dNode& node, std::string_view name, const Vec3& otherwise) const {
+  const auto v = exactly(node, name, 3);
+  return v.empty() ? otherwise : Vec3{v[0], v[1], v[2]};
+}
+
+Color X3dValues::clamped(const Color& color, const X3dNode& node, std::string_view name) const {
+  const Color inside{std::clamp(color.r, 0., 1.), std::clamp(color.g, 0., 1.),
+                     std::clamp(color.b, 0., 1.)};
+  if (!(inside == color))
+    warnings_.add(fmt::format("{} of {} outside 0 to 1 is clamped", name, node.type));
+  return inside;
+}
+
+Color X3dValues::color(const X3dNode& node, std::string_view name, const Color& otherwise) const {
+  const auto v = exactly(node, name, 3);
+  return v.empty() ? otherwise : clamped({v[0], v[1], v[2]}, node, name);
+}
+
+std::vector<Color> X3dValues::colors(const X3dNode& node, std::string_view name) const {
+  const auto v = numbers(node, name, 3);
+  std::vector<Color> out;
+  for (size_t i = 0; i < v.size(); i += 3)
+    out.push_back(clamped({v[i], v[i + 1], v[i + 2]}, node, name));
+  return out;
+}
+
+X3dRotation X3dValues::rotation(const X3dNode& node, std::string_view name) const {
+  const auto v = exactly(node, name, 4);
+  if (v.empty()) return {};
+  X3dRotation rotation{{v[0], v[1], v[2]}, v[3] * document_.radians_per_unit()};
+  if (rotation.axis == Vec3{}) {
+    if (rotation.angle != 0)
+      warnings_.add(fmt::format("{} of {} about no axis is left out", name, node.type));
+    return {};
+  }
+  return rotation;
+}
+
+std::string X3dValues::text(const X3dNode& node, std::string_view name) const {
+  const X3dField* field = node.field(name);
+  if (!field) return "";
+  if (!document_.quotes_strings()) return std::string(field->text);
+  const auto all = strings(node, name);
+  return all.empty() ? "" : all[0];
+}
+
+std::vector<std::string> X3dValues::strings(const X3dNode& node, std::string_view name) const {
+  std::vector<std::string> out;
+  const X3dField* field = read_field(node, name);
+  if (!field) return out;
+  const std::string_view text = field->text;
+  const size_t first = std::find_if_not(text.begin(), text.end(), is_separator) - text.begin();
+  if (first == text.size()) return out;
+  if (text[first] != '"') {
+    if (document_.quotes_strings())
+      throw document_.error(field->offset, shown(text), "a string in quotes");
+    return {std::string(text)};
+  }
+  for (size_t at = first; at < text.size();) {
+    if (is_separator(text[at])) {
+      ++at;
+    } else if (text[at] == '"') {
+      out.push_back(unquote(text, at));
+    } else {
+      throw document_.error(field->offset + at, shown(text.substr(at)), "a string in quotes");
+    }
+  }
+  return out;
+}
+
+std::vector<double> X3dValues::numbers(const X3dNode& node, std::string_view name,
+                                       size_t width) const {
+  return list<double>(node, name, width);
+}
+
+std::vector<float> X3dValues::floats(const X3dNode& node, std::string_view name,
+                                     size_t width) const {
+  return list<float>(node, name, width);
+}
+
+X3dValues::Integers X3dValues::integers(const X3dNode& node, std::string_view name) const {
+  Integers out;
+  const X3dField* field = read_field(node, name);
+  if (!field) return out;
+  for_each_word(field->text, [&](std::string_view word, size_t at) {
+    const bool hex = word.starts_with("0x") || word.starts_with("0X");
+    const char* begin = word.data() + (hex ? 2 : word.starts_with('+') ? 1 : 0);
+    const char* end = word.data() + word.size();
+    int64_t value = 0;
+    const auto [stop, problem] = std::from_chars(begin, end, value, hex ? 16 : 10);
+    if (stop != end || problem != std::errc() || value > std::numeric_limits<uint32_t>::max() ||
+        value < std::numeric_limits<int32_t>::min())
+      throw document_.error(field->offset + at, shown(word), "a 32-bit integer");
+    out.values.push_back(static_cast<int32_t>(value));
+    out.offsets.push_back(static_cast<uint32_t>(field->offset + at));
+  });
+  return out;
+}
+
+}  // namespace tessera

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "proto/tessera/v1/scene.pb.h"
+#include "renderer/math/color.h"
+#include "renderer/math/vec.h"
+#include "scenes/formats/x3d/document/x3d_document.h"
+#include "scenes/import/warnings.h"
+
+namespace tessera {
+
+/// An axis and an angle in radians.
+struct X3dRotation {
+  Vec3 axis{0, 0, 1};
+  double angle = 0;
+};
+
+/// Reads the values of fields; a field that is not there has its default. Throws scene_error with
+/// the place of what cannot be read. Every number is finite.
+class X3dValues {
+ public:
+  /// Both must outlive this.
+  X3dValues(const X3dDocument& document, Warnings& warnings)
+      : document_(document), warnings_(warnings) {}
+
+  bool boolean(const X3dNode& node, std::string_view name, bool otherwise) const;
+  double number(const X3dNode& node, std::string_view name, double otherwise) const;
+  /// In radians, whatever the file's unit.
+  double angle(const X3dNode& node, std::string_view name, double otherwise) const;
+  std::vector<double> angles(const X3dNode& node, std::string_view name) const;
+  /// At least 0, with a warning.
+  double amount(const X3dNode& node, std::string_view name, double otherwise) const;
+  /// Clamped to [0, 1] with a warning.
+  double share(const X3dNode& node, std::string_view name, double otherwise) const;
+  int64_t integer(const X3dNode& node, std::string_view name, int64_t otherwise) const;
+  Vec3 vec3(const X3dNode& node, std::string_view name, const Vec3& otherwise) const;
+  /// Each component clamped to [0, 1] with a warning.
+  Color color(const X3dNode& node, std::string_view name, const Color& otherwise) const;
+  X3dRotation rotation(const X3dNode& node, std::string_view name) const;
+  std::string text(const X3dNode& node, std::string_view name) const;
+  /// A list of strings; in XML, one without quotes is one string.
+  std::vector<std::string> strings(const X3dNode& node, std::string_view name) const;
+
+  /// All numbers of a list, a multiple of `width`; empty where the field is not there.
+  std::vector<double> numbers(const X3dNode& node, std::string_view name, size_t width) const;
+  /// The same as single-precision values.
+  std::vector<float> floats(const X3dNode& node, std::string_view name, size_t width) const;
+  /// Integers and where each is written.
+  struct Integers {
+    std::vector<int32_t> values;
+    std::vector<uint32_t> offsets;
+  };
+  Integers integers(const X3dNode& node, std::string_view name) const;
+  std::vector<Color> colors(const X3dNode& node, std::string_view name) const;
+
+  const X3dDocument& document() const { return document_; }
+  Warnings& warnings() const { return warnings_; }
+
+  /// Reading lists again and again, as USE makes possible, must end: "FILE:...: ...".
+  static constexpr size_t kMaxReadBytes = size_t{4} << 30;
+
+ private:
+  template <typename Number>
+  std::vector<Number> list(const X3dNode& node, std::string_view name, size_t width) const;
+  /// The field, whose text is now read once more.
+  const X3dField* read_field(const X3dNode& node, std::string_view name) const;
+  std::vector<double> exactly(const X3dNode& node, std::string_view name, size_t count) const;
+  Color clamped(const Color& color, const X3dNode& node, std::string_view name) const;
+
+  const X3dDocument& document_;
+  Warnings& warnings_;
+  mutable size_t read_bytes_ = 0;
+};
+
+}  // namespace tessera

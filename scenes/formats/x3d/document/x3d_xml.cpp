@@ -1,0 +1,176 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <pugixml.hpp>
+
+#include "scenes/formats/x3d/document/x3d_document.h"
+#include "scenes/formats/x3d/document/x3d_nodes.h"
+#include "scenes/formats/x3d/document/x3d_tree.h"
+
+namespace tessera {
+
+/// Turns elements into nodes. pugixml opens no file, expands no entity and skips the DOCTYPE.
+class X3dXmlReader {
+ public:
+  X3dXmlReader(std::string_view text, const std::string& name) : tree_(document_) {
+    document_.name_ = name;
+    document_.source_ = text;
+    document_.text_ = text;
+  }
+
+  X3dDocument read() {
+    std::string& text = document_.text_;
+    // Line ends stay as they are, so that a place in a field is a place in the file.
+    const pugi::xml_parse_result result = xml_.load_buffer_inplace(
+        text.data(), text.size(), pugi::parse_escapes, pugi::encoding_utf8);
+    if (!result) {
+      const size_t at = std::min(static_cast<size_t>(result.offset), document_.source_.size());
+      throw document_.error(at, fmt::format("not well-formed XML: {}", result.description()),
+                            "an X3D document");
+    }
+    const pugi::xml_node root = xml_.document_element();
+    if (std::string_view(root.name()) != "X3D")
+      throw document_.error(offset(root), fmt::format("element '{}'", root.name()), "'X3D'");
+    read_version(root.attribute("version"));
+    const pugi::xml_node scene = root.child("Scene");
+    if (!scene) throw document_.error(offset(root), "no Scene element", "one inside X3D");
+    read_head(root.child("head"));
+    document_.scene_ = element(scene, 0);
+    return std::move(document_);
+  }
+
+ private:
+  static size_t offset(const pugi::xml_node& node) {
+    return static_cast<size_t>(std::max<ptrdiff_t>(0, node.offset_debug()));
+  }
+  size_t offset(const pugi::xml_attribute& attribute) const {
+    const std::string& text = document_.text_;
+    const std::less_equal<const char*> ordered;
+    const bool inside = ordered(text.data(), attribute.value()) &&
+                        ordered(attribute.value(), text.data() + text.size());
+    return inside ? static_cast<size_t>(attribute.value() - text.data()) : 0;
+  }
+
+  void read_version(const pugi::xml_attribute& attribute) {
+    const std::string_view text = attribute.value();
+    if (text.size() >= 3 && text[0] >= '3' && text[0] <= '4' && text[1] == '.' && text[2] >= '0' &&
+        text[2] <= '9')
+      document_.version_ = (text[0] - '0') * 10 + (text[2] - '0');
+    else if (!text.empty())
+      document_.remarks_.push_back(fmt::format("unknown version '{}' is read as 3.3", text));
+  }
+
+  void read_head(const pugi::xml_node& head) {
+    for (const pugi::xml_node& entry : head.children()) {
+      const std::string_view name = entry.name();
+      if (name == "meta")
+        document_.metadata_[entry.attribute("name").value()] = entry.attribute("content").value();
+      if (name == "unit") {
+        const pugi::xml_attribute factor = entry.attribute("conversionFactor");
+        tree_.set_unit(entry.attribute("category").value(), factor.as_double(1),
+                       factor ? offset(factor) : offset(entry));
+      }
+    }
+  }
+
+  X3dNode* element(const pugi::xml_node& xml, int depth) {
+    X3dNode& node = tree_.add(xml.name(), offset(xml), depth);
+    for (const pugi::xml_attribute& attribute : xml.attributes()) {
+      const std::string_view name = attribute.name();
+      if (name != "DEF" && name != "USE" && name != "containerField" && name != "class" &&
+          name != "id" && name != "style" && name.find(':') == std::string_view::npos)
+        node.fields.push_back({std::string(name), attribute.value(), offset(attribute)});
+    }
+    const std::string def = xml.attribute("DEF").value();
+    if (!def.empty()) tree_.define(node, def);
+    add_children(node, xml, depth);
+    tree_.finish(node);
+    return &node;
+  }
+
+  void add_children(X3dNode& node, const pugi::xml_node& xml, int depth) {
+    for (const pugi::xml_node& child : xml.children()) {
+      if (child.type() != pugi::node_element) continue;
+      const std::string_view name = child.name();
+      if (name == "IS")
+        add_connections(node, child);
+      else if (name == "ProtoDeclare")
+        declare(child, depth + 1);
+      else
+        add_child(node, child, depth);
+    }
+  }
+
+  static void add_connections(X3dNode& node, const pugi::xml_node& xml) {
+    for (const pugi::xml_node& connect : xml.children("connect"))
+      node.is.push_back(
+          {connect.attribute("nodeField").value(), connect.attribute("protoField").value()});
+  }
+
+  void add_child(X3dNode& parent, const pugi::xml_node& xml, int depth) {
+    const pugi::xml_attribute use = xml.attribute("USE");
+    const std::string_view type = xml.name();
+    X3dNode* node;
+    if (use)
+      node =
+          tree_.use(use.value(), type == "ProtoInstance" ? std::string_view() : type, offset(use));
+    else
+      node = type == "ProtoInstance" ? instance(xml, depth + 1) : element(xml, depth + 1);
+    std::string container = xml.attribute("containerField").value();
+    if (container.empty()) {
+      const X3dNodeType* known = find_x3d_node_type(node->type);
+      container = known ? known->container : "children";
+    }
+    tree_.add_child(parent, std::move(container), node);
+  }
+
+  /// The values of field or fieldValue elements, as fields and children of `node`.
+  void add_values(X3dNode& node, const pugi::xml_node& xml, const char* element_name, int depth) {
+    for (const pugi::xml_node& entry : xml.children(element_name)) {
+      const std::string name = entry.attribute("name").value();
+      const pugi::xml_attribute value = entry.attribute("value");
+      if (value) node.fields.push_back({name, value.value(), offset(value)});
+      X3dNode holder;
+      add_children(holder, entry, depth);
+      for (const X3dNode::Child& child : holder.children) tree_.add_child(node, name, child.node);
+    }
+  }
+
+  void declare(const pugi::xml_node& xml, int depth) {
+    tree_.check_depth(offset(xml), depth);
+    X3dPrototype made;
+    tree_.begin_prototype();
+    add_values(made.interface_node, xml.child("ProtoInterface"), "field", depth);
+    X3dNode holder;
+    add_children(holder, xml.child("ProtoBody"), depth);
+    tree_.end_prototype();
+    if (!holder.children.empty()) made.body = holder.children.front().node;
+    tree_.declare(xml.attribute("name").value(), std::move(made));
+  }
+
+  X3dNode* instance(const pugi::xml_node& xml, int depth) {
+    const X3dPrototype* prototype = tree_.prototype(xml.attribute("name").value());
+    if (!prototype) return element(xml, depth);
+    tree_.check_depth(offset(xml), depth);
+    X3dNode given;
+    given.offset = offset(xml);
+    add_values(given, xml, "fieldValue", depth);
+    for (const pugi::xml_node& is : xml.children("IS")) add_connections(given, is);
+    X3dNode* node = tree_.instantiate(*prototype, given);
+    const std::string def = xml.attribute("DEF").value();
+    if (!def.empty()) tree_.define(*node, def);
+    tree_.finish(*node);
+    return node;
+  }
+
+  X3dDocument document_;
+  X3dTree tree_;
+  pugi::xml_document xml_;
+};
+
+X3dDocument X3dDocument::parse_xml(std::string_view text, const std::string& name) {
+  return X3dXmlReader(text, name).read();
+}
+
+}  // namespace tessera

@@ -1,0 +1,56 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scenes/formats/x3d/geometry/x3d_faces.h"
+
+namespace tessera {
+namespace {
+
+size_t dimension(const X3dNode& node, const X3dValues& values, const char* name) {
+  const int64_t count = values.integer(node, name, 0);
+  if (count >= 0) return static_cast<size_t>(count);
+  throw values.document().error(node.field(name)->offset, fmt::format("{} {}", name, count),
+                                "0 or more");
+}
+
+}  // namespace
+
+X3dFaces read_x3d_grid(const X3dNode& node, const X3dValues& values) {
+  X3dFaces out;
+  const size_t columns = dimension(node, values, "xDimension");
+  const size_t rows = dimension(node, values, "zDimension");
+  const double dx = values.number(node, "xSpacing", 1), dz = values.number(node, "zSpacing", 1);
+  const std::vector<float> heights = values.floats(node, "height", 1);
+  if (columns < 2 || rows < 2) return out;
+  // No product of two 32-bit numbers is too large for 64 bits.
+  if (columns * rows > std::min(heights.size(), kMaxX3dPoints))
+    throw values.document().error(
+        node.offset,
+        fmt::format("{} heights of {}, {} x {}", heights.size(), describe(node), columns, rows),
+        fmt::format("xDimension times zDimension, at most {}", kMaxX3dPoints));
+  if (columns * rows < heights.size())
+    values.warnings().add("heights of an ElevationGrid beyond its dimensions are left out");
+  for (size_t row = 0; row < rows; ++row) {
+    for (size_t column = 0; column < columns; ++column) {
+      const auto x = static_cast<double>(column), z = static_cast<double>(row);
+      out.points.insert(out.points.end(),
+                        {static_cast<float>(x * dx), heights[row * columns + column],
+                         static_cast<float>(z * dz)});
+      out.uvs.push_back(static_cast<float>(x / static_cast<double>(columns - 1)));
+      out.uvs.push_back(static_cast<float>(z / static_cast<double>(rows - 1)));
+    }
+  }
+  const auto width = static_cast<uint32_t>(columns);
+  for (uint32_t row = 0; row + 1 < rows; ++row) {
+    for (uint32_t column = 0; column + 1 < width; ++column) {
+      const uint32_t a = row * width + column;
+      const uint32_t quad[] = {a, a + width, a + width + 1, a + 1};
+      out.add_face(quad);
+    }
+  }
+  out.corner_uvs = out.polygons.corners;
+  return out;
+}
+
+}  // namespace tessera

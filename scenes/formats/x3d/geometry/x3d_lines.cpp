@@ -1,0 +1,164 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "renderer/math/bounds.h"
+#include "scenes/formats/x3d/geometry/x3d_faces.h"
+
+namespace tessera {
+namespace {
+
+constexpr double kLeastWidth = 0.01;  // metres, of what is all in one point
+
+class LineBuilder {
+ public:
+  LineBuilder(const X3dNode& node, const X3dValues& values) : node_(node), values_(values) {
+    if (const X3dNode* coord = node.child("coord"))
+      coordinates_ = values.floats(*coord, "point", 3);
+    Bounds3 all;
+    for (size_t i = 0; i < coordinates_.size() / 3; ++i) {
+      const Vec3 p = coordinate(i);
+      all.extend(Point3{p.x, p.y, p.z});
+    }
+    const double diagonal = coordinates_.empty() ? 0 : length(all.diagonal());
+    radius_ = (diagonal > 0 ? diagonal * kX3dLineWidth : kLeastWidth) / 2;
+  }
+
+  X3dFaces make() {
+    if (node_.type == "PointSet")
+      for (size_t i = 0; i < coordinates_.size() / 3; ++i) add_point(i);
+    else if (node_.type == "LineSet")
+      add_counted();
+    else
+      add_indexed();
+    return std::move(out_);
+  }
+
+ private:
+  Vec3 coordinate(size_t i) const {
+    return {coordinates_[3 * i], coordinates_[3 * i + 1], coordinates_[3 * i + 2]};
+  }
+
+  void add_counted() {
+    const auto counts = values_.integers(node_, "vertexCount");
+    size_t begin = 0;
+    for (size_t k = 0; k < counts.values.size(); ++k) {
+      const int32_t count = counts.values[k];
+      const size_t left = coordinates_.size() / 3 - begin;
+      if (count < 2 || static_cast<size_t>(count) > left)
+        throw values_.document().error(counts.offsets[k],
+                                       fmt::format("vertexCount {} of {}", count, describe(node_)),
+                                       fmt::format("2 to {}, the points that are left", left));
+      for (size_t i = begin; i + 1 < begin + static_cast<size_t>(count); ++i)
+        add_line(i, i + 1, i, i + 1, k);
+      begin += static_cast<size_t>(count);
+    }
+  }
+
+  void add_indexed() {
+    const auto index = values_.integers(node_, "coordIndex");
+    const size_t most = coordinates_.size() / 3;
+    size_t line = 0;
+    for (size_t at = 0; at < index.values.size(); ++at) {
+      if (index.values[at] == -1) {
+        ++line;
+        continue;
+      }
+      if (index.values[at] < 0 || static_cast<size_t>(index.values[at]) >= most)
+        throw values_.document().error(
+            index.offsets[at],
+            fmt::format("coordIndex {} of {}", index.values[at], describe(node_)),
+            most == 0 ? std::string("points in a Coordinate node")
+                      : fmt::format("0 to {}", most - 1));
+      if (at > 0 && index.values[at - 1] != -1)
+        add_line(static_cast<size_t>(index.values[at - 1]), static_cast<size_t>(index.values[at]),
+                 at - 1, at, line);
+    }
+  }
+
+  uint32_t add_vertex(const Vec3& p) {
+    const size_t number = out_.points.size() / 3;
+    if (number >= kMaxX3dPoints)
+      throw values_.document().error(node_.offset,
+                                     fmt::format("too many lines in {}", describe(node_)),
+                                     fmt::format("at most {} corners", kMaxX3dPoints));
+    for (int a = 0; a < 3; ++a) out_.points.push_back(static_cast<float>(p[a]));
+    return static_cast<uint32_t>(number);
+  }
+
+  /// A corner stands for a coordinate, at a place in the index.
+  struct Corner {
+    uint32_t vertex, coordinate, slot;
+  };
+
+  void add_face(std::span<const Corner> corners, size_t number) {
+    std::vector<uint32_t> face;
+    for (const Corner& c : corners) {
+      face.push_back(c.vertex);
+      out_.corner_coordinates.push_back(c.coordinate);
+      out_.corner_slots.push_back(c.slot);
+    }
+    out_.add_face(face);
+    out_.numbers.back() = static_cast<uint32_t>(number);
+  }
+
+  /// A prism of three sides, which looks as wide from everywhere to within a seventh.
+  void add_line(size_t from, size_t to, size_t from_slot, size_t to_slot, size_t number) {
+    const Vec3 a = coordinate(from), b = coordinate(to);
+    if (!(length_squared(b - a) > 0)) return;
+    const Vec3 along = normalize(b - a);
+    const Vec3 x = normalize(cross(along, std::abs(along.x) < .5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+    const Vec3 y = cross(along, x);
+    const std::array<Vec3, 3> around{x * radius_, x * (-radius_ / 2) + y * (radius_ * 0.8660254),
+                                     x * (-radius_ / 2) - y * (radius_ * 0.8660254)};
+    std::array<Corner, 3> begin, end;
+    for (size_t k = 0; k < 3; ++k) {
+      begin[k] = {add_vertex(a + around[k]), static_cast<uint32_t>(from),
+                  static_cast<uint32_t>(from_slot)};
+      end[k] = {add_vertex(b + around[k]), static_cast<uint32_t>(to),
+                static_cast<uint32_t>(to_slot)};
+    }
+    for (size_t k = 0; k < 3; ++k) {
+      const size_t next = (k + 1) % 3;
+      const Corner side[] = {begin[k], begin[next], end[next], end[k]};
+      add_face(side, number);
+    }
+    const Corner back[] = {begin[2], begin[1], begin[0]};
+    add_face(back, number);
+    add_face(end, number);
+  }
+
+  /// An octahedron.
+  void add_point(size_t i) {
+    const Vec3 p = coordinate(i);
+    std::array<Corner, 6> tips;  // -x +x -y +y -z +z
+    for (size_t k = 0; k < 6; ++k) {
+      Vec3 step;
+      step[static_cast<int>(k / 2)] = k % 2 ? radius_ : -radius_;
+      tips[k] = {add_vertex(p + step), static_cast<uint32_t>(i), static_cast<uint32_t>(i)};
+    }
+    for (size_t octant = 0; octant < 8; ++octant) {
+      const size_t x = octant & 1, y = octant >> 1 & 1, z = octant >> 2;
+      const bool even = (x + y + z) % 2 == 0;
+      const Corner face[] = {tips[x], tips[(even ? 4 : 2) + (even ? z : y)],
+                             tips[(even ? 2 : 4) + (even ? y : z)]};
+      add_face(face, i);
+    }
+  }
+
+  const X3dNode& node_;
+  const X3dValues& values_;
+  std::vector<float> coordinates_;
+  double radius_ = 0;
+  X3dFaces out_;
+};
+
+}  // namespace
+
+X3dFaces read_x3d_lines(const X3dNode& node, const X3dValues& values) {
+  return LineBuilder(node, values).make();
+}
+
+}  // namespace tessera

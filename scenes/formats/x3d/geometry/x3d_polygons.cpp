@@ -1,0 +1,279 @@
+#include "scenes/formats/x3d/geometry/x3d_polygons.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "renderer/math/bounds.h"
+#include "renderer/math/elementary.h"
+#include "scenes/formats/x3d/geometry/x3d_faces.h"
+#include "scenes/mesh/mesh_data.h"
+#include "scenes/mesh/triangulate.h"
+#include "scenes/mesh/vertex_table.h"
+
+namespace tessera {
+namespace {
+
+using FaceReader = X3dFaces (*)(const X3dNode&, const X3dValues&);
+
+/// How each node's faces are read.
+FaceReader find_reader(std::string_view type) {
+  static const std::map<std::string_view, FaceReader> kReaders{
+      {"IndexedFaceSet", &read_x3d_polygons},
+      {"IndexedTriangleSet", &read_x3d_polygons},
+      {"IndexedTriangleStripSet", &read_x3d_polygons},
+      {"IndexedTriangleFanSet", &read_x3d_polygons},
+      {"IndexedQuadSet", &read_x3d_polygons},
+      {"TriangleSet", &read_x3d_polygons},
+      {"TriangleStripSet", &read_x3d_polygons},
+      {"TriangleFanSet", &read_x3d_polygons},
+      {"QuadSet", &read_x3d_polygons},
+      {"ElevationGrid", &read_x3d_grid},
+      {"Extrusion", &read_x3d_extrusion},
+      {"Text", &read_x3d_text},
+      {"IndexedLineSet", &read_x3d_lines},
+      {"LineSet", &read_x3d_lines},
+      {"PointSet", &read_x3d_lines}};
+  const auto at = kReaders.find(type);
+  return at == kReaders.end() ? nullptr : at->second;
+}
+
+class MeshBuilder {
+ public:
+  MeshBuilder(const X3dNode& node, const X3dValues& values, const X3dMeshOptions& options)
+      : node_(node),
+        values_(values),
+        options_(options),
+        faces_(find_reader(node.type)(node, values)),
+        points_(faces_.points) {
+    corners_.resize(faces_.polygons.corners.size());
+    for (size_t c = 0; c < corners_.size(); ++c) corners_[c].position = faces_.polygons.corners[c];
+  }
+
+  X3dMesh build(BlobStore& blobs) {
+    X3dMesh out;
+    measure_faces();
+    read_colors();
+    read_normals();
+    read_uvs();
+    cut_up();
+    out.empty = triangles_.empty();
+    if (out.empty) return out;
+    MeshData mesh;
+    mesh.positions = vertices_.gather(points_, 3, &MeshCorner::position);
+    if (!normals_.empty()) mesh.normals = vertices_.gather(normals_, 3, &MeshCorner::normal);
+    if (!uvs_.empty()) mesh.uvs = vertices_.gather(uvs_, 2, &MeshCorner::uv);
+    if (!colors_.empty()) mesh.colors = vertices_.gather(colors_, 4, &MeshCorner::color);
+    mesh.triangles = std::move(triangles_);
+    out.has_colors = !colors_.empty();
+    out.has_color_alpha = has_color_alpha_;
+    out.mesh = store_mesh(std::move(mesh), blobs);
+    return out;
+  }
+
+ private:
+  std::span<const Vec3> face_points(size_t face) {
+    face_points_.clear();
+    for (const uint32_t p : faces_.polygons.face(face))
+      face_points_.push_back(
+          {points_[3 * size_t{p}], points_[3 * size_t{p} + 1], points_[3 * size_t{p} + 2]});
+    return face_points_;
+  }
+
+  void measure_faces() {
+    ccw_ = values_.boolean(node_, "ccw", true);
+    areas_.reserve(faces_.polygons.size());
+    for (size_t f = 0; f < faces_.polygons.size(); ++f) {
+      const Vec3 area = newell_normal(face_points(f));
+      areas_.push_back(ccw_ ? area : -area);
+    }
+  }
+
+  uint32_t coordinate(size_t corner) const {
+    return faces_.corner_coordinates.empty() ? faces_.polygons.corners[corner]
+                                             : faces_.corner_coordinates[corner];
+  }
+
+  /// Gives each corner its index into `count` values, by the index field called `name` where the
+  /// node has one, else by coordinate or face.
+  void assign(uint32_t MeshCorner::*member, std::string_view name, bool per_vertex, size_t count) {
+    const auto index = values_.integers(node_, name);
+    const X3dField* field = node_.field(name);
+    const Polygons& polygons = faces_.polygons;
+    for (size_t f = 0; f < polygons.size(); ++f) {
+      for (size_t c = polygons.starts[f]; c < polygons.starts[f + 1]; ++c) {
+        const bool indexed = !index.values.empty() && !faces_.corner_slots.empty();
+        const size_t slot = !indexed ? 0 : per_vertex ? faces_.corner_slots[c] : faces_.numbers[f];
+        if (indexed && slot >= index.values.size())
+          throw values_.document().error(
+              field->offset,
+              fmt::format("{} of {} ends before face {}", name, describe(node_), faces_.numbers[f]),
+              per_vertex ? "an entry for each of coordIndex" : "an entry for each face");
+        const int64_t value = indexed      ? index.values[slot]
+                              : per_vertex ? coordinate(c)
+                                           : faces_.numbers[f];
+        if (value < 0 || value >= static_cast<int64_t>(count))
+          throw values_.document().error(
+              indexed ? index.offsets[slot] : node_.offset,
+              fmt::format("{} {} in face {} of {}", name, value, faces_.numbers[f],
+                          describe(node_)),
+              count == 0 ? std::string("values to refer to") : fmt::format("0 to {}", count - 1));
+        corners_[c].*member = static_cast<uint32_t>(value);
+      }
+    }
+  }
+
+  void read_colors() {
+    const X3dNode* node = node_.child("color");
+    if (!node || (node->type != "Color" && node->type != "ColorRGBA")) return;
+    const bool alpha = has_color_alpha_ = node->type == "ColorRGBA";
+    const std::vector<float> values = values_.floats(*node, "color", alpha ? 4 : 3);
+    const size_t width = alpha ? 4 : 3;
+    for (size_t i = 0; i < values.size(); i += width) {
+      for (size_t k = 0; k < 3; ++k) {
+        const float c = std::clamp(values[i + k], 0.f, 1.f);
+        if (c != values[i + k])
+          values_.warnings().add(fmt::format("color of {} outside 0 to 1 is clamped", node->type));
+        colors_.push_back(options_.linear ? static_cast<float>(linear_from_srgb(c)) : c);
+      }
+      colors_.push_back(alpha ? std::clamp(values[i + 3], 0.f, 1.f) : 1.f);
+    }
+    const bool per_vertex = values_.boolean(node_, "colorPerVertex", true);
+    assign(&MeshCorner::color, "colorIndex", per_vertex, colors_.size() / 4);
+  }
+
+  void read_normals() {
+    const bool per_vertex = values_.boolean(node_, "normalPerVertex", true);
+    const X3dNode* node = node_.child("normal");
+    if (node && node->type == "Normal") {
+      normals_ = values_.floats(*node, "vector", 3);
+      assign(&MeshCorner::normal, "normalIndex", per_vertex, normals_.size() / 3);
+      normalize_all();
+      return;
+    }
+    if (is_x3d_lines(node_.type)) return;
+    if (node_.type == "Text") return;
+    const bool creased = node_.type == "IndexedFaceSet" || node_.type == "ElevationGrid" ||
+                         node_.type == "Extrusion";
+    const double angle = creased      ? values_.angle(node_, "creaseAngle", 0)
+                         : per_vertex ? std::numbers::pi
+                                      : 0;
+    if (angle < 0)
+      throw values_.document().error(node_.field("creaseAngle")->offset, "a negative creaseAngle",
+                                     "0 or more");
+    if (angle == 0 || corners_.empty()) return;
+    GeneratedNormals made = crease_normals(faces_.polygons, areas_, points_.size() / 3, angle);
+    if (made.corner_normal.empty())
+      throw values_.document().error(
+          node_.offset, fmt::format("too many faces at a point of {}", describe(node_)),
+          fmt::format("at most {} where creaseAngle is between 0 and pi", kMaxCreaseFaces));
+    normals_ = std::move(made.normals);
+    for (size_t c = 0; c < corners_.size(); ++c) corners_[c].normal = made.corner_normal[c];
+  }
+
+  void normalize_all() {
+    for (size_t i = 0; i < normals_.size(); i += 3) {
+      const Vec3 given{normals_[i], normals_[i + 1], normals_[i + 2]};
+      const Vec3 unit = given == Vec3{} ? Vec3{0, 0, 1} : normalize(given);
+      for (int a = 0; a < 3; ++a) normals_[i + a] = static_cast<float>(unit[a]);
+    }
+  }
+
+  void read_uvs() {
+    const X3dNode* node = node_.child("texCoord");
+    if (node && node->type == "MultiTextureCoordinate") node = node->child("texCoord");
+    if (corners_.empty()) return;
+    if (node && node->type == "TextureCoordinate") {
+      uvs_ = values_.floats(*node, "point", 2);
+      assign(&MeshCorner::uv, "texCoordIndex", true, uvs_.size() / 2);
+    } else if (options_.textured && faces_.corner_uvs.empty()) {
+      make_box_uvs();
+    } else if (options_.textured) {
+      uvs_ = std::move(faces_.uvs);
+      for (size_t c = 0; c < corners_.size(); ++c) corners_[c].uv = faces_.corner_uvs[c];
+    }
+  }
+
+  /// S along the longest side of the bounding box, T along the second longest, in one scale.
+  void make_box_uvs() {
+    Bounds3 box;
+    for (const MeshCorner& c : corners_) box.extend(point(c.position));
+    const Vec3 size = box.diagonal();
+    int s = 0;
+    for (int a = 1; a < 3; ++a)
+      if (size[a] > size[s]) s = a;
+    int t = s == 0 ? 1 : 0;
+    for (int a = t + 1; a < 3; ++a)
+      if (a != s && size[a] > size[t]) t = a;
+    for (size_t p = 0; p < points_.size() / 3; ++p) {
+      for (const int a : {s, t}) {
+        const double along = points_[3 * p + static_cast<size_t>(a)] - box.min[a];
+        uvs_.push_back(static_cast<float>(size[s] > 0 ? along / size[s] : 0));
+      }
+    }
+    for (MeshCorner& c : corners_) c.uv = c.position;
+  }
+
+  Point3 point(uint32_t p) const {
+    return {points_[3 * size_t{p}], points_[3 * size_t{p} + 1], points_[3 * size_t{p} + 2]};
+  }
+
+  void cut_up() {
+    std::vector<CornerTriple> triples;
+    for (size_t f = 0; f < faces_.polygons.size(); ++f) {
+      triples.clear();
+      const auto points = face_points(f);
+      // Files that call their concave faces convex are common, so every face is looked at.
+      if (!triangulate(points, triples))
+        throw values_.document().error(
+            node_.offset,
+            fmt::format("face {} of {} is concave with {} corners", faces_.numbers[f],
+                        describe(node_), points.size()),
+            fmt::format("at most {}", kMaxConcaveCorners));
+      const size_t first = faces_.polygons.starts[f];
+      for (const CornerTriple& t : triples) {
+        const MeshCorner &a = corners_[first + t[0]], &b = corners_[first + t[1]],
+                         &c = corners_[first + t[2]];
+        if (a.position == b.position || b.position == c.position || c.position == a.position)
+          continue;
+        triangles_.push_back(vertices_.add(a));
+        triangles_.push_back(vertices_.add(ccw_ ? b : c));
+        triangles_.push_back(vertices_.add(ccw_ ? c : b));
+      }
+    }
+  }
+
+  const X3dNode& node_;
+  const X3dValues& values_;
+  const X3dMeshOptions& options_;
+  bool ccw_ = true, has_color_alpha_ = false;
+  X3dFaces faces_;
+  const std::vector<float>& points_;
+  std::vector<float> normals_, uvs_, colors_;
+  std::vector<MeshCorner> corners_;
+  std::vector<Vec3> areas_, face_points_;
+  VertexTable vertices_;
+  std::vector<uint32_t> triangles_;
+};
+
+}  // namespace
+
+bool is_x3d_mesh(std::string_view type) { return find_reader(type) != nullptr; }
+
+bool is_x3d_lines(std::string_view type) {
+  return type == "IndexedLineSet" || type == "LineSet" || type == "PointSet";
+}
+
+X3dMesh build_x3d_mesh(const X3dNode& node, const X3dValues& values, const X3dMeshOptions& options,
+                       BlobStore& blobs) {
+  return MeshBuilder(node, values, options).build(blobs);
+}
+
+double linear_from_srgb(double value) {
+  return value <= 0.04045 ? value / 12.92 : portable::pow((value + 0.055) / 1.055, 2.4);
+}
+
+}  // namespace tessera

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "proto/tessera/v1/scene.pb.h"
+#include "proto/wire/blob_store.h"
+#include "scenes/formats/x3d/document/x3d_values.h"
+
+namespace tessera {
+
+/// What a polygon node becomes: a mesh, and what its shape's material has to know.
+struct X3dMesh {
+  v1::TriangleMesh mesh;
+  bool has_colors = false;
+  bool has_color_alpha = false;  ///< which takes the place of the material's transparency
+  bool empty = false;            ///< no face that could be seen
+};
+
+/// Whether nodes of that type become meshes.
+bool is_x3d_mesh(std::string_view type);
+/// Whether they are lines or points, which no light falls on.
+bool is_x3d_lines(std::string_view type);
+
+/// The nodes with polygons, grids, extrusions, text, lines and points.
+struct X3dMeshOptions {
+  bool linear = false;    ///< vertex colours are decoded from sRGB
+  bool textured = false;  ///< texture coordinates are made where the node has none
+};
+/// Throws scene_error naming the node and the face.
+X3dMesh build_x3d_mesh(const X3dNode& node, const X3dValues& values, const X3dMeshOptions& options,
+                       BlobStore& blobs);
+
+/// The linear value of an sRGB-encoded one (IEC 61966-2-1).
+double linear_from_srgb(double value);
+
+}  // namespace tessera

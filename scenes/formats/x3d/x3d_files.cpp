@@ -1,0 +1,74 @@
+#include "scenes/formats/x3d/x3d_files.h"
+
+#include <fmt/format.h>
+
+#include "base/file.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+int hex_digit(char c) {
+  return c >= '0' && c <= '9'   ? c - '0'
+         : c >= 'a' && c <= 'f' ? c - 'a' + 10
+         : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                : -1;
+}
+
+/// Without what follows '#', which names a part of the file.
+std::string path_of(const std::string& url) {
+  std::string out;
+  for (size_t at = 0; at < url.size() && url[at] != '#'; ++at) {
+    const bool coded = url[at] == '%' && at + 2 < url.size() && hex_digit(url[at + 1]) >= 0 &&
+                       hex_digit(url[at + 2]) >= 0;
+    out +=
+        coded ? static_cast<char>(hex_digit(url[at + 1]) * 16 + hex_digit(url[at + 2])) : url[at];
+    if (coded) at += 2;
+  }
+  return out;
+}
+
+/// Whether it begins "scheme:", with two letters or more.
+bool has_scheme(const std::string& url) {
+  const size_t colon = url.find(':');
+  return colon != std::string::npos && colon > 1 && url.find_first_of("/\\.") > colon;
+}
+
+}  // namespace
+
+X3dFiles::X3dFiles(const std::string& first_file) {
+  const fs::path whole = fs::weakly_canonical(fs::absolute(first_file));
+  root_ = whole.parent_path();
+  first_ = whole.filename().generic_string();
+  open.push_back(first_);
+}
+
+std::string X3dFiles::folder_of(const std::string& file) {
+  const size_t slash = file.rfind('/');
+  return slash == std::string::npos ? "" : file.substr(0, slash);
+}
+
+X3dFiles::Found X3dFiles::find(const std::vector<std::string>& urls,
+                               const std::string& folder) const {
+  Found found{"", "it names no file"};
+  for (const std::string& url : urls) {
+    if (has_scheme(url)) {
+      found.reason = "only files are read, and nothing from the network";
+      continue;
+    }
+    const std::string path = path_of(url);
+    if (path.empty()) continue;
+    const auto target = resolve_inside(root_, (fs::path(folder) / path).string());
+    std::error_code failure;
+    if (!target || fs::path(path).is_absolute())
+      found.reason = "it is not inside the scene's folder";
+    else if (!fs::is_regular_file(*target, failure))
+      found.reason = "there is no such file";
+    else
+      return {target->lexically_relative(root_).generic_string(), ""};
+  }
+  return found;
+}
+
+}  // namespace tessera

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+/// The files that an X3D scene may name: those in the folder of its first file. Names are relative
+/// to that folder, with '/' between. Nothing is on the network.
+class X3dFiles {
+ public:
+  static constexpr size_t kMaxFiles = 1000;  ///< that are read as parts of one scene
+  static constexpr size_t kMaxOpen = 16;     ///< one inside the other
+
+  /// Without a folder no file is looked for.
+  X3dFiles() = default;
+  explicit X3dFiles(const std::string& first_file);
+
+  bool has_folder() const { return !root_.empty(); }
+  const std::string& first() const { return first_; }
+
+  /// What became of a URL.
+  struct Found {
+    std::string file;    ///< empty: not found
+    std::string reason;  ///< then: why not
+  };
+  /// The first of `urls`, as written in a file of `folder`, that names a file which is there.
+  Found find(const std::vector<std::string>& urls, const std::string& folder) const;
+
+  /// The folder of a file found.
+  static std::string folder_of(const std::string& file);
+  std::string full(const std::string& file) const { return (root_ / file).string(); }
+
+  /// The files that are being read, outermost first, and the objects that those read became.
+  std::vector<std::string> open;
+  std::map<std::string, std::string> objects;
+
+ private:
+  std::filesystem::path root_;
+  std::string first_;
+};
+
+}  // namespace tessera

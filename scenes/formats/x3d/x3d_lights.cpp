@@ -1,0 +1,72 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scenes/formats/x3d/x3d_steps.h"
+#include "scenes/formats/x3d/x3d_translator.h"
+
+namespace tessera {
+
+void X3dTranslator::add_light(const X3dNode& node, Nodes& out) {
+  v1::Light light;
+  light.set_name(node.def);
+  const Vec3 location = values_.vec3(node, "location", {});
+  const Vec3 direction = values_.vec3(node, "direction", {0, 0, -1});
+  const bool directional = node.type == "DirectionalLight";
+  if (node.type != "PointLight" && direction == Vec3{})
+    throw document_.error(node.field("direction")->offset, "a direction of 0 0 0", "a direction");
+  if (directional) {
+    put_vec3(direction, light.mutable_directional()->mutable_direction());
+  } else if (node.type == "PointLight") {
+    put_vec3(location, light.mutable_point()->mutable_position());
+  } else {
+    // What the standard calls soft: full strength inside the beam width, nothing from the cut-off.
+    const int version = document_.version();
+    const double default_beam = version >= 40   ? 0.589049
+                                : version >= 30 ? std::numbers::pi / 4
+                                                : std::numbers::pi / 2;
+    const double default_cut_off = version >= 30 ? std::numbers::pi / 2 : std::numbers::pi / 4;
+    const double cut_off = values_.angle(node, "cutOffAngle", default_cut_off);
+    const double beam = values_.angle(node, "beamWidth", default_beam);
+    if (!(cut_off > 0 && cut_off <= std::numbers::pi))
+      throw document_.error(node.field("cutOffAngle")->offset,
+                            fmt::format("cutOffAngle {}", cut_off), "an angle above 0, up to pi");
+    v1::Light::Spot& spot = *light.mutable_spot();
+    put_vec3(location, spot.mutable_position());
+    put_vec3(direction, spot.mutable_direction());
+    spot.set_beam_width(degrees_from_radians(std::clamp(beam, 0., cut_off)));
+    spot.set_cut_off(degrees_from_radians(cut_off));
+  }
+  put(values_.color(node, "color", kWhite), light.mutable_color());
+  light.set_intensity(values_.amount(node, "intensity", 1));
+  light.set_ambient_intensity(values_.amount(node, "ambientIntensity", 0));
+  light.set_off(!values_.boolean(node, "on", true));
+  light.set_scoped(!values_.boolean(node, "global", !directional));
+  light.set_shadows(values_.boolean(node, "shadows", false));
+  light.set_shadow_intensity(values_.share(node, "shadowIntensity", 1));
+  if (!directional) set_attenuation(node, light);
+  *out.Add()->mutable_light() = std::move(light);
+}
+
+void X3dTranslator::set_attenuation(const X3dNode& node, v1::Light& light) {
+  const Vec3 attenuation = values_.vec3(node, "attenuation", {1, 0, 0});
+  if (!(attenuation == Vec3{1, 0, 0}) && !(attenuation == Vec3{})) {
+    v1::Attenuation& factor = *light.mutable_attenuation();
+    factor.set_constant(std::max(0., attenuation.x));
+    factor.set_linear(std::max(0., attenuation.y));
+    factor.set_quadratic(std::max(0., attenuation.z));
+    factor.set_at_most_one(true);
+  }
+  if (attenuation.x < 0 || attenuation.y < 0 || attenuation.z < 0)
+    warnings_.add(fmt::format("attenuation of {} below 0 is read as 0", node.type));
+  const double radius = values_.amount(node, "radius", 100);
+  if (radius == 0)
+    light.set_off(true);
+  else
+    light.set_radius(radius);
+  light.set_ambient_attenuated(true);  // clause 17.2.2.4: the factors stand before the whole sum
+}
+
+}  // namespace tessera

@@ -1,0 +1,25 @@
+#include "scenes/formats/x3d/x3d_steps.h"
+
+#include <cmath>
+
+namespace tessera {
+
+void add_translation(const Vec3& by, v1::Transform& out) {
+  if (!(by == Vec3{})) put_vec3(by, out.add_steps()->mutable_translate());
+}
+
+void add_rotation(const X3dRotation& turn, v1::Transform& out) {
+  if (turn.angle == 0) return;
+  v1::AxisAngle& rotate = *out.add_steps()->mutable_rotate();
+  put_vec3(turn.axis, rotate.mutable_axis());
+  rotate.set_angle(degrees_from_radians(turn.angle));
+}
+
+double mean_scale(const v1::Transform& transform) {
+  double volume = 1;
+  for (const v1::Transform::Step& step : transform.steps())
+    if (step.has_scale()) volume *= step.scale().x() * step.scale().y() * step.scale().z();
+  return std::cbrt(std::abs(volume));
+}
+
+}  // namespace tessera

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "proto/tessera/v1/scene.pb.h"
+#include "renderer/math/vec.h"
+#include "scenes/formats/x3d/document/x3d_values.h"
+
+namespace tessera {
+
+inline constexpr double degrees_from_radians(double radians) {
+  return radians * (180 / 3.14159265358979323846);
+}
+
+inline void put_vec3(const Vec3& v, v1::Vec3* out) {
+  out->set_x(v.x);
+  out->set_y(v.y);
+  out->set_z(v.z);
+}
+
+/// Adds a step unless it does nothing.
+void add_translation(const Vec3& by, v1::Transform& out);
+void add_rotation(const X3dRotation& turn, v1::Transform& out);
+
+/// How much longer lengths become: the cube root of the volume's factor.
+double mean_scale(const v1::Transform& transform);
+
+}  // namespace tessera

@@ -1,0 +1,209 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/file.h"
+#include "scenes/formats/x3d/x3d_steps.h"
+#include "scenes/formats/x3d/x3d_translator.h"
+#include "scenes/import/mip_levels.h"
+
+namespace tessera {
+namespace {
+
+constexpr int32_t kMaxPixelSide = 65536;
+
+/// Rows from the top, as blobs have them.
+DecodedTexture from_bottom_up(const std::vector<int32_t>& image, uint32_t channels) {
+  DecodedTexture out;
+  out.width = static_cast<uint32_t>(image[0]);
+  out.height = static_cast<uint32_t>(image[1]);
+  out.channels = channels;
+  out.texels.reserve(size_t{out.width} * out.height * channels);
+  for (size_t row = out.height; row-- > 0;)
+    for (size_t x = 0; x < out.width; ++x) {
+      const auto pixel = static_cast<uint32_t>(image[3 + row * out.width + x]);
+      for (uint32_t c = channels; c-- > 0;) out.texels.push_back(std::byte(pixel >> (8 * c) & 255));
+    }
+  return out;
+}
+
+void put_texels(DecodedTexture texture, v1::Texture::Image& image, BlobStore& blobs) {
+  const bool is_srgb = image.encoding() == v1::Texture::Image::ENCODING_SRGB;
+  image.set_width(texture.width);
+  image.set_height(texture.height);
+  image.set_channels(texture.channels);
+  image.set_bits(texture.bits);
+  image.set_levels(
+      image.filter() == v1::Texture::Image::TRILINEAR ? add_mip_levels(texture, is_srgb) : 1);
+  image.mutable_texels()->set_size(texture.texels.size());
+  image.mutable_texels()->set_digest(blobs.put(std::move(texture.texels)).hex());
+}
+
+v1::Texture::Image::Wrap wrap_of(const std::string& mode, v1::Texture::Image::Wrap otherwise) {
+  if (mode == "REPEAT") return v1::Texture::Image::REPEAT;
+  if (mode == "MIRRORED_REPEAT") return v1::Texture::Image::MIRROR;
+  return mode.starts_with("CLAMP") ? v1::Texture::Image::CLAMP : otherwise;
+}
+
+}  // namespace
+
+v1::Texture::Image::Encoding X3dTranslator::color_encoding() const {
+  return build_.options.x3d_color == ReadOptions::Color::linear
+             ? v1::Texture::Image::ENCODING_SRGB
+             : v1::Texture::Image::ENCODING_LINEAR;
+}
+
+std::string X3dTranslator::main_texture(const Look& look, const X3dNode* material,
+                                        const char* field) {
+  const X3dNode* own = material ? material->child(field) : nullptr;
+  if (!own && look.appearance) own = look.appearance->child("texture");
+  return texture(own, look, true);
+}
+
+std::string X3dTranslator::texture(const X3dNode* node, const Look& look, bool is_color) {
+  if (node && node->type == "MultiTexture") {
+    warnings_.add("of a MultiTexture only the first texture is read");
+    node = node->child("texture")
+               ? std::find_if(node->children.begin(), node->children.end(),
+                              [](const X3dNode::Child& c) { return c.container == "texture"; })
+                     ->node
+               : nullptr;
+  }
+  if (!node || (node->type != "ImageTexture" && node->type != "PixelTexture")) return "";
+  const X3dNode* turn = look.appearance ? look.appearance->child("textureTransform") : nullptr;
+  if (turn && turn->type == "MultiTextureTransform") {
+    const auto& all = turn->children;
+    turn = all.empty() ? nullptr : all.front().node;
+  }
+  if (turn && turn->type != "TextureTransform") turn = nullptr;
+  const auto key = std::make_tuple(node, turn, look.mapping, is_color);
+  const auto known = textures_.find(key);
+  if (known != textures_.end()) return known->second;
+
+  v1::Texture::Image image;
+  image.set_encoding(is_color ? color_encoding() : v1::Texture::Image::ENCODING_LINEAR);
+  set_wrapping(*node, image);
+  std::string name = node->type == "PixelTexture" ? pixel_texture(*node, std::move(image))
+                                                  : image_texture(values_.strings(*node, "url"),
+                                                                  std::move(image), node->offset);
+  const bool own = !name.empty() && name != build_.placeholder;
+  if (own && (turn || look.mapping != v1::Texture::UV)) {
+    v1::Texture& made = *out_.scene.mutable_textures()->rbegin();
+    made.set_mapping(look.mapping);
+    if (turn) *made.mutable_transform() = texture_transform(*turn);
+  }
+  return textures_.emplace(key, name).first->second;
+}
+
+void X3dTranslator::set_wrapping(const X3dNode& node, v1::Texture::Image& image) const {
+  using Image = v1::Texture::Image;
+  image.set_wrap_s(values_.boolean(node, "repeatS", true) ? Image::REPEAT : Image::CLAMP);
+  image.set_wrap_t(values_.boolean(node, "repeatT", true) ? Image::REPEAT : Image::CLAMP);
+  const X3dNode* properties = node.child("textureProperties");
+  if (!properties || properties->type != "TextureProperties") return;
+  image.set_wrap_s(wrap_of(values_.text(*properties, "boundaryModeS"), image.wrap_s()));
+  image.set_wrap_t(wrap_of(values_.text(*properties, "boundaryModeT"), image.wrap_t()));
+  if (values_.text(*properties, "magnificationFilter") == "NEAREST_PIXEL")
+    image.set_filter(Image::NEAREST);
+}
+
+/// C^-1 S R C T: the coordinate is moved, turned and scaled about the centre, so that a scale of 2
+/// makes the picture half as large.
+v1::Transform X3dTranslator::texture_transform(const X3dNode& node) const {
+  const auto pair = [&](const char* name, double otherwise) {
+    const auto v = values_.numbers(node, name, 2);
+    return v.size() < 2 ? Vec3{otherwise, otherwise, 0} : Vec3{v[0], v[1], 0};
+  };
+  const Vec3 center = pair("center", 0), scale = pair("scale", 1);
+  v1::Transform out;
+  add_translation(-center, out);
+  if (!(scale == Vec3{1, 1, 0})) put_vec3({scale.x, scale.y, 1}, out.add_steps()->mutable_scale());
+  add_rotation({{0, 0, 1}, values_.angle(node, "rotation", 0)}, out);
+  add_translation(center, out);
+  add_translation(pair("translation", 0), out);
+  return out;
+}
+
+std::string X3dTranslator::add_texture(v1::Texture texture, const std::string& wish) {
+  texture.set_name(build_.unique(build_.texture_names, wish));
+  *out_.scene.add_textures() = texture;
+  return texture.name();
+}
+
+/// The first of `urls` that names a file which is there, else a placeholder and a warning.
+std::string X3dTranslator::image_texture(const std::vector<std::string>& urls,
+                                         v1::Texture::Image image, size_t offset) {
+  if (urls.empty()) return "";
+  X3dFiles::Found found{urls[0], ""};
+  if (build_.files.has_folder()) found = build_.files.find(urls, folder_);
+  if (found.file.empty()) {
+    warnings_.add(fmt::format("line {}: a placeholder stands for the picture '{}': {}",
+                              document_.place(offset).line, urls[0], found.reason));
+    return placeholder_texture();
+  }
+  v1::Texture texture;
+  image.set_file(found.file);
+  *texture.mutable_image() = std::move(image);
+  const std::string name = to_utf8(found.file.substr(found.file.rfind('/') + 1));
+  return add_texture(std::move(texture), name);
+}
+
+/// Squares of magenta and grey, which no scene wants.
+std::string X3dTranslator::placeholder_texture() {
+  if (!build_.placeholder.empty()) return build_.placeholder;
+  v1::Texture texture;
+  v1::Texture::Image& image = *texture.mutable_image();
+  image.set_encoding(color_encoding());
+  image.set_filter(v1::Texture::Image::NEAREST);
+  put_texels(from_bottom_up({2, 2, 3, 0xFF00FF, 0x808080, 0x808080, 0xFF00FF}, 3), image,
+             out_.blobs);
+  return build_.placeholder = add_texture(std::move(texture), "missing picture");
+}
+
+std::string X3dTranslator::pixel_texture(const X3dNode& node, v1::Texture::Image image) {
+  const auto pixels = values_.integers(node, "image").values;
+  if (pixels.empty()) return "";
+  const size_t offset = node.field("image")->offset;
+  const auto wrong = [&](const std::string& found, const char* expected) {
+    return document_.error(offset, found, expected);
+  };
+  if (pixels.size() < 3) throw wrong("an image without its size", "width, height and components");
+  const int32_t width = pixels[0], height = pixels[1], components = pixels[2];
+  if (width < 0 || height < 0 || width > kMaxPixelSide || height > kMaxPixelSide ||
+      components < 0 || components > 4)
+    throw wrong(fmt::format("an image of {} x {} with {} components", width, height, components),
+                "sides of 0 to 65536 and 0 to 4 components");
+  const size_t count = static_cast<size_t>(width) * static_cast<size_t>(height);
+  if (pixels.size() - 3 != count)
+    throw wrong(fmt::format("{} pixels in an image of {} x {}", pixels.size() - 3, width, height),
+                "one number a pixel");
+  if (count == 0 || components == 0) return "";
+  put_texels(from_bottom_up(pixels, static_cast<uint32_t>(components)), image, out_.blobs);
+  v1::Texture texture;
+  *texture.mutable_image() = std::move(image);
+  return add_texture(std::move(texture), node.def.empty() ? node.type : node.def);
+}
+
+/// The picture on one side of a background, from its URL or its texture node.
+std::string X3dTranslator::sky_texture(const X3dNode& node, const std::string& side) {
+  const std::string urls = side + "Url";
+  v1::Texture::Image image;
+  image.set_encoding(color_encoding());
+  image.set_wrap_s(v1::Texture::Image::CLAMP);
+  image.set_wrap_t(v1::Texture::Image::CLAMP);
+  if (const X3dField* field = node.field(urls)) {
+    // What is missing shows the colours, which stand behind the pictures for this.
+    const auto all = values_.strings(node, urls);
+    if (all.empty()) return "";
+    const auto found =
+        build_.files.has_folder() ? build_.files.find(all, folder_) : X3dFiles::Found{all[0], ""};
+    if (!found.file.empty()) return image_texture({all}, std::move(image), field->offset);
+    warnings_.add(fmt::format("line {}: the background has no picture '{}': {}",
+                              document_.place(field->offset).line, all[0], found.reason));
+    return "";
+  }
+  const X3dNode* child = node.child(side + "Texture");
+  return child ? texture(child, {}, true) : "";
+}
+
+}  // namespace tessera

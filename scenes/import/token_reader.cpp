@@ -1,0 +1,74 @@
+#include "scenes/import/token_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "base/file.h"
+
+namespace tessera {
+namespace {
+
+bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f' || is_line_end(c); }
+
+}  // namespace
+
+std::string_view TokenReader::word() {
+  while (at_ < text_.size() && is_space(text_[at_])) ++at_;
+  word_ = at_;
+  while (at_ < text_.size() && !is_space(text_[at_])) ++at_;
+  return text_.substr(word_, at_ - word_);
+}
+
+std::string_view TokenReader::rest_of_line() {
+  while (at_ < text_.size() && is_space(text_[at_]) && !is_line_end(text_[at_])) ++at_;
+  word_ = at_;
+  while (at_ < text_.size() && !is_line_end(text_[at_])) ++at_;
+  size_t last = at_;
+  while (last > word_ && is_space(text_[last - 1])) --last;
+  const std::string_view rest = text_.substr(word_, last - word_);
+  if (text_.substr(at_).starts_with("\r\n")) ++at_;
+  if (at_ < text_.size()) ++at_;
+  return rest;
+}
+
+double TokenReader::number(const char* what) {
+  std::string_view text = word();
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [stop, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool is_number =
+      problem != std::errc::invalid_argument && stop == text.data() + text.size();
+  if (text.empty() || !is_number) throw error(quoted_word(), what);
+  if (problem == std::errc::result_out_of_range ||
+      !(std::abs(value) <= std::numeric_limits<float>::max()))
+    throw error(quoted_word(), fmt::format("{} that single precision can hold", what));
+  return value;
+}
+
+SourcePlace TokenReader::place() const {
+  int line = 1;
+  size_t begin = 0;
+  for (size_t i = 0; i < word_; ++i) {
+    if (!is_line_end(text_[i])) continue;
+    if (text_[i] == '\r' && i + 1 < word_ && text_[i + 1] == '\n') ++i;
+    ++line;
+    begin = i + 1;
+  }
+  return {name_, line, static_cast<int>(word_ - begin) + 1};
+}
+
+std::string TokenReader::quoted_word() const {
+  constexpr size_t kLongestShown = 40;
+  size_t stop = word_;
+  while (stop < text_.size() && !is_space(text_[stop])) ++stop;
+  if (stop == word_) return "the file ends here";
+  const std::string_view word = text_.substr(word_, std::min(stop - word_, kLongestShown));
+  return fmt::format("'{}{}'", to_utf8(word), stop - word_ > kLongestShown ? "..." : "");
+}
+
+}  // namespace tessera

@@ -1,0 +1,382 @@
+#include "scenes/formats/gltf/gltf_reader.h"
+
+#include <gtest/gtest.h>
+
+#include "renderer/math/elementary.h"
+#include "scenes/formats/gltf/gltf_file.h"
+#include "scenes/formats/gltf/gltf_value.h"
+#include "tests/unit/scenes/scene_testing.h"
+
+namespace tessera {
+namespace {
+
+using Floats = std::vector<float>;
+using Indices = std::vector<uint32_t>;
+
+/// The binary part of a file, with a buffer view for each array that is put in.
+class Binary {
+ public:
+  template <typename T>
+  Binary& put(const std::vector<T>& values, size_t stride = 0) {
+    const size_t begin = bytes_.size(), size = values.size() * sizeof(T);
+    bytes_.append(reinterpret_cast<const char*>(values.data()), size);
+    views_ += views_.empty() ? "" : ",";
+    views_ += R"({"buffer":0,"byteOffset":)" + std::to_string(begin) + R"(,"byteLength":)" +
+              std::to_string(size) +
+              (stride > 0 ? R"(,"byteStride":)" + std::to_string(stride) : "") + "}";
+    bytes_.resize((bytes_.size() + 3) / 4 * 4);
+    return *this;
+  }
+  /// A .glb of the members of the JSON object and these arrays.
+  std::string glb(const std::string& members) const {
+    std::string json = R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":)" +
+                       std::to_string(bytes_.size()) + R"(}],"bufferViews":[)" + views_ + "]," +
+                       members + "}";
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    const auto word = [](size_t value) {
+      const auto number = static_cast<uint32_t>(value);
+      return std::string(reinterpret_cast<const char*>(&number), sizeof number);
+    };
+    return "glTF" + word(2) + word(28 + json.size() + bytes_.size()) + word(json.size()) + "JSON" +
+           json + word(bytes_.size()) + std::string("BIN\0", 4) + bytes_;
+  }
+
+ private:
+  std::string bytes_, views_;
+};
+
+LoadedScene read(const std::string& bytes) { return parse_gltf(bytes, "t.glb"); }
+std::string error(const std::string& bytes) {
+  return error_of([&] { parse_gltf(bytes, "t.gltf"); });
+}
+
+struct Mesh {
+  Floats positions, normals, uvs, colors;
+  Indices triangles, face_materials;
+};
+
+Mesh mesh_of(const v1::Shape& shape, const BlobStore& blobs) {
+  const v1::TriangleMesh& in = shape.mesh();
+  return {blob_values<float>(in.positions(), blobs),
+          blob_values<float>(in.normals(), blobs),
+          blob_values<float>(in.uvs(), blobs),
+          blob_values<float>(in.colors(), blobs),
+          blob_values<uint32_t>(in.triangles(), blobs),
+          blob_values<uint32_t>(in.face_materials(), blobs)};
+}
+
+Mesh first_mesh(const LoadedScene& loaded) {
+  return mesh_of(loaded.scene.nodes(0).shape(), loaded.blobs);
+}
+
+const Floats kSquare{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+const std::string kNode = R"("nodes":[{"mesh":0}],)";
+
+std::string accessor(int view, int type, int count, const std::string& kind,
+                     const std::string& more = "") {
+  return R"({"bufferView":)" + std::to_string(view) + R"(,"componentType":)" +
+         std::to_string(type) + R"(,"count":)" + std::to_string(count) + R"(,"type":")" + kind +
+         "\"" + more + "}";
+}
+
+std::string mesh(const std::string& primitives) {
+  return R"("meshes":[{"primitives":[)" + primitives + "]}]";
+}
+
+Indices triangles_of_mode(int mode, const std::vector<uint8_t>& corners) {
+  const std::string file = Binary().put(kSquare).put(corners).glb(
+      kNode +
+      mesh(R"({"attributes":{"POSITION":0},"indices":1,"mode":)" + std::to_string(mode) + "}") +
+      R"(,"accessors":[)" + accessor(0, 5126, 4, "VEC3") + "," +
+      accessor(1, 5121, static_cast<int>(corners.size()), "SCALAR") + "]");
+  const LoadedScene loaded = read(file);
+  return loaded.scene.nodes_size() == 0 ? Indices{} : first_mesh(loaded).triangles;
+}
+
+TEST(Gltf, ReadsTrianglesStripsAndFans) {
+  EXPECT_EQ(triangles_of_mode(4, {0, 1, 2, 0, 2, 3}), (Indices{0, 1, 2, 0, 2, 3}));
+  EXPECT_EQ(triangles_of_mode(5, {0, 1, 3, 2}), (Indices{0, 1, 3, 3, 1, 2}));
+  EXPECT_EQ(triangles_of_mode(6, {0, 1, 2, 3}), (Indices{1, 2, 0, 2, 3, 0}));
+  EXPECT_EQ(triangles_of_mode(5, {0, 1, 1, 2}), Indices{}) << "a strip's joints have no surface";
+  EXPECT_EQ(triangles_of_mode(1, {0, 1, 2, 3}), Indices{});
+}
+
+TEST(Gltf, ReadsInterleavedNormalisedAndSparseAccessors) {
+  // Rows of position, normal (bytes, one spare), uv (shorts) and colour (bytes): 24 bytes.
+  std::string rows;
+  const auto put = [&](auto value) {
+    rows.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  for (int i = 0; i < 3; ++i) {
+    for (const float c : {float(i == 1), float(i == 2), 0.f}) put(c);
+    for (const int8_t c : {0, -128, 127, 0}) put(c);
+    for (const uint16_t c : {0, 65535}) put(c);
+    for (const uint8_t c : {255, 51, 0, 102}) put(c);
+  }
+  const std::string file =
+      Binary()
+          .put(std::vector<char>(rows.begin(), rows.end()), 24)
+          .put(std::vector<uint16_t>{1})
+          .put(Floats{5, 6, 7})
+          .glb(kNode +
+               mesh(R"({"attributes":{"POSITION":0,"NORMAL":1,"TEXCOORD_0":2,"COLOR_0":3}})") +
+               R"(,"accessors":[)" +
+               accessor(0, 5126, 3, "VEC3",
+                        R"(,"sparse":{"count":1,"indices":{"bufferView":1,"componentType":5123},)"
+                        R"("values":{"bufferView":2}})") +
+               "," + accessor(0, 5120, 3, "VEC3", R"(,"byteOffset":12,"normalized":true)") + "," +
+               accessor(0, 5123, 3, "VEC2", R"(,"byteOffset":16,"normalized":true)") + "," +
+               accessor(0, 5121, 3, "VEC4", R"(,"byteOffset":20,"normalized":true)") + "]");
+  const Mesh m = first_mesh(read(file));
+  EXPECT_EQ(m.positions, (Floats{0, 0, 0, 5, 6, 7, 0, 1, 0}));
+  EXPECT_EQ(Floats(m.normals.begin(), m.normals.begin() + 3), (Floats{0, -1, 1}));
+  EXPECT_EQ(Floats(m.uvs.begin(), m.uvs.begin() + 2), (Floats{0, 0})) << "v runs up here";
+  EXPECT_EQ(Floats(m.colors.begin(), m.colors.begin() + 4), (Floats{1, .2f, 0, .4f}));
+  EXPECT_EQ(m.triangles, (Indices{0, 1, 2}));
+}
+
+TEST(Gltf, MakesOneMeshOfPrimitivesOverTheSameVertices) {
+  const std::string file =
+      Binary()
+          .put(kSquare)
+          .put(std::vector<uint16_t>{1, 2, 3, 1, 3, 2, 0, 1, 2})
+          .glb(kNode +
+               mesh(R"({"attributes":{"POSITION":0},"indices":1,"material":0},)"
+                    R"({"attributes":{"POSITION":0},"indices":2,"material":1},)"
+                    R"({"attributes":{"POSITION":0,"NORMAL":0},"indices":1,"material":1})") +
+               R"(,"materials":[{"name":"m"},{"name":"m"}],"accessors":[)" +
+               accessor(0, 5126, 4, "VEC3") + "," + accessor(1, 5123, 3, "SCALAR") + "," +
+               accessor(1, 5123, 3, "SCALAR", R"(,"byteOffset":6)") + "]");
+  const LoadedScene loaded = read(file);
+  ASSERT_EQ(loaded.scene.nodes_size(), 1);
+  ASSERT_EQ(loaded.scene.nodes(0).children_size(), 2);
+  const v1::Shape& both = loaded.scene.nodes(0).children(0).shape();
+  const Mesh m = mesh_of(both, loaded.blobs);
+  EXPECT_EQ(m.triangles, (Indices{0, 1, 2, 0, 2, 1})) << "only the vertices that are used";
+  EXPECT_EQ(m.positions, Floats(kSquare.begin() + 3, kSquare.end()));
+  EXPECT_EQ(m.face_materials, (Indices{0, 1}));
+  EXPECT_EQ(both.materials(0), "m");
+  EXPECT_EQ(both.materials(1), "m#2");
+}
+
+const std::string kTriangle = mesh(R"({"attributes":{"POSITION":0}})") + R"(,"accessors":[)" +
+                              accessor(0, 5126, 3, "VEC3") + "]";
+
+TEST(Gltf, PlacesNodesAndSharesMeshes) {
+  const LoadedScene loaded = read(Binary().put(kSquare).glb(
+      R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[)"
+      R"({"translation":[1,2,3],"rotation":[0,0,0.7071067811865476,0.7071067811865476],)"
+      R"("children":[1,2]},{"mesh":0,"scale":[2,-2,2]},)"
+      R"({"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,5,0,0,1]},{"mesh":0}],)" +
+      kTriangle));
+  ASSERT_EQ(loaded.scene.nodes_size(), 2) << "the last node is in no scene";
+  ASSERT_EQ(loaded.scene.objects_size(), 1);
+  EXPECT_EQ(loaded.blobs.size(), 2u);
+  const auto rows = [&](int node) {
+    const auto& in = loaded.scene.nodes(node).transform().steps(0).matrix().rows();
+    return std::vector<double>(in.begin(), in.end());
+  };
+  const std::vector<double> scaled{0, 2, 0, 1, 2, 0, 0, 2, 0, 0, 2, 3};
+  for (size_t i = 0; i < 12; ++i) EXPECT_NEAR(rows(0)[i], scaled[i], 1e-12) << i;
+  EXPECT_NEAR(rows(1)[3], 1, 1e-12);
+  EXPECT_NEAR(rows(1)[7], 7, 1e-12);
+  EXPECT_EQ(loaded.scene.nodes(1).instance_of(), loaded.scene.objects(0).name());
+  EXPECT_EQ(loaded.unused, std::vector<std::string>{"node 3"});
+}
+
+TEST(Gltf, RefusesGraphsThatAreNoTrees) {
+  const auto file = [](const std::string& nodes) {
+    return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[)" + nodes + "]}";
+  };
+  EXPECT_EQ(error(file(R"({"children":[1]},{"children":[0]})")),
+            "t.gltf:1:62: nodes/0: a node with two parents, or below itself; expected a tree");
+  EXPECT_EQ(error(file(R"({"children":[1,1]},{})")).substr(0, 30),
+            "t.gltf:1:81: nodes/1: a node w");
+  EXPECT_EQ(error(file(R"({"children":[7]})")),
+            "t.gltf:1:75: nodes/0/children/0: node 7; expected 0 to 0");
+}
+
+TEST(Gltf, ConvertsLightsAndCameras) {
+  const LoadedScene loaded =
+      read(R"({"asset":{"version":"2.0"},"nodes":[)"
+           R"({"translation":[0,5,0],"rotation":[-0.7071067811865476,0,0,0.7071067811865476],)"
+           R"("scale":[3,3,3],"extensions":{"KHR_lights_punctual":{"light":0}}},)"
+           R"({"extensions":{"KHR_lights_punctual":{"light":1}}},{"camera":0,"name":"eye"},)"
+           R"({"camera":1,"name":"plan"}],"cameras":[)"
+           R"({"type":"perspective","perspective":{"yfov":0.7853981633974483,"znear":0.1}},)"
+           R"({"type":"orthographic","orthographic":{"xmag":2,"ymag":1,"znear":0,"zfar":9}}],)"
+           R"("extensions":{"KHR_lights_punctual":{"lights":[)"
+           R"({"type":"spot","intensity":10,"range":7,"spot":{"innerConeAngle":0.1,)"
+           R"("outerConeAngle":0.5}},{"type":"directional","color":[1,0.5,0]}]}}})");
+  const v1::Light& spot = loaded.scene.nodes(0).light();
+  EXPECT_EQ(loaded.scene.nodes(0).transform().steps_size(), 0) << "a scale does not reach lights";
+  EXPECT_NEAR(spot.intensity() * portable::kPi, 10, 1e-12);
+  EXPECT_EQ(spot.attenuation().quadratic(), 1);
+  EXPECT_EQ(spot.radius(), 7);
+  EXPECT_EQ(spot.spot().position().y(), 5);
+  EXPECT_NEAR(spot.spot().direction().y(), -1, 1e-12);
+  EXPECT_NEAR(spot.spot().beam_width(), portable::degrees(.1), 1e-12);
+  EXPECT_NEAR(spot.spot().cut_off(), portable::degrees(.5), 1e-12);
+  const v1::Light& sun = loaded.scene.nodes(1).light();
+  EXPECT_EQ(sun.directional().direction().z(), -1);
+  EXPECT_EQ(sun.color().g(), .5);
+  EXPECT_NEAR(sun.intensity() * portable::kPi, 1, 1e-12);
+  ASSERT_EQ(loaded.scene.cameras_size(), 2);
+  EXPECT_EQ(loaded.scene.cameras(0).name(), "eye");
+  EXPECT_NEAR(loaded.scene.cameras(0).perspective().field_of_view(), 45, 1e-12);
+  EXPECT_EQ(loaded.scene.cameras(0).perspective().axis(), v1::Perspective::VERTICAL);
+  EXPECT_EQ(loaded.scene.cameras(1).orthographic().min_x(), -2);
+  EXPECT_EQ(loaded.scene.cameras(1).orthographic().max_y(), 1);
+}
+
+std::string material(const std::string& body, const std::string& more = "") {
+  return Binary().put(kSquare).glb(kNode + mesh(R"({"attributes":{"POSITION":0},"material":0})") +
+                                   R"(,"accessors":[)" + accessor(0, 5126, 3, "VEC3") +
+                                   R"(],"materials":[{)" + body + "}]" + more);
+}
+
+TEST(Gltf, ConvertsMaterials) {
+  const std::string textures =
+      R"(,"images":[{"uri":"data:image/png;base64,AAEC"},{"bufferView":0}],)"
+      R"("samplers":[{"wrapS":33071,"wrapT":33648,"magFilter":9728}],)"
+      R"("textures":[{"source":0,"sampler":0},{"source":1}])";
+  const LoadedScene loaded = read(material(
+      R"("pbrMetallicRoughness":{"baseColorFactor":[0.1,0.2,0.3,0.4],"metallicFactor":0.5,)"
+      R"("baseColorTexture":{"index":0},"metallicRoughnessTexture":{"index":1}},)"
+      R"("normalTexture":{"index":1,"scale":2},"occlusionTexture":{"index":1},)"
+      R"("emissiveFactor":[1,1,1],"emissiveTexture":{"index":0},"alphaMode":"BLEND",)"
+      R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":0.7},)"
+      R"("KHR_materials_ior":{"ior":1.33},)"
+      R"("KHR_materials_emissive_strength":{"emissiveStrength":4}})",
+      textures));
+  ASSERT_EQ(loaded.scene.materials_size(), 1);
+  const v1::Material& m = loaded.scene.materials(0);
+  const v1::Physical& p = m.physical();
+  EXPECT_EQ(p.base_color().value().b(), .3);
+  EXPECT_EQ(p.metallic().value(), .5);
+  EXPECT_EQ(p.metallic().channel(), v1::FloatInput::BLUE);
+  EXPECT_EQ(p.roughness().value(), 1);
+  EXPECT_EQ(p.roughness().channel(), v1::FloatInput::GREEN);
+  EXPECT_EQ(p.occlusion().channel(), v1::FloatInput::RED);
+  EXPECT_EQ(p.metallic().texture(), p.occlusion().texture());
+  EXPECT_EQ(p.emission().value().g(), 4);
+  EXPECT_EQ(p.transmission().value(), .7);
+  EXPECT_TRUE(p.thin()) << "no volume";
+  EXPECT_EQ(p.refractive_index(), 1.33);
+  EXPECT_EQ(m.alpha(), v1::Material::ALPHA_BLEND);
+  EXPECT_EQ(m.opacity().value(), .4);
+  EXPECT_EQ(m.normal_scale(), 2);
+  EXPECT_EQ(m.sides(), v1::Material::FRONT_ONLY);
+  ASSERT_EQ(loaded.scene.textures_size(), 2);
+  const v1::Texture::Image& color = loaded.scene.textures(0).image();
+  EXPECT_EQ(color.encoding(), v1::Texture::Image::ENCODING_SRGB);
+  EXPECT_EQ(color.wrap_s(), v1::Texture::Image::CLAMP);
+  EXPECT_EQ(color.wrap_t(), v1::Texture::Image::MIRROR);
+  EXPECT_EQ(color.filter(), v1::Texture::Image::NEAREST);
+  EXPECT_EQ(loaded.pictures.at(color.file()), std::string("\0\1\2", 3));
+  const v1::Texture::Image& numbers = loaded.scene.textures(1).image();
+  EXPECT_EQ(numbers.encoding(), v1::Texture::Image::ENCODING_LINEAR);
+  EXPECT_EQ(loaded.pictures.at(numbers.file()).size(), 48u);
+}
+
+TEST(Gltf, ConvertsOtherKindsOfMaterials) {
+  const auto first = [](const std::string& body) {
+    return read(material(body)).scene.materials(0);
+  };
+  const v1::Material glass =
+      first(R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":1},)"
+            R"("KHR_materials_volume":{"thicknessFactor":1,"attenuationDistance":2,)"
+            R"("attenuationColor":[1,0.5,0]}})");
+  EXPECT_FALSE(glass.physical().thin());
+  EXPECT_EQ(glass.sides(), v1::Material::TWO_SIDED) << "light has to leave through back faces";
+  EXPECT_EQ(glass.physical().absorption().r(), 0);
+  EXPECT_NEAR(glass.physical().absorption().g(), .34657359, 1e-8);
+  const v1::Material flat =
+      first(R"("extensions":{"KHR_materials_unlit":{}},"doubleSided":true,"alphaMode":"MASK",)"
+            R"("alphaCutoff":0.3,"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,0.25]})");
+  EXPECT_EQ(flat.unlit().color().value().g(), 0);
+  EXPECT_EQ(flat.sides(), v1::Material::TWO_SIDED);
+  EXPECT_EQ(flat.alpha(), v1::Material::ALPHA_MASK);
+  EXPECT_EQ(flat.alpha_cutoff(), .3);
+  EXPECT_EQ(flat.opacity().value(), .25);
+  EXPECT_EQ(first(R"("name":"plain")").alpha(), v1::Material::ALPHA_OPAQUE);
+}
+
+TEST(Gltf, TurnsTextureTransformsOver) {
+  // glTF: u' = 2 u + .25, v' = 3 v + .5 with v down; so up' = 1 - v' = 3 up - 2.5.
+  const LoadedScene loaded =
+      read(material(R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0,"extensions":)"
+                    R"({"KHR_texture_transform":{"offset":[0.25,0.5],"scale":[2,3]}}}})",
+                    R"(,"images":[{"uri":"x.png"}],"textures":[{"source":0}])"));
+  const auto& rows = loaded.scene.textures(0).transform().steps(0).matrix().rows();
+  const std::vector<double> expected{2, 0, 0, .25, 0, 3, 0, -2.5, 0, 0, 1, 0};
+  EXPECT_EQ(std::vector<double>(rows.begin(), rows.end()), expected);
+  EXPECT_EQ(loaded.scene.textures(0).image().file(), "x.png");
+}
+
+TEST(Gltf, HoldsCountsAgainstTheBytesThatAreThere) {
+  const auto file = [](const std::string& accessors) {
+    return Binary().put(kSquare).glb(kNode + mesh(R"({"attributes":{"POSITION":0}})") +
+                                     R"(,"accessors":[)" + accessors + "]");
+  };
+  EXPECT_EQ(error(file(accessor(0, 5126, 5, "VEC3"))),
+            "t.gltf: accessors/0: 5 rows; expected at most 4, which its buffer view holds");
+  EXPECT_EQ(error(file(accessor(0, 5126, 4, "VEC3", R"(,"byteOffset":4)"))),
+            "t.gltf: accessors/0: 4 rows; expected at most 3, which its buffer view holds");
+  EXPECT_EQ(error(file(R"({"componentType":5126,"type":"VEC3","count":1000000000000})")),
+            "t.gltf: accessors/0/count: 1000000000000 zeros; expected at most 16777216");
+  EXPECT_EQ(error(file(accessor(0, 5126, 4, "MAT4"))),
+            "t.gltf: accessors/0/type: 'MAT4'; expected SCALAR, VEC2, VEC3 or VEC4");
+  EXPECT_EQ(error(file(accessor(0, 5124, 4, "VEC3"))),
+            "t.gltf: accessors/0/componentType: 5124; expected 5120 to 5123, 5125 or 5126");
+}
+
+TEST(Gltf, ReadsNoMoreInAllThanAMachineHolds) {
+  const std::string text = R"({"meshes":[{}]})";
+  GltfFile file(text, "t.gltf", {});
+  const GltfValue mesh = file.element("meshes", 0);
+  file.spend(GltfFile::kMostRead - 1, mesh);
+  file.spend(1, mesh);
+  EXPECT_EQ(
+      error_of([&] { file.spend(1, mesh); }),
+      "t.gltf:1:12: meshes/0: too much in all; expected at most 2147483648 numbers, or bytes of "
+      "pictures");
+}
+
+TEST(Gltf, SaysWhereAndWhatIsWrong) {
+  EXPECT_EQ(error("{\n  \"a\": [1,\n  }"),
+            "t.gltf:3:3: what is no JSON; expected the JSON of a glTF "
+            "file");
+  EXPECT_EQ(error("[]"), "t.gltf: no JSON object; expected the JSON of a glTF file");
+  EXPECT_EQ(error("{}"), "t.gltf: no asset/version; expected glTF 2.0");
+  EXPECT_EQ(error(R"({"asset":{"version":"1.0"}})"),
+            "t.gltf:1:21: asset/version: version '1.0'; expected glTF 2.0");
+  EXPECT_EQ(
+      error("{\"asset\":{\"version\":\"2.0\"},\n \"extensionsRequired\":[\"KHR_material_ior\"]}"),
+      "t.gltf:2:24: extensionsRequired/0: the file requires extension 'KHR_material_ior'; "
+      "expected one that is read; did you mean 'KHR_materials_ior'?");
+  EXPECT_EQ(error(std::string(1000, '[')),
+            "t.gltf: JSON that is nested deeper; expected at most 64 levels");
+  EXPECT_EQ(error("glTF"), "t.gltf: the file ends in its header; expected a .glb file");
+  EXPECT_EQ(error(R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{)"
+                  R"("attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"count":1,)"
+                  R"("componentType":5126,"type":"VEC3"}],"bufferViews":[{"buffer":0,)"
+                  R"("byteLength":12}],"buffers":[{"byteLength":12,"uri":"a.bin"}]})"),
+            "t.gltf:1:262: buffers/0/uri: other files are not read here; expected a file in the "
+            "folder of the scene or below it");
+}
+
+TEST(GltfValue, FindsPlacesInJson) {
+  const std::string text =
+      "{ \"a\\\"b\" : [ {}, \"}]\" ],\n  \"c\": { \"d\": [1, [2, 3], true] } }";
+  const auto place = [&](const char* path) { return find_json_place(text, path); };
+  EXPECT_EQ(place("c"), std::pair(2, 8));
+  EXPECT_EQ(place("c/d/0"), std::pair(2, 16));
+  EXPECT_EQ(place("c/d/1/1"), std::pair(2, 23));
+  EXPECT_EQ(place("c/d/2"), std::pair(2, 27));
+  EXPECT_EQ(place("c/e"), std::pair(0, 0));
+  EXPECT_EQ(place("c/d/3"), std::pair(0, 0));
+}
+
+}  // namespace
+}  // namespace tessera

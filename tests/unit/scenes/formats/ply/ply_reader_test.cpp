@@ -1,0 +1,177 @@
+#include "scenes/formats/ply/ply_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/unit/scenes/scene_testing.h"
+
+namespace tessera {
+namespace {
+
+using Floats = std::vector<float>;
+using Indices = std::vector<uint32_t>;
+
+struct Mesh {
+  Floats positions, normals, uvs, colors;
+  Indices triangles;
+  std::vector<std::string> warnings;
+};
+
+Mesh read(const std::string& bytes) {
+  const LoadedScene loaded = parse_ply(bytes, "t.ply");
+  Mesh mesh;
+  mesh.warnings = loaded.warnings;
+  if (loaded.scene.nodes_size() == 0) return mesh;
+  const v1::TriangleMesh& in = loaded.scene.nodes(0).shape().mesh();
+  mesh.positions = blob_values<float>(in.positions(), loaded.blobs);
+  mesh.normals = blob_values<float>(in.normals(), loaded.blobs);
+  mesh.uvs = blob_values<float>(in.uvs(), loaded.blobs);
+  mesh.colors = blob_values<float>(in.colors(), loaded.blobs);
+  mesh.triangles = blob_values<uint32_t>(in.triangles(), loaded.blobs);
+  return mesh;
+}
+
+std::string error(const std::string& bytes) {
+  return error_of([&] { parse_ply(bytes, "t.ply"); });
+}
+
+std::string header(const std::string& encoding, const std::string& rest) {
+  return "ply\nformat " + encoding + " 1.0\ncomment made by hand\n" + rest + "end_header\n";
+}
+
+/// Values in either order of bytes.
+struct Bytes {
+  bool big;
+  std::string text{};
+
+  template <typename T>
+  Bytes& put(T value) {
+    std::string raw(sizeof value, '\0');
+    std::memcpy(raw.data(), &value, sizeof value);
+    if (big) std::reverse(raw.begin(), raw.end());
+    text += raw;
+    return *this;
+  }
+};
+
+const std::string kXyz = "property float x\nproperty float y\nproperty float z\n";
+const std::string kFace = "property list uchar int vertex_indices\n";
+const std::string kSquare = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+
+TEST(Ply, ReadsTextWithEveryPropertyThatAMeshHas) {
+  const Mesh mesh = read(header("ascii", "element vertex 3\n" + kXyz +
+                                             "property float nx\nproperty float ny\n"
+                                             "property float nz\nproperty float s\n"
+                                             "property float t\nproperty uchar red\n"
+                                             "property uchar green\nproperty uchar blue\n"
+                                             "property uchar alpha\nelement face 1\n" +
+                                             kFace) +
+                         "0 0 0 0 0 1 .25 .75 255 0 188 255\n1 0 0 0 0 1 1 0 0 255 0 51\n"
+                         "0 1 0 0 0 1 0 1 0 0 0 0\n3 0 1 2\n");
+  EXPECT_EQ(mesh.positions, (Floats{0, 0, 0, 1, 0, 0, 0, 1, 0}));
+  EXPECT_EQ(mesh.normals, (Floats{0, 0, 1, 0, 0, 1, 0, 0, 1}));
+  EXPECT_EQ(mesh.uvs, (Floats{.25f, .75f, 1, 0, 0, 1}));
+  EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2}));
+  ASSERT_EQ(mesh.colors.size(), 12u);
+  EXPECT_EQ(mesh.colors[0], 1);
+  EXPECT_NEAR(mesh.colors[2], .5029, 1e-3) << "codes of a display, not light";
+  EXPECT_FLOAT_EQ(mesh.colors[7], .2f) << "alpha is a share";
+  EXPECT_TRUE(mesh.warnings.empty());
+}
+
+TEST(Ply, ReadsBothBinaryOrdersAndSkipsWhatItDoesNotKnow) {
+  for (const bool big : {false, true}) {
+    Bytes data{big};
+    for (const double c : {0., 0., 0., 2., 0., 0., 0., 3., 0.}) data.put(c);
+    data.put(uint16_t{2}).put(7.f).put(8.f);  // of 'camera'
+    data.put(uint8_t{9}).put(uint32_t{3}).put(int16_t{0}).put(int16_t{1}).put(int16_t{2});
+    const Mesh mesh =
+        read(header(big ? "binary_big_endian" : "binary_little_endian",
+                    "element vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
+                    "element camera 1\nproperty list ushort float lens\n"
+                    "element face 1\nproperty uchar flags\n"
+                    "property list uint short vertex_index\n") +
+             data.text);
+    EXPECT_EQ(mesh.positions, (Floats{0, 0, 0, 2, 0, 0, 0, 3, 0}));
+    EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2}));
+    EXPECT_EQ(mesh.warnings,
+              (std::vector<std::string>{"t.ply: element 'camera' is left out",
+                                        "t.ply: property 'flags' of 'face' is not read"}));
+  }
+}
+
+TEST(Ply, CutsPolygonsAndStrips) {
+  const std::string head = "element vertex 4\n" + kXyz;
+  EXPECT_EQ(
+      read(header("ascii", head + "element face 1\n" + kFace) + kSquare + "4 0 1 2 3").triangles,
+      (Indices{0, 1, 2, 0, 2, 3}));
+  EXPECT_EQ(
+      read(header("ascii", head + "element tristrips 1\n" + kFace) + kSquare + "8 0 1 3 2 -1 1 2 3")
+          .triangles,
+      (Indices{0, 1, 3, 3, 1, 2, 1, 2, 3}));
+  const Mesh odd = read(header("ascii", head + "element face 3\n" + kFace) + kSquare +
+                        "2 0 1\n3 0 1 1\n3 0 1 2");
+  EXPECT_EQ(odd.triangles, (Indices{0, 1, 2}));
+  EXPECT_EQ(odd.warnings.size(), 2u);
+}
+
+TEST(Ply, ShowsThePictureThatACommentNames) {
+  const auto text = [](const char* uv) {
+    return header("ascii", std::string("comment TextureFile a b.png\nelement vertex 3\n") + kXyz +
+                               uv + "element face 1\n" + kFace) +
+           (*uv ? "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n" : "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  };
+  const std::string mapped = text("property float u\nproperty float v\n");
+  const LoadedScene shown = parse_ply(mapped, "t.ply");
+  ASSERT_EQ(shown.scene.textures_size(), 1);
+  EXPECT_EQ(shown.scene.textures(0).image().file(), "a b.png");
+  EXPECT_EQ(shown.scene.materials(0).classic().diffuse().texture(), shown.scene.textures(0).name());
+  const LoadedScene missing = parse_ply(mapped, "t.ply", [](const std::string&) { return false; });
+  EXPECT_EQ(missing.scene.textures_size(), 0);
+  EXPECT_EQ(missing.warnings.size(), 1u);
+  EXPECT_EQ(parse_ply(text(""), "t.ply").scene.textures_size(), 0);
+}
+
+TEST(Ply, RefusesCountsThatTheFileHasNoRoomFor) {
+  EXPECT_EQ(error(header("ascii", "element vertex 4000000000\n" + kXyz) + kSquare),
+            "t.ply:4:16: 4000000000 of 'vertex'; expected at most 4, for which the file has room");
+  EXPECT_EQ(error(header("binary_little_endian", "element vertex 2\n" + kXyz) + "12345678"),
+            "t.ply:4:16: 2 of 'vertex'; expected at most 0, for which the file has room");
+  Bytes face{false};
+  for (int i = 0; i < 9; ++i) face.put(0.f);
+  face.put(uint32_t{0x7FFFFFFF});
+  EXPECT_EQ(
+      error(header("binary_little_endian",
+                   "element vertex 3\n" + kXyz +
+                       "element face 1\nproperty list uint int vertex_indices\n") +
+            face.text),
+      "t.ply: a list 'vertex_indices' of 2147483647 (before byte 229); expected a count of at "
+      "most 0, for which the file has room");
+  EXPECT_TRUE(read(header("ascii", "element nothing 18446744073709551615\n")).triangles.empty());
+}
+
+TEST(Ply, SaysWhereAndWhatIsWrong) {
+  EXPECT_EQ(error("plx\n"), "t.ply:1:1: 'plx'; expected 'ply', as PLY files begin");
+  EXPECT_EQ(error("ply\nformat binary 1.0\n"),
+            "t.ply:2:8: 'binary'; expected ascii, binary_little_endian or binary_big_endian");
+  EXPECT_EQ(error("ply\nformat ascii 1.0\nelement vertex 3\nproperty half x\n"),
+            "t.ply:4:10: 'half'; expected a type: char, uchar, short, ushort, int, uint, float, "
+            "double");
+  EXPECT_EQ(error("ply\nformat ascii 1.0\n"),
+            "t.ply:3:1: the file ends here; expected format, element, property, comment or "
+            "end_header");
+  const std::string head =
+      header("ascii", "element vertex 3\n" + kXyz + "element face 1\n" + kFace);
+  EXPECT_EQ(error(head + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"),
+            "t.ply:12:3: 'nan'; expected a finite number that single precision can hold");
+  EXPECT_EQ(error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
+            "t.ply:14:7: 'vertex_indices' 3; expected an index of 0 to 2");
+  EXPECT_EQ(error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1.5 2\n"),
+            "t.ply:14:5: 'vertex_indices' 1.5; expected an index of 0 to 2");
+  EXPECT_EQ(error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1"),
+            "t.ply:14:6: the file ends here; expected a finite number");
+}
+
+}  // namespace
+}  // namespace tessera

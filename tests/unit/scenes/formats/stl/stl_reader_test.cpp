@@ -1,0 +1,109 @@
+#include "scenes/formats/stl/stl_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/unit/scenes/scene_testing.h"
+
+namespace tessera {
+namespace {
+
+using Floats = std::vector<float>;
+using Indices = std::vector<uint32_t>;
+
+struct Mesh {
+  Floats positions;
+  Indices triangles;
+  std::vector<std::string> warnings;
+};
+
+Mesh read(const std::string& bytes) {
+  const LoadedScene loaded = parse_stl(bytes, "t.stl");
+  Mesh mesh{.positions = {}, .triangles = {}, .warnings = loaded.warnings};
+  if (loaded.scene.nodes_size() == 0) return mesh;
+  const v1::TriangleMesh& in = loaded.scene.nodes(0).shape().mesh();
+  mesh.positions = blob_values<float>(in.positions(), loaded.blobs);
+  mesh.triangles = blob_values<uint32_t>(in.triangles(), loaded.blobs);
+  return mesh;
+}
+
+std::string error(const std::string& bytes) {
+  return error_of([&] { parse_stl(bytes, "t.stl"); });
+}
+
+std::string facet(const std::string& a, const std::string& b, const std::string& c) {
+  return " facet normal 0 0 -nan(ind)\n  outer loop\n   vertex " + a + "\n   vertex " + b +
+         "\n   vertex " + c + "\n  endloop\n endfacet\n";
+}
+
+std::string binary(const std::string& head, const std::vector<Floats>& triangles) {
+  std::string bytes = head;
+  bytes.resize(80, ' ');
+  const auto count = static_cast<uint32_t>(triangles.size());
+  bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+  for (const Floats& corners : triangles) {
+    bytes.append(12, '\0');
+    bytes.append(reinterpret_cast<const char*>(corners.data()), 36);
+    bytes.append(2, '\0');
+  }
+  return bytes;
+}
+
+const std::vector<Floats> kSquare{{0, 0, 0, 1, 0, 0, 1, 1, 0}, {0, 0, -0.f, 1, 1, 0, 0, 1, 0}};
+const Floats kSquarePoints{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+
+TEST(Stl, ReadsTextAndBinaryAlike) {
+  const Mesh text = read("solid a square\n" + facet("0 0 0", "1 0 0", "1 1 0") +
+                         "endsolid a square\nsolid\nendsolid\nsolid two\n" +
+                         facet("0 0 -0", "1e0 1 0", "0 1 +0") + "end solid\n");
+  const Mesh bytes = read(binary("made by a program", kSquare));
+  for (const Mesh& mesh : {text, bytes}) {
+    EXPECT_EQ(mesh.positions, kSquarePoints) << "equal corners share a vertex";
+    EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2, 0, 2, 3}));
+    EXPECT_TRUE(mesh.warnings.empty());
+  }
+}
+
+TEST(Stl, IsNotFooledByABinaryHeaderThatSaysSolid) {
+  EXPECT_EQ(read(binary("solid made by a program", kSquare)).positions, kSquarePoints);
+  EXPECT_EQ(read(binary("solid", kSquare) + "more").positions, kSquarePoints);
+  EXPECT_EQ(read(binary("solid", kSquare) + "more").warnings.size(), 1u);
+}
+
+TEST(Stl, LeavesOutWhatHasNoExtent) {
+  const Mesh mesh = read(binary("", {kSquare[0], {0, 0, 0, 0, 0, 0, 1, 1, 0}}));
+  EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2}));
+  EXPECT_EQ(mesh.warnings.size(), 1u);
+  EXPECT_TRUE(read("solid empty\nendsolid empty\n").triangles.empty());
+}
+
+TEST(Stl, FindsManyPointsAgain) {
+  std::vector<Floats> triangles;
+  for (int i = 0; i < 3000; ++i) {
+    const auto x = static_cast<float>(i);
+    triangles.push_back({x, 0, 0, x + 1, 0, 0, x, 1, 0});
+  }
+  const Mesh mesh = read(binary("", triangles));
+  EXPECT_EQ(mesh.triangles.size(), 9000u);
+  EXPECT_EQ(mesh.positions.size() / 3, 6001u);
+}
+
+TEST(Stl, SaysWhereAndWhatIsWrong) {
+  EXPECT_EQ(error("hello"),
+            "t.stl: neither 'solid' nor the 84 bytes that binary files begin with; expected an STL "
+            "file");
+  const std::string cut = binary("", kSquare);
+  EXPECT_EQ(error(cut.substr(0, cut.size() - 1)),
+            "t.stl: 2 triangles in the header; expected at most 1, for which the file has room");
+  EXPECT_EQ(error(binary("", {{0, 0, 0, 1, 0, std::numeric_limits<float>::quiet_NaN(), 0, 1, 0}})),
+            "t.stl: triangle 1 of 1: coordinate nan; expected finite numbers");
+  EXPECT_EQ(error("solid x\n" + facet("0 0 0", "1 0 x", "0 1 0")),
+            "t.stl:5:15: 'x'; expected a coordinate");
+  EXPECT_EQ(error("solid x\nfacet normal 0 0 1\nouter lop\n"), "t.stl:3:7: 'lop'; expected 'loop'");
+  EXPECT_EQ(error("solid x\nfacet normal 0 0"),
+            "t.stl:2:17: the file ends here; expected a component of the normal");
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,363 @@
+// The three encodings, prototypes, and files that name other files.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "scenes/formats/read_scene.h"
+#include "tests/unit/scenes/formats/x3d/x3d_testing.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string error(const std::string& text) {
+  return error_of([&] { parse_x3d(text, "t.wrl", {}); });
+}
+
+/// Without its metadata, so that files of different names compare.
+std::string description(LoadedScene loaded) {
+  loaded.scene.clear_metadata();
+  return loaded.scene.DebugString();
+}
+
+constexpr const char* kXml =
+    "<X3D version='3.3'><Scene><Viewpoint DEF='V' description='a \"view\"' position='1 2 3'/>"
+    "<Transform DEF='T' translation='1 0 0'><Shape DEF='S'><Appearance><Material DEF='M' "
+    "diffuseColor='1 0 0'/></Appearance><IndexedFaceSet solid='false' coordIndex='0 1 2 -1 2 1 3'>"
+    "<Coordinate point='0 0 0 1 0 0 0 1 0 1 1 0'/></IndexedFaceSet></Shape></Transform>"
+    "<Group><Shape USE='S'/></Group></Scene></X3D>";
+constexpr const char* kClassic =
+    "#X3D V3.3 utf8\nPROFILE Immersive COMPONENT Core:2 META \"a\" \"b\"\n"
+    "DEF V Viewpoint { description \"a \\\"view\\\"\" position 1 2,3 } # a comment with \" in it\n"
+    "DEF T Transform {\n  translation 1 0 0\n  children [\n    DEF S Shape {\n      appearance "
+    "Appearance { material DEF M Material { diffuseColor 1 0 0 } }\n      geometry IndexedFaceSet "
+    "{ solid FALSE coordIndex [ 0 1 2 -1, # first\n 2 1 3, ] coord Coordinate { point [ 0 0 0, 1 0 "
+    "0, 0 1 0, 1 1 0 ] } }\n    }\n  ]\n}\nGroup { children USE S }\n";
+
+/// zlib is the tests' other way round: made with `gzip -n`.
+std::string gzipped_empty_scene() {
+  const unsigned char bytes[] = {0x1f, 0x8b, 0x08, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+                                 0x03, 0x53, 0x8e, 0x30, 0x76, 0x51, 0x08, 0x33, 0xd6,
+                                 0x33, 0x56, 0x28, 0x2d, 0x49, 0xb3, 0xe0, 0x02, 0x00,
+                                 0x94, 0x7a, 0x61, 0xea, 0x0f, 0x00, 0x00, 0x00};
+  return {reinterpret_cast<const char*>(bytes), sizeof bytes};
+}
+
+TEST(X3dEncodings, SayTheSame) {
+  const std::string expected = description(parse_x3d(kXml, "a.x3d", {}));
+  EXPECT_EQ(description(parse_x3d(kClassic, "a.x3dv", {})), expected);
+  std::string vrml = kClassic;
+  vrml.replace(0, 14, "#VRML V2.0 utf8");
+  vrml.erase(vrml.find("PROFILE"), vrml.find('\n', 20) - vrml.find("PROFILE"));
+  EXPECT_EQ(description(parse_x3d(vrml, "a.wrl", {})), expected);
+}
+
+TEST(X3dEncodings, AreToldApartByTheirFirstBytes) {
+  EXPECT_EQ(error("#VRML V1.0 ascii\nSeparator { }"),
+            "t.wrl:1:1: VRML 1.0, a different language; expected VRML 2.0 (VRML97) or X3D");
+  EXPECT_EQ(error("Shape { }").substr(0, 50), "t.wrl:1:1: a file that does not say what it is; ex");
+  EXPECT_EQ(error("\x1f\x8bxx"), "t.wrl: broken gzip data; expected a whole gzipped file");
+  const std::string gzip = gzipped_empty_scene();
+  EXPECT_EQ(parse_x3d(gzip, "a.x3dz", {}).scene.cameras_size(), 1);
+  for (size_t size = 2; size < gzip.size(); ++size)
+    EXPECT_EQ(error(gzip.substr(0, size)),
+              "t.wrl: broken gzip data; expected a whole gzipped file");
+}
+
+TEST(X3dEncodings, ReadsWhatVrml97NamesOtherwise) {
+  const auto loaded = parse_classic(
+      "Switch { whichChoice 1 choice [ Shape { geometry Box { } } Shape { geometry Sphere { } } ] }"
+      "LOD { range [ 1 2 ] level [ Shape { geometry Cone { } } Shape { geometry Box { } } ] }",
+      "VRML");
+  EXPECT_TRUE(loaded.scene.nodes(0).children(0).shape().has_sphere());
+  EXPECT_TRUE(loaded.scene.nodes(1).children(0).shape().has_cone());
+}
+
+TEST(X3dEncodings, SayWhereTheClassicOneIsWrong) {
+  const auto of = [](const std::string& scene) { return error("#X3D V3.3 utf8\n" + scene); };
+  EXPECT_EQ(of("Shape {"), "t.wrl:2:8: the end of the file; expected a field, or '}'");
+  EXPECT_EQ(of("Shape }"), "t.wrl:2:7: '}'; expected '{'");
+  EXPECT_EQ(of("Shape { geometry 7 }").substr(0, 11), "no error");
+  EXPECT_EQ(of("\n  Sphere { radius \"x }"),
+            "t.wrl:3:19: a string without an end; expected a "
+            "closing quote");
+  EXPECT_EQ(of("Transform { children [ Shape { } } ]").substr(0, 12), "t.wrl:2:34: ");
+  EXPECT_EQ(of("Shape { geometry Sphere { radius 1x } }"), "t.wrl:2:34: '1x'; expected a number");
+  EXPECT_EQ(of("DEF A Group { } USE B"),
+            "t.wrl:2:21: USE of 'B', which is not defined; expected the DEF name of a node before "
+            "it; did you mean 'A'?");
+  EXPECT_EQ(of("DEF G Group { children USE G }"),
+            "t.wrl:2:28: USE of 'G' inside itself; expected a graph without cycles");
+  EXPECT_EQ(of("UNIT length furlong -1"),
+            "t.wrl:2:21: a length unit of -1; expected a factor "
+            "above 0");
+  std::string deep;
+  for (int i = 0; i < 100; ++i) deep += "Group { children ";
+  EXPECT_NE(of(deep).find("nodes nested too deep; expected at most 80 levels"), std::string::npos);
+}
+
+TEST(X3dEncodings, ShowsHumanoidsAsTheyStand) {
+  const auto loaded = parse_classic(
+      "HAnimHumanoid { skeleton DEF J HAnimJoint { translation 1 0 0 center 5 5 5 rotation 0 1 0 1 "
+      "children HAnimSegment { children Shape { geometry Box { } } } } joints USE J }");
+  EXPECT_EQ(loaded.warnings, std::vector<std::string>{});
+  ASSERT_EQ(loaded.scene.nodes(0).children_size(), 1);
+  ASSERT_EQ(loaded.scene.objects_size(), 1);
+  const v1::Node& joint = loaded.scene.objects(0).nodes(0);
+  EXPECT_EQ(joint.transform().steps_size(), 4);
+  EXPECT_TRUE(joint.children(0).children(0).shape().has_box());
+}
+
+TEST(X3dEncodings, SaysWhatItTakesForZero) {
+  const auto warnings =
+      parse_classic("PointLight { intensity -1 attenuation 0 -1 1 radius -3 }").warnings;
+  ASSERT_EQ(warnings.size(), 3u);
+  EXPECT_EQ(warnings[0], "t.x3dv: intensity of PointLight below 0 is read as 0");
+}
+
+TEST(X3dEncodings, SuggestsFieldNames) {
+  const auto warnings =
+      parse_classic("Shape { apearance Appearance { } geometry Sphere { radios 3 } }").warnings;
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_EQ(warnings[0],
+            "t.x3dv: unknown field 'apearance' of Shape is left out; did you mean 'appearance'?");
+  EXPECT_EQ(warnings[1],
+            "t.x3dv: unknown field 'radios' of Sphere is left out; did you mean 'radius'?");
+}
+
+TEST(X3dEncodings, ListsWhatIsIgnoredOnceWithCounts) {
+  const auto warnings =
+      parse_classic(
+          "DEF T TimeSensor { } DEF I PositionInterpolator { key [ 0 1 ] } "
+          "DEF G Transform { } DEF S Script { eventIn SFTime x field SFNode n USE "
+          "G url \"javascript: {}\" } "
+          "ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_changed TO "
+          "G.set_translation TimeSensor { }")
+          .warnings;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0],
+            "t.x3dv: ignored: 1 PositionInterpolator, 2 ROUTE, 1 Script, 2 TimeSensor");
+}
+
+constexpr const char* kBallProto =
+    "PROTO Ball [ inputOutput SFColor color 1 0 0 initializeOnly SFFloat size 1 inputOutput MFNode "
+    "extra [ ] inputOnly SFTime now ] { Transform { children [ Shape { appearance Appearance { "
+    "material Material { diffuseColor IS color } } geometry Sphere { radius IS size } } Group { "
+    "children IS extra } ] } TimeSensor { startTime IS now } } ";
+
+TEST(X3dPrototypes, TakeTheInstancesValuesElseTheInterfaces) {
+  const auto loaded = parse_classic(std::string(kBallProto) +
+                                    "Ball { } DEF B Ball { color 0 0 1 size 3 extra [ Shape { "
+                                    "geometry Box { } } Shape { geometry Cone { } } ] }");
+  EXPECT_EQ(loaded.warnings, std::vector<std::string>{});
+  ASSERT_EQ(loaded.scene.nodes_size(), 2);
+  const v1::Node& plain = loaded.scene.nodes(0);
+  const v1::Node& given = loaded.scene.nodes(1);
+  EXPECT_EQ(plain.children(0).shape().sphere().radius(), 1);
+  EXPECT_EQ(plain.children(1).children_size(), 0);
+  EXPECT_EQ(given.name(), "B");
+  EXPECT_EQ(given.children(0).shape().sphere().radius(), 3);
+  EXPECT_EQ(given.children(1).children_size(), 2);
+  EXPECT_EQ(loaded.scene.materials(0).classic().diffuse().value().r(), 1);
+  EXPECT_EQ(loaded.scene.materials(1).classic().diffuse().value().b(), 1);
+}
+
+TEST(X3dPrototypes, PassValuesOnThroughOthers) {
+  const auto loaded = parse_classic(std::string(kBallProto) +
+                                    "PROTO Two [ inputOutput SFColor tint 0 1 0 ] { Group { "
+                                    "children [ Ball { color IS tint } Ball { size 2 } ] } } "
+                                    "Two { } Two { tint 0 0 .5 }");
+  EXPECT_EQ(loaded.scene.materials(0).classic().diffuse().value().g(), 1);
+  EXPECT_EQ(loaded.scene.materials(1).classic().diffuse().value().r(), 1);
+  EXPECT_EQ(loaded.scene.materials(2).classic().diffuse().value().b(), .5);
+}
+
+TEST(X3dPrototypes, AreTheSameInXml) {
+  const auto loaded = parse_x3d(
+      "<X3D version='3.3'><Scene><ProtoDeclare name='Ball'><ProtoInterface><field name='size' "
+      "accessType='inputOutput' type='SFFloat' value='1'/><field name='look' type='SFNode' "
+      "accessType='inputOutput'><Appearance/></field></ProtoInterface><ProtoBody><Shape><IS>"
+      "<connect nodeField='appearance' protoField='look'/></IS><Sphere><IS><connect "
+      "nodeField='radius' protoField='size'/></IS></Sphere></Shape></ProtoBody></ProtoDeclare>"
+      "<ProtoInstance name='Ball' DEF='A'><fieldValue name='size' value='4'/></ProtoInstance>"
+      "<Group><ProtoInstance name='Ball'><fieldValue name='look'><Appearance><Material/>"
+      "</Appearance></fieldValue></ProtoInstance><ProtoInstance USE='A'/></Group></Scene></X3D>",
+      "t.x3d", {});
+  ASSERT_EQ(loaded.scene.objects_size(), 1);
+  EXPECT_EQ(loaded.scene.objects(0).nodes(0).shape().sphere().radius(), 4);
+  EXPECT_EQ(loaded.scene.nodes(1).children(0).shape().sphere().radius(), 1);
+  EXPECT_TRUE(loaded.scene.materials(1).has_classic());
+  EXPECT_EQ(loaded.scene.nodes(1).children(1).instance_of(), "A");
+}
+
+TEST(X3dPrototypes, EndWhereTheyWouldGrowWithoutEnd) {
+  std::string text = "#X3D V3.3 utf8\nPROTO P0 [ ] { Group { } } ";
+  for (int i = 1; i < 30; ++i) {
+    const std::string inner = "P" + std::to_string(i - 1) + " { } ";
+    text += "PROTO P" + std::to_string(i) + " [ ] { Group { children [ " + inner + inner + inner +
+            inner + "] } } ";
+  }
+  EXPECT_NE(error(text).find("prototypes that become too many nodes; expected at most 200000"),
+            std::string::npos);
+}
+
+TEST(X3dPrototypes, EndWhereTheyAreNestedTooDeep) {
+  const std::string limit = "nodes nested too deep; expected at most 80 levels";
+  std::string instances, declarations, classic = "#X3D V3.3 utf8\nPROTO P [ ] { Group { } } ";
+  for (int i = 0; i < 50000; ++i) {
+    instances += "<ProtoInstance name='P'><fieldValue name='x'>";
+    declarations += "<ProtoDeclare name='P'><ProtoInterface><field name='x'>";
+    classic += "PROTO Q [ ] { ";
+  }
+  const std::string xml =
+      "<X3D><Scene><ProtoDeclare name='P'><ProtoBody><Group/></ProtoBody>"
+      "</ProtoDeclare>";
+  const auto close = [](const std::string& open) {
+    std::string out;
+    for (size_t at = open.size(); (at = open.rfind('<', at - 1)) != std::string::npos;) {
+      out += "</" + open.substr(at + 1, open.find_first_of(" >", at) - at - 1) + ">";
+      if (at == 0) break;
+    }
+    return out;
+  };
+  for (const std::string& open : {instances, declarations})
+    EXPECT_NE(error(xml + open + close(open) + "</Scene></X3D>").find(limit), std::string::npos);
+  EXPECT_NE(error(classic).find(limit), std::string::npos);
+}
+
+TEST(X3dEncodings, SaysWhatIsGivenTwice) {
+  const auto loaded =
+      parse_classic("Shape { geometry Box { } geometry Sphere { radius 1 radius 2 } }");
+  EXPECT_TRUE(loaded.scene.nodes(0).shape().has_sphere());
+  ASSERT_EQ(loaded.warnings.size(), 2u);
+  EXPECT_EQ(loaded.warnings[0], "t.x3dv: geometry of Shape is given twice; the last one holds");
+  EXPECT_EQ(loaded.warnings[1], "t.x3dv: radius is given twice in Sphere; the first one holds");
+}
+
+/// A folder with a scene and what it names, and a file beside the folder that it must not see.
+class X3dFilesTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    outside_ =
+        fs::temp_directory_path() / ("tessera_x3d_" + std::to_string(::getpid()) + "_" +
+                                     testing::UnitTest::GetInstance()->current_test_info()->name());
+    folder_ = outside_ / "scene";
+    fs::create_directories(folder_ / "parts");
+  }
+  void TearDown() override { fs::remove_all(outside_); }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    const fs::path path = folder_ / name;
+    std::ofstream(path) << "#X3D V3.3 utf8\n" << text;
+    return path.string();
+  }
+  std::string error_reading(const std::string& path) const {
+    const std::string all = error_of([&] { read_x3d(path, {}); });
+    return all.substr(all.rfind('/') + 1);
+  }
+
+  fs::path outside_, folder_;
+};
+
+TEST_F(X3dFilesTest, InlinesAreObjectsWithNamesOfTheirOwn) {
+  write("parts/inner.x3dv",
+        "DEF Same Viewpoint { position 0 0 3 } Background { skyColor 0 1 0 } "
+        "NavigationInfo { headlight FALSE } DirectionalLight { } "
+        "Shape { geometry Sphere { } } Inline { url \"innermost.x3dv\" }");
+  write("parts/innermost.x3dv", "UNIT length inch 0.0254 Shape { geometry Box { } }");
+  const std::string main = write(
+      "main.x3dv",
+      "Transform { translation 1 0 0 children [ DEF Same Inline { url [ \"none.x3d\" "
+      "\"parts/inner.x3dv\" ] } ] } Group { children Inline { url \"parts/inner.x3dv#Same\" } }");
+  const LoadedScene loaded = read_x3d(main, {});
+  EXPECT_EQ(loaded.warnings, std::vector<std::string>{});
+  ASSERT_EQ(loaded.scene.objects_size(), 2);
+  EXPECT_EQ(loaded.scene.objects(0).name(), "innermost");
+  const v1::Node& scaled = loaded.scene.objects(0).nodes(0);
+  EXPECT_EQ(scaled.transform().steps(0).scale().x(), .0254);
+  EXPECT_EQ(loaded.scene.objects(1).name(), "inner");
+  EXPECT_EQ(loaded.scene.nodes(0).children(0).instance_of(), "inner");
+  EXPECT_EQ(loaded.scene.nodes(1).children(0).instance_of(), "inner");
+  // What it can bind is bound, since the first file binds nothing.
+  EXPECT_EQ(loaded.scene.background().solid().g(), 1);
+  ASSERT_EQ(loaded.scene.cameras_size(), 1);
+  EXPECT_FALSE(loaded.scene.cameras(0).has_headlight());
+  EXPECT_EQ(loaded.scene.cameras(0).world_from_camera().steps(0).translate().x(), 1);
+}
+
+TEST_F(X3dFilesTest, WhatCannotBeInlinedIsLeftOutWithAReason) {
+  std::ofstream(outside_ / "secret.x3dv") << "#X3D V3.3 utf8\nShape { geometry Box { } }";
+  fs::create_symlink(outside_ / "secret.x3dv", folder_ / "link.x3dv");
+  const std::string main = write(
+      "main.x3dv",
+      "Inline { url \"../secret.x3dv\" }\nInline { url \"link.x3dv\" }\nInline { url "
+      "\"https://example.org/a.x3d\" }\nInline { url \"" +
+          (outside_ / "secret.x3dv").string() +
+          "\" }\nInline { url \"no.x3d\" }\nInline { load FALSE url \"no.x3d\" }\nInline { }");
+  const LoadedScene loaded = read_x3d(main, {});
+  EXPECT_EQ(loaded.scene.objects_size(), 0);
+  std::string all;
+  for (const std::string& warning : loaded.warnings)
+    all += warning.substr(warning.find(": line") + 2) + "\n";
+  const std::string inside = " is left out: it is not inside the scene's folder\n";
+  EXPECT_EQ(all, "line 2: Inline of '../secret.x3dv'" + inside + "line 3: Inline of 'link.x3dv'" +
+                     inside +
+                     "line 4: Inline of 'https://example.org/a.x3d' is left out: only files are "
+                     "read, and nothing from the network\nline 5: Inline of '" +
+                     (outside_ / "secret.x3dv").string() + "'" + inside +
+                     "line 6: Inline of 'no.x3d' is left out: there is no such file\n");
+}
+
+TEST_F(X3dFilesTest, FilesAreNoPartOfThemselves) {
+  const std::string self = write("self.x3dv", "Inline { url \"self.x3dv\" }");
+  EXPECT_EQ(error_reading(self),
+            "self.x3dv:2:1: Inline of 'self.x3dv', of which it is a part; expected files that are "
+            "not a part of themselves");
+  write("b.x3dv", "Inline { url \"a.x3dv\" }");
+  const std::string a = write("a.x3dv", "Inline { url \"b.x3dv\" }");
+  EXPECT_EQ(error_reading(a).substr(0, 26), "b.x3dv:2:1: Inline of 'a.x");
+  for (int i = 0; i < 20; ++i)
+    write("d" + std::to_string(i) + ".x3dv",
+          "Inline { url \"d" + std::to_string(i + 1) + ".x3dv\" }");
+  EXPECT_NE(error_reading((folder_ / "d0.x3dv").string()).find("too many Inlines"),
+            std::string::npos);
+  write("broken.x3dv", "Shape { geometry Sphere { radius -1 } }");
+  EXPECT_EQ(error_reading(write("c.x3dv", "Inline { url \"broken.x3dv\" }")),
+            "broken.x3dv:2:34: radius -1 of Sphere; expected a length above 0");
+}
+
+TEST_F(X3dFilesTest, OtherFormatsBecomeObjectsToo) {
+  std::ofstream(folder_ / "parts/card.obj") << "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string main = write(
+      "main.x3dv",
+      "Transform { translation 3 0 0 children DEF I Inline { url \"parts/card.obj\" } } USE I");
+  const LoadedScene loaded = read_scene(main);
+  const std::string inlined = loaded.scene.objects(0).nodes(0).instance_of();
+  EXPECT_EQ(loaded.scene.includes_size(), 0);
+  size_t triangles = 0;
+  for (const v1::Object& object : loaded.scene.objects())
+    for (const v1::Node& node : object.nodes()) triangles += node.shape().has_mesh() ? 1 : 0;
+  EXPECT_EQ(triangles, 1u);
+  EXPECT_FALSE(inlined.empty());
+  EXPECT_GT(render_loaded(loaded, 1, 1)[0], 0);
+}
+
+TEST_F(X3dFilesTest, MissingPicturesHaveAPlaceholder) {
+  const std::string main =
+      write("main.x3dv",
+            "Shape { geometry Box { } appearance DEF A Appearance { texture ImageTexture { url "
+            "\"none.png\" } } } Shape { geometry Sphere { } appearance USE A }");
+  const LoadedScene loaded = read_x3d(main, {});
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_NE(loaded.warnings[0].find("line 2: a placeholder stands for the picture 'none.png': "
+                                    "there is no such file"),
+            std::string::npos);
+  ASSERT_EQ(loaded.scene.textures_size(), 1);
+  EXPECT_EQ(loaded.scene.textures(0).image().width(), 2u);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,220 @@
+// Grids, extrusions, text, lines and what texture coordinates they get.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/unit/scenes/formats/x3d/x3d_testing.h"
+
+namespace tessera {
+namespace {
+
+struct Mesh {
+  std::vector<float> positions, normals, uvs, colors;
+  std::vector<uint32_t> triangles;
+};
+
+Mesh mesh_of(const std::string& geometry, const std::string& appearance = "") {
+  const auto loaded = parse_classic("Shape { geometry " + geometry + " appearance Appearance { " +
+                                    appearance + " } }");
+  const v1::TriangleMesh& mesh = loaded.scene.nodes(0).shape().mesh();
+  return {blob_values<float>(mesh.positions(), loaded.blobs),
+          blob_values<float>(mesh.normals(), loaded.blobs),
+          blob_values<float>(mesh.uvs(), loaded.blobs),
+          blob_values<float>(mesh.colors(), loaded.blobs),
+          blob_values<uint32_t>(mesh.triangles(), loaded.blobs)};
+}
+
+std::string error(const std::string& geometry) {
+  return error_of([&] { parse_classic("Shape { geometry " + geometry + " }"); });
+}
+
+/// Six times the volume that the mesh's faces enclose, positive where they face outward.
+double volume6(const Mesh& mesh) {
+  double sum = 0;
+  for (size_t t = 0; t < mesh.triangles.size(); t += 3) {
+    double p[3][3];
+    for (size_t k = 0; k < 3; ++k)
+      for (size_t a = 0; a < 3; ++a) p[k][a] = mesh.positions[3 * mesh.triangles[t + k] + a];
+    sum += p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) +
+           p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
+           p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
+  }
+  return sum;
+}
+
+constexpr const char* kTexture = "texture PixelTexture { image 1 1 1 255 }";
+const std::string kGrid =
+    "ElevationGrid { xDimension 3 zDimension 2 xSpacing 2 zSpacing 3 height [ 0 1 2 0 1 2 ] ";
+
+TEST(X3dGeometry, GridsFaceUpRowByRow) {
+  const Mesh grid = mesh_of(kGrid + "}", kTexture);
+  EXPECT_EQ(grid.triangles.size(), 12u);
+  EXPECT_TRUE(grid.normals.empty());  // flat without a crease angle
+  const auto highest = std::max_element(grid.positions.begin(), grid.positions.end());
+  EXPECT_EQ(*highest, 4);
+  for (size_t t = 0; t < grid.triangles.size(); t += 3) {
+    const float* a = &grid.positions[3 * grid.triangles[t]];
+    const float* b = &grid.positions[3 * grid.triangles[t + 1]];
+    const float* c = &grid.positions[3 * grid.triangles[t + 2]];
+    const float up = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);
+    EXPECT_GT(up, 0);
+  }
+  // s along x, t along z.
+  for (size_t v = 0; v < grid.positions.size() / 3; ++v) {
+    EXPECT_EQ(grid.uvs[2 * v], grid.positions[3 * v] / 4);
+    EXPECT_EQ(grid.uvs[2 * v + 1], grid.positions[3 * v + 2] / 3);
+  }
+  // A tilted plane is smooth with its one normal.
+  const Mesh smooth = mesh_of(kGrid + "creaseAngle 4 }");
+  for (size_t v = 0; v < smooth.normals.size(); v += 3) {
+    EXPECT_NEAR(smooth.normals[v], -1 / std::sqrt(5), 1e-6);
+    EXPECT_NEAR(smooth.normals[v + 1], 2 / std::sqrt(5), 1e-6);
+  }
+  EXPECT_EQ(error("ElevationGrid { xDimension 3 zDimension 2 height [ 0 1 2 ] }"),
+            "t.x3dv:2:18: 3 heights of ElevationGrid, 3 x 2; expected xDimension times zDimension, "
+            "at most 16777216");
+  EXPECT_NE(error("ElevationGrid { xDimension 2147483647 zDimension 2147483647 height [ 0 ] }"),
+            "no error");
+  const Mesh faces =
+      mesh_of(kGrid + "colorPerVertex FALSE color Color { color [ 1 0 0 0 1 0 ] } }");
+  EXPECT_EQ(std::count(faces.colors.begin(), faces.colors.end(), 1.f), 8 + 8);
+}
+
+TEST(X3dGeometry, ExtrusionsEncloseWhatTheySweep) {
+  // The default one: a square of side 2, one high.
+  const Mesh box = mesh_of("Extrusion { }", kTexture);
+  EXPECT_EQ(box.triangles.size(), 3u * (8 + 4));
+  EXPECT_NEAR(volume6(box), 6 * 4, 1e-5);
+  EXPECT_NEAR(volume6(mesh_of("Extrusion { ccw FALSE }")), -6 * 4, 1e-5);
+  EXPECT_EQ(mesh_of("Extrusion { beginCap FALSE endCap FALSE }").triangles.size(), 24u);
+  EXPECT_EQ(*std::max_element(box.uvs.begin(), box.uvs.end()), 1);
+  EXPECT_EQ(*std::min_element(box.uvs.begin(), box.uvs.end()), 0);
+  // A frustum of a pyramid, wherever its spine leads: h/3 (a^2 + ab + b^2).
+  for (const char* spine : {"0 0 0, 0 3 0", "1 1 1, 1 -2 1", "0 0 0, 3 0 0", "0 0 0, 0 0 -3"})
+    EXPECT_NEAR(
+        volume6(mesh_of("Extrusion { scale [ 1 1, .5 .5 ] spine [ " + std::string(spine) + " ] }")),
+        6 * (4 + 2 + 1), 1e-4)
+        << spine;
+  // A bend of 90 degrees: two arms mitred where they meet.
+  EXPECT_NEAR(
+      volume6(mesh_of("Extrusion { crossSection [ .1 .1 .1 -.1 -.1 -.1 -.1 .1 .1 .1 ] spine "
+                      "[ 0 0 0, 0 4 0, 4 4 0 ] }")),
+      6 * .04 * 8 * std::sqrt(.5), .7);
+  // Turned by its orientation, the square's corner is at sqrt(2).
+  const Mesh turned = mesh_of("Extrusion { orientation 0 1 0 .7853981633974483 }");
+  EXPECT_NEAR(*std::max_element(turned.positions.begin(), turned.positions.end()), std::sqrt(2),
+              1e-6);
+  // A concave section is cut as such.
+  EXPECT_NEAR(
+      volume6(mesh_of("Extrusion { convex FALSE crossSection [ 2 0 2 -2 0 -2 0 0 1 -1 2 0 ] "
+                      "}")),
+      6 * 3, 1e-5);
+  EXPECT_EQ(parse_classic("Shape { geometry Extrusion { spine [ 0 0 0 ] } }").warnings.size(), 1u);
+}
+
+TEST(X3dGeometry, AClosedExtrusionIsSmoothAllAround) {
+  std::string circle;
+  for (int i = 0; i <= 32; ++i) {
+    const double a = -2 * 3.14159265358979 * (i % 32) / 32;
+    circle += std::to_string(std::cos(a)) + " " + std::to_string(std::sin(a)) + ", ";
+  }
+  const Mesh tube = mesh_of(
+      "Extrusion { creaseAngle 1 beginCap FALSE endCap FALSE crossSection [ " + circle + "] }");
+  ASSERT_FALSE(tube.normals.empty());
+  for (size_t v = 0; v < tube.normals.size(); v += 3) {
+    EXPECT_NEAR(tube.normals[v], tube.positions[v], 1e-3);
+    EXPECT_NEAR(tube.normals[v + 2], tube.positions[v + 2], 1e-3);
+  }
+}
+
+TEST(X3dGeometry, TextureCoordinatesOfTheBoundingBox) {
+  // Longest along z (4), then x (2): s and t by one scale.
+  const std::string quad =
+      "IndexedFaceSet { coordIndex [ 0 1 2 3 ] coord Coordinate { point [ 0 0 0 2 0 0 2 0 4 0 0 4 "
+      "] } }";
+  const Mesh mesh = mesh_of(quad, kTexture);
+  ASSERT_EQ(mesh.uvs.size(), 8u);
+  for (size_t v = 0; v < 4; ++v) {
+    EXPECT_EQ(mesh.uvs[2 * v], mesh.positions[3 * v + 2] / 4);
+    EXPECT_EQ(mesh.uvs[2 * v + 1], mesh.positions[3 * v] / 4);
+  }
+  EXPECT_TRUE(mesh_of(quad).uvs.empty());  // none where no texture wants them
+  const auto spherical = parse_classic(
+      "Shape { geometry IndexedFaceSet { coordIndex [ 0 1 2 ] coord Coordinate { point [ 0 0 0 1 0 "
+      "0 0 1 0 ] } texCoord TextureCoordinateGenerator { mode \"SPHERE\" } } appearance Appearance "
+      "{ " +
+      std::string(kTexture) + " } }");
+  EXPECT_EQ(spherical.scene.textures(0).mapping(), v1::Texture::VIEW_NORMAL);
+}
+
+TEST(X3dGeometry, CornersWrittenTwiceDoNotFillAConcaveFace) {
+  const Mesh mesh = mesh_of(
+      "IndexedFaceSet { convex FALSE coord Coordinate { point [ 0 .5 0 2.5 .5 0 2.5 .5 0 2.5 .5 0 "
+      "2.5 1.85 0 2.85 1.85 0 2.85 .15 0 0 .15 0 0 .15 0 ] } coordIndex [ 0 1 2 3 4 5 6 7 8 ] }");
+  double area = 0;
+  for (size_t t = 0; t < mesh.triangles.size(); t += 3) {
+    const float* a = &mesh.positions[3 * mesh.triangles[t]];
+    const float* b = &mesh.positions[3 * mesh.triangles[t + 1]];
+    const float* c = &mesh.positions[3 * mesh.triangles[t + 2]];
+    area += std::abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2;
+  }
+  EXPECT_NEAR(area, 2.85 * .35 + .35 * 1.35, 1e-5);
+}
+
+TEST(X3dGeometry, LinesAndPointsAreThinUnlitAndCastNoShadow) {
+  const auto loaded = parse_classic(
+      "Shape { appearance Appearance { material Material { emissiveColor 0 1 0 } } geometry "
+      "IndexedLineSet { coordIndex [ 0 1 -1 1 2 ] coord DEF C Coordinate { point [ 0 0 0, 3 0 0, 3 "
+      "4 0 ] } } } Shape { geometry PointSet { coord USE C color Color { color [ 1 0 0 0 1 0 0 0 1 "
+      "] "
+      "} } } Shape { geometry LineSet { vertexCount [ 2 ] coord USE C } }");
+  ASSERT_EQ(loaded.scene.nodes_size(), 3);
+  for (const v1::Node& node : loaded.scene.nodes()) EXPECT_TRUE(node.casts_no_shadow());
+  EXPECT_EQ(loaded.scene.materials(0).unlit().color().value().g(), 1);
+  EXPECT_EQ(loaded.scene.materials(0).unlit().color().value().r(), 0);
+  const auto points =
+      blob_values<float>(loaded.scene.nodes(0).shape().mesh().positions(), loaded.blobs);
+  // Two prisms of half a 400th of the diagonal, which is 5.
+  EXPECT_EQ(points.size(), 3u * 12);
+  for (size_t v = 0; v < points.size(); v += 3) EXPECT_LE(std::abs(points[v + 2]), 5. / 800 + 1e-6);
+  const auto colors =
+      blob_values<float>(loaded.scene.nodes(1).shape().mesh().colors(), loaded.blobs);
+  EXPECT_EQ(colors.size(), 4u * 18);
+  EXPECT_EQ(loaded.scene.nodes(2).shape().mesh().triangles().size(), 4u * 3 * 8);
+  EXPECT_EQ(error("IndexedLineSet { coordIndex [ 0 1 ] }"),
+            "t.x3dv:2:48: coordIndex 0 of IndexedLineSet; expected points in a Coordinate node");
+}
+
+TEST(X3dGeometry, TextIsWrittenAsItsStyleSays) {
+  const auto extent = [](const Mesh& mesh, size_t axis) {
+    float low = 1e9f, high = -1e9f;
+    for (size_t v = axis; v < mesh.positions.size(); v += 3) {
+      low = std::min(low, mesh.positions[v]);
+      high = std::max(high, mesh.positions[v]);
+    }
+    return std::pair{low, high};
+  };
+  const auto text = [](const std::string& strings, const std::string& style) {
+    return mesh_of("Text { string [ " + strings + " ] fontStyle FontStyle { " + style + " } }");
+  };
+  const auto plain = extent(text("\"HH\"", ""), 0);
+  EXPECT_NEAR(plain.first, 0, .01);
+  const double width = plain.second;
+  EXPECT_NEAR(extent(text("\"HH\"", "size 3"), 0).second, 3 * width, 1e-4);
+  const auto middle = extent(text("\"HH\"", "justify \"MIDDLE\""), 0);
+  EXPECT_NEAR(middle.first, -middle.second, .2);
+  EXPECT_LT(extent(text("\"HH\"", "justify \"END\""), 0).second, .01);
+  // The second line is one size below the first.
+  EXPECT_NEAR(extent(text("\"H\" \"H\"", "spacing 2"), 1).first, -2, .01);
+  EXPECT_NEAR(extent(mesh_of("Text { string \"HH\" length 5 }"), 0).second, 5, .2 * 5);
+  EXPECT_NEAR(extent(mesh_of("Text { string \"HHHH\" maxExtent 1 }"), 0).second, 1, .15);
+  for (char c = '!'; c <= '~'; ++c) {
+    if (c == '"' || c == '\\') continue;
+    EXPECT_FALSE(mesh_of("Text { string \"" + std::string(1, c) + "\" }").triangles.empty());
+  }
+  EXPECT_EQ(parse_classic("Shape { geometry Text { string \"\xc3\xa4\" } }").warnings.size(), 1u);
+}
+
+}  // namespace
+}  // namespace tessera
