@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -14,6 +15,7 @@
 #include <memory>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 
@@ -27,13 +29,30 @@ struct CloseFile {
 };
 using FileHandle = std::unique_ptr<std::FILE, CloseFile>;
 
+/// "; did you mean 'x'?" for the file beside `path` that is nearest to it.
+std::string near_file(const fs::path& path) {
+  constexpr size_t kMostNames = 10000;
+  std::vector<std::string> names;
+  std::error_code failure;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  for (fs::directory_iterator it(folder, failure), end;
+       !failure && it != end && names.size() < kMostNames; it.increment(failure)) {
+    std::error_code unknown;
+    if (it->is_regular_file(unknown)) names.push_back(it->path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  const auto nearest = nearest_name(path.filename().string(), names);
+  if (!nearest) return "";
+  return fmt::format("; did you mean '{}'?", (path.parent_path() / *nearest).string());
+}
+
 }  // namespace
 
 uint64_t check_input_file(const std::string& path, uint64_t max_bytes) {
   std::error_code failure;
   const fs::file_status status = fs::status(path, failure);
   if (status.type() == fs::file_type::not_found)
-    throw scene_error(fmt::format("{}: no such file", path));
+    throw scene_error(fmt::format("{}: no such file{}", path, near_file(path)));
   if (failure) throw scene_error(fmt::format("{}: {}", path, failure.message()));
   if (fs::is_directory(status))
     throw scene_error(fmt::format("{}: is a folder; expected a file", path));

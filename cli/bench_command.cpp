@@ -47,6 +47,13 @@ void add_bench_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* command = app.add_subcommand("bench", "Measure this program on this machine");
   command->require_subcommand(1);
+  command->footer(
+      "Leave the machine alone meanwhile, and use a release build.\n"
+      "Examples:\n"
+      "  tessera bench rays bunny.obj icosphere:6 --json rays.json\n"
+      "  tessera bench octree --compare\n"
+      "  tessera bench farm bunny.obj --workers 4\n"
+      "'tessera help bench KIND' tells all about one of them.");
   add_tracing_benches(*command, action);
   CLI::App* farm = command->add_subcommand("farm", "What distribution costs");
   farm->footer(

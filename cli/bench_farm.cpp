@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/plural.h"
 #include "base/process.h"
 #include "cli/timed_process.h"
 #include "proto/transport/zmq_transport.h"
@@ -104,8 +105,9 @@ json processes_row(const BenchFarmOptions& options, const TemporaryFolder& folde
                           "--threads", std::to_string(threads)});
   };
   return paired_row(
-      fmt::format("1080p frame: {0} workers against {0} threads", options.workers), 1.03,
-      options.repeats, [&] { return render(options.workers, 1); },
+      fmt::format("1080p frame: {} against {}", counted(options.workers, "worker"),
+                  counted(options.workers, "thread")),
+      1.03, options.repeats, [&] { return render(options.workers, 1); },
       [&] { return render(0, options.workers); });
 }
 
@@ -113,7 +115,8 @@ json one_sphere_row(const BenchFarmOptions& options, const TemporaryFolder& fold
   const std::string scene = folder.file("one.tesserab");
   write_scene_file(scene, spheres_scene(1), {});
   return paired_row(
-      fmt::format("one sphere, 64x64, {} workers against oiiotool --version", options.workers),
+      fmt::format("one sphere, 64x64, {} against oiiotool --version",
+                  counted(options.workers, "worker")),
       1.15, options.repeats * 4,
       [&] {
         return timed_process({kThisProgram, "render", scene, "--quiet", "-o",

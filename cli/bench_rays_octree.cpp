@@ -171,6 +171,12 @@ void add_tracing_benches(CLI::App& bench, Action& action) {
       fmt::format("Files; room, teapot; soup:N, icosphere:N and other generated ones; sub:SCENE, "
                   "subdivided to a million triangles [{}]",
                   fmt::join(kRayScenes, " ")));
+  rays_command->footer(
+      "Rays of each kind through each of our accelerators and Embree's, by turns; the hits that\n"
+      "differ are counted. Scenes are of triangles only.\n"
+      "Examples:\n"
+      "  tessera bench rays bunny.obj\n"
+      "  tessera bench rays icosphere:6 soup:100000 --rounds 9 --json rays.json");
   add_common(*rays_command, *options, options->rays.rounds);
   rays_command
       ->add_option_function<std::string>(
@@ -186,6 +192,12 @@ void add_tracing_benches(CLI::App& bench, Action& action) {
   octree_command->add_option(
       "SCENE", options->scenes,
       fmt::format("{}, or files [the study's]", fmt::join(octree_scene_names(), ", ")));
+  octree_command->footer(
+      "Node visits and object tests a ray, and seconds, of the uniform and the non-uniform "
+      "octree.\n"
+      "Examples:\n"
+      "  tessera bench octree teapot --size 960x540\n"
+      "  tessera bench octree --compare                     every scene through every tree");
   add_common(*octree_command, *options, options->octree.rounds);
   octree_command
       ->add_option_function<std::string>(

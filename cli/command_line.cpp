@@ -5,7 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/log.h"
@@ -26,7 +28,7 @@ constexpr char kFooter[] =
     "  tessera info room.x3d                              what a scene holds, without rendering\n"
     "  tessera compare room.png room-before.png           do two pictures differ, and where\n"
     "\n"
-    "'tessera COMMAND --help' tells all about a command.\n"
+    "'tessera help COMMAND' tells all about a command.\n"
     "Exit codes: 0 done; 1 the scene or its data is wrong; 2 the command line is wrong;\n"
     "3 rendering failed (the picture, with holes marked, is still written); 4 interrupted.";
 
@@ -45,6 +47,12 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
+/// "; did you mean 'x'?", or the end of the sentence before.
+std::string hint(const std::string& name, const std::vector<std::string>& names) {
+  const std::string nearest = suggestion(name, names);
+  return nearest.empty() ? "." : nearest;
+}
+
 /// CLI11 would take an unknown command for a stray argument; its name is the better hint.
 void check_command_name(const CLI::App& app, int argc, const char* const* argv) {
   if (argc < 2) throw usage_error("no command; try 'tessera --help'");
@@ -55,14 +63,44 @@ void check_command_name(const CLI::App& app, int argc, const char* const* argv) 
     if (name == known) return;
   }
   throw usage_error(
-      fmt::format("'{}' is no command{}; try 'tessera --help'", name, suggestion(name, names)));
+      fmt::format("'{}' is no command{} Try 'tessera --help'", name, hint(name, names)));
+}
+
+/// Breaks descriptions into lines that fit beside the names.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return wrapped(CLI::Formatter::make_option_desc(option), kHelpWidth - get_column_width());
+  }
+
+ private:
+  static constexpr size_t kHelpWidth = 100;
+
+  static std::string wrapped(std::string text, size_t width) {
+    for (size_t start = 0; text.size() - start > width;) {
+      const size_t space = text.rfind(' ', start + width);
+      if (space == std::string::npos || space <= start) break;
+      text[space] = '\n';
+      start = space + 1;
+    }
+    return text;
+  }
+};
+
+/// "help COMMAND" as "COMMAND --help", the way CLI11 knows it.
+std::vector<const char*> with_help_as_option(int argc, const char* const* argv) {
+  std::vector<const char*> arguments(argv, argv + argc);
+  if (argc < 2 || std::string_view(argv[1]) != "help") return arguments;
+  arguments.erase(arguments.begin() + 1);
+  arguments.push_back("--help");
+  return arguments;
 }
 
 /// One clear line for what CLI11 found wrong.
 Error usage_error_from(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-  const std::string help =
-      fmt::format("; try 'tessera {}--help'", command == &app ? "" : command->get_name() + " ");
+  const std::string of_command = command == &app ? "" : command->get_name() + " ";
+  const std::string help = fmt::format("; try 'tessera {}--help'", of_command);
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
     const std::vector<std::string> extras = command->remaining();
     const std::string extra = extras.empty() ? app.remaining(true).front() : extras.front();
@@ -70,8 +108,8 @@ Error usage_error_from(const CLI::App& app, const CLI::ParseError& error) {
     if (!name.starts_with("-")) {
       return usage_error(fmt::format("'{}' is one argument too many{}", extra, help));
     }
-    return usage_error(
-        fmt::format("'{}' is no option{}{}", name, suggestion(name, option_names(*command)), help));
+    return usage_error(fmt::format("'{}' is no option{} Try 'tessera {}--help'", name,
+                                   hint(name, option_names(*command)), of_command));
   }
   return usage_error(error.what() + help);
 }
@@ -81,6 +119,7 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
   app.set_version_flag("--version", fmt::format("tessera {}", kBuild), "Print the version");
   app.footer(kFooter);
   app.require_subcommand(1);
+  app.formatter(std::make_shared<HelpFormatter>());
   app.get_formatter()->column_width(32);
 
   Action action;
@@ -92,8 +131,10 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
   add_compare_command(app, action);
   add_bench_command(app, action);
   try {
-    check_command_name(app, argc, argv);
-    app.parse(argc, argv);
+    const std::vector<const char*> arguments = with_help_as_option(argc, argv);
+    const int count = static_cast<int>(arguments.size());
+    check_command_name(app, count, arguments.data());
+    app.parse(count, arguments.data());
   } catch (const CLI::Success& help) {  // --help and --version
     app.exit(help);
     return ExitCode::done;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "base/file.h"
 #include "cli/command_line.h"
 #include "cli/option_values.h"
 #include "cli/say.h"
@@ -21,6 +22,8 @@ struct CompareOptions {
 struct Difference {
   double greatest = 0, sum = 0, sum_of_squares = 0;
   size_t values = 0;
+  size_t worst_pixel = 0;    ///< counts from the first row's left
+  PixelRect unequal{};       ///< around the pixels that differ
   size_t pixels_beyond = 0;  ///< with a channel that differs by more than allowed
   size_t pixels_unequal = 0;
 };
@@ -29,6 +32,12 @@ struct Difference {
 double channel_difference(float a, float b) {
   if (std::isnan(a) || std::isnan(b)) return std::isnan(a) && std::isnan(b) ? 0 : INFINITY;
   return a == b ? 0 : std::abs(double{a} - double{b});
+}
+
+void include(int x, int y, bool is_first, PixelRect& rect) {
+  if (is_first) rect = {x, y, x + 1, y + 1};
+  rect = {std::min(rect.x0, x), std::min(rect.y0, y), std::max(rect.x1, x + 1),
+          std::max(rect.y1, y + 1)};
 }
 
 Difference difference_of(const RgbImage& a, const RgbImage& b, double allowed) {
@@ -42,14 +51,36 @@ Difference difference_of(const RgbImage& a, const RgbImage& b, double allowed) {
       result.sum += d;
       result.sum_of_squares += d * d;
     }
-    result.greatest = std::max(result.greatest, worst);
-    if (worst > 0) ++result.pixels_unequal;
+    const size_t number = pixel / kFilmChannels;
+    if (worst > result.greatest) {
+      result.greatest = worst;
+      result.worst_pixel = number;
+    }
+    if (worst > 0) {
+      const auto width = static_cast<size_t>(a.width);
+      include(static_cast<int>(number % width), static_cast<int>(number / width),
+              result.pixels_unequal++ == 0, result.unequal);
+    }
     if (worst > allowed) ++result.pixels_beyond;
   }
   return result;
 }
 
+void print_where(const RgbImage& a, const RgbImage& b, const Difference& d) {
+  const auto value = [&d](const RgbImage& image) {
+    const float* rgb = &image.values[d.worst_pixel * kFilmChannels];
+    return fmt::format("({:.9g}, {:.9g}, {:.9g})", rgb[0], rgb[1], rgb[2]);
+  };
+  const auto width = static_cast<size_t>(a.width);
+  say("all of them in    {},{},{},{}\n", d.unequal.x0, d.unequal.y0, d.unequal.x1, d.unequal.y1);
+  say("the worst pixel   {},{}: {} and {}\n", d.worst_pixel % width, d.worst_pixel / width,
+      value(a), value(b));
+}
+
 ExitCode compare(const CompareOptions& options) {
+  for (const std::string& path : {options.first, options.second}) {
+    check_input_file(path, UINT64_MAX);
+  }
   const RgbImage a = read_image(options.first);
   const RgbImage b = read_image(options.second);
   if (a.width != b.width || a.height != b.height) {
@@ -64,8 +95,11 @@ ExitCode compare(const CompareOptions& options) {
   say("mean difference   {:.9g}\n", d.sum / values);
   say("rmse              {:.9g}\n", std::sqrt(d.sum_of_squares / values));
   say("differing pixels  {} of {}\n", d.pixels_unequal, pixels);
+  if (d.pixels_unequal > 0) print_where(a, b, d);
   if (d.pixels_beyond == 0) return ExitCode::done;
-  say("{} pixels differ by more than {}\n", d.pixels_beyond, options.max_difference);
+  say("{} by more than {}\n",
+      d.pixels_beyond == 1 ? "1 pixel differs" : fmt::format("{} pixels differ", d.pixels_beyond),
+      options.max_difference);
   return ExitCode::bad_scene;
 }
 
@@ -76,6 +110,10 @@ void add_compare_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("compare", "Tell how two pictures differ");
   command->footer(
       "Values are those of the files: 8-bit ones count from 0 to 1, EXR ones are linear.\n"
+      "Places count pixels from the left and from the top, a part is X0,Y0,X1,Y1 as in --crop.\n"
+      "Two renders of a scene are equal in pixels though not in bytes: each file tells how long\n"
+      "it took, and an EXR one when. To hold renders against each other without files, compare\n"
+      "pixels_sha256 of --stats.\n"
       "Exit code 0 where no channel of any pixel differs by more than --max-diff, else 1.\n"
       "Examples:\n"
       "  tessera compare now.exr before.exr                 equal to the last bit?\n"

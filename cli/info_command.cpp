@@ -2,20 +2,23 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "base/digest.h"
+#include "base/plural.h"
 #include "cli/command_line.h"
 #include "cli/output_settings.h"
+#include "cli/picture_warnings.h"
 #include "cli/placement.h"
 #include "cli/read_option_flags.h"
 #include "cli/render_options.h"
 #include "cli/say.h"
 #include "cli/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
-#include "renderer/render/tile_renderer.h"
+#include "renderer/scene/scene.h"
 #include "scenes/formats/read_scene.h"
 #include "scenes/formats/scene_summary.h"
 
@@ -31,24 +34,31 @@ struct InfoOptions {
 
 struct SceneInfo {
   std::string digest;
-  uint64_t blob_bytes = 0;
   v1::FrameSettings frame;
   SceneSummary summary;
-  std::vector<std::string> cameras;
+  Bounds3 bounds;  ///< of every surface, at the scene's instant
+  std::vector<std::string> cameras, materials, textures;
   std::vector<std::string> warnings;
 };
 
 /// Reads and builds all that a render without options would trace and write: what is wrong with the
 /// scene beyond its syntax shows here.
-void check_renders(const std::string& path, const LoadedScene& loaded,
-                   const v1::FrameSettings& frame) {
+std::shared_ptr<const Scene> build(const std::string& path, const LoadedScene& loaded,
+                                   const v1::FrameSettings& frame) {
   output_settings(path, loaded.scene.settings().output());
   try {
     const int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    make_tile_renderer(loaded.scene, loaded.blobs, frame, threads);
+    return build_scene(loaded.scene, loaded.blobs, frame, threads);
   } catch (const Error& error) {
-    throw scene_error({path}, error.what(), "");
+    throw scene_error(place_in_scene_file(path, error.what()), error.what(), "");
   }
+}
+
+template <typename Messages>
+std::vector<std::string> names_of(const Messages& messages) {
+  std::vector<std::string> names;
+  for (const auto& message : messages) names.push_back(message.name());
+  return names;
 }
 
 SceneInfo inspect(const InfoOptions& wanted) {
@@ -59,25 +69,55 @@ SceneInfo inspect(const InfoOptions& wanted) {
   SceneInfo info{.digest = Digest::of(serialize_scene(loaded.scene)).hex(),
                  .frame = frame_settings(options, loaded.scene, std::nullopt),
                  .summary = summarize(loaded.scene, loaded.blobs),
-                 .cameras = {},
+                 .bounds = {},
+                 .cameras = names_of(loaded.scene.cameras()),
+                 .materials = names_of(loaded.scene.materials()),
+                 .textures = names_of(loaded.scene.textures()),
                  .warnings = loaded.warnings};
   info.summary.unused.insert(info.summary.unused.end(), loaded.unused.begin(), loaded.unused.end());
-  check_renders(path, loaded, info.frame);
-  for (const auto& [digest, data] : loaded.blobs.all()) info.blob_bytes += data->size();
-  for (const v1::Camera& camera : loaded.scene.cameras()) info.cameras.push_back(camera.name());
+  const auto scene = build(path, loaded, info.frame);
+  if (scene->surfaces) info.bounds = scene->surfaces->bounds();
+  for (const std::string& warning : picture_warnings(options, loaded)) {
+    info.warnings.push_back(warning);
+  }
   return info;
+}
+
+/// "lights, directional" as "lights_directional".
+std::string json_key(const std::string& words) {
+  std::string key;
+  for (const char c : words) {
+    if (c != ',') key += c == ' ' ? '_' : c;
+  }
+  return key;
+}
+
+bool is_empty(const Bounds3& box) { return !(box.min.x <= box.max.x); }
+
+/// The corners; null for a number that is infinite, and for no surface at all.
+nlohmann::json bounds_json(const Bounds3& box) {
+  if (is_empty(box)) return nullptr;
+  return {{"min", {box.min.x, box.min.y, box.min.z}}, {"max", {box.max.x, box.max.y, box.max.z}}};
+}
+
+std::string bounds_text(const Bounds3& box) {
+  if (is_empty(box)) return "nothing is to be seen";
+  return fmt::format("({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})", box.min.x, box.min.y,
+                     box.min.z, box.max.x, box.max.y, box.max.z);
 }
 
 void print_json(const SceneInfo& info) {
   nlohmann::json counts = nlohmann::json::object();
-  for (const auto& [what, count] : info.summary.counts) counts[what] = count;
+  for (const auto& [what, count] : info.summary.counts) counts[json_key(what)] = count;
   const nlohmann::json result{{"scene", info.digest},
                               {"width", info.frame.width()},
                               {"height", info.frame.height()},
                               {"samples_per_pixel", info.frame.samples_per_pixel()},
-                              {"blob_bytes", info.blob_bytes},
                               {"counts", counts},
+                              {"bounds", bounds_json(info.bounds)},
                               {"cameras", info.cameras},
+                              {"materials", info.materials},
+                              {"textures", info.textures},
                               {"unused", info.summary.unused},
                               {"undefined", info.summary.undefined},
                               {"warnings", info.warnings}};
@@ -90,13 +130,18 @@ void print_list(const char* title, const std::vector<std::string>& lines) {
 
 void print_text(const SceneInfo& info) {
   say("{:<20} {}\n", "digest", info.digest);
-  say("{:<20} {}x{}, {} samples per pixel\n", "picture", info.frame.width(), info.frame.height(),
-      info.frame.samples_per_pixel());
-  say("{:<20} {}\n", "bytes of blobs", info.blob_bytes);
+  say("{:<20} {}x{}, {} per pixel\n", "picture", info.frame.width(), info.frame.height(),
+      counted(info.frame.samples_per_pixel(), "sample"));
   for (const auto& [what, count] : info.summary.counts) say("{:<20} {}\n", what, count);
+  say("{:<20} {}\n", "bounds", bounds_text(info.bounds));
+  if (info.cameras.empty()) {
+    say("{:<20} none: from (0, 0, 10) along -z, 45 degrees\n", "camera");
+  }
   for (size_t i = 0; i < info.cameras.size(); ++i) {
     say("{:<20} '{}'{}\n", "camera", info.cameras[i], i == 0 ? " (the default)" : "");
   }
+  print_list("material", info.materials);
+  print_list("texture", info.textures);
   print_list("unused", info.summary.unused);
   print_list("undefined", info.summary.undefined);
   print_list("warning", info.warnings);
@@ -106,8 +151,9 @@ ExitCode info(const InfoOptions& options) {
   const SceneInfo found = inspect(options);
   options.json ? print_json(found) : print_text(found);
   if (found.summary.undefined.empty()) return ExitCode::done;
-  throw scene_error(fmt::format("{}: {} names are used but not defined: {}", options.scene,
-                                found.summary.undefined.size(),
+  const size_t count = found.summary.undefined.size();
+  throw scene_error(fmt::format("{}: {} used but not defined: {}", options.scene,
+                                counted(count, "name") + (count == 1 ? " is" : " are"),
                                 fmt::join(found.summary.undefined, ", ")));
 }
 

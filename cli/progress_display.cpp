@@ -1,11 +1,14 @@
 #include "cli/progress_display.h"
-#include "cli/say.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <utility>
+
+#include "base/plural.h"
+#include "cli/say.h"
 
 namespace tessera {
 namespace {
@@ -13,6 +16,13 @@ namespace {
 constexpr std::chrono::milliseconds kBarInterval{100};
 constexpr std::chrono::seconds kLineInterval{2};
 constexpr std::chrono::seconds kTenthInterval{1};  ///< no flood from frames that take no time
+
+/// Of the terminal behind `stream`; much where it does not tell.
+size_t columns_of(std::FILE* stream) {
+  winsize size{};
+  const bool told = ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
+  return told ? size.ws_col : 1000;
+}
 
 double done_share(const JobProgress& progress) {
   if (progress.tiles_total == 0) return 0;
@@ -42,10 +52,13 @@ std::string progress_text(const JobProgress& progress, bool with_bar) {
     text = fmt::format("[{:=<{}}{}{: <{}}] ", "", filled, filled < kBarWidth ? ">" : "", "",
                        filled < kBarWidth ? kBarWidth - filled - 1 : 0);
   }
-  text +=
-      fmt::format("{:3.0f} %  {}/{} tiles", share * 100, progress.tiles_done, progress.tiles_total);
+  text += fmt::format("{:3.0f} %", share * 100);
+  if (progress.tiles_total > 0) {
+    text += fmt::format("  {}/{} tiles", progress.tiles_done, progress.tiles_total);
+  }
+  if (!progress.waiting_for.empty()) return text + "  waiting for " + progress.waiting_for;
   if (progress.workers > 0) {
-    text += fmt::format("  {} worker{}", progress.workers, progress.workers == 1 ? "" : "s");
+    text += "  " + counted(progress.workers, "worker");
   }
   if (progress.remaining_seconds >= 0 && progress.tiles_done < progress.tiles_total) {
     text += fmt::format("  ETA {}", duration_text(progress.remaining_seconds));
@@ -75,7 +88,8 @@ void ProgressDisplay::show(const JobProgress& progress) {
   const bool bar = style_ == ProgressStyle::bar;
   const std::string text = label_ + progress_text(progress, bar);
   if (bar) {
-    say(stream_, "\r\x1b[K{}", text);
+    // A longer one would wrap and be left behind; the texts are ASCII but for names of endpoints.
+    say(stream_, "\r\x1b[K{}", text.substr(0, columns_of(stream_) - 1));
     bar_is_drawn_ = true;
   } else {
     say(stream_, "{}\n", text);

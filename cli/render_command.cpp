@@ -7,13 +7,16 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "base/digest.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/plural.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
 #include "cli/output_settings.h"
+#include "cli/picture_warnings.h"
 #include "cli/progress_display.h"
 #include "cli/render_options.h"
 #include "cli/say.h"
@@ -78,7 +81,10 @@ class RenderRun {
   ExitCode render_frames() {
     if (!options_.frames) return render_frame(std::nullopt, true);
     for (int frame = options_.frames->first; frame <= options_.frames->last; ++frame) {
-      if (loaded_.depends_on_frame && frame > options_.frames->first) read(frame);
+      if (frame > options_.frames->first) {
+        began_ = Clock::now();
+        if (loaded_.depends_on_frame) read(frame);
+      }
       const bool last = frame == options_.frames->last;
       if (const ExitCode code = render_frame(frame, last); code != ExitCode::done) return code;
       ++frames_written_;
@@ -96,6 +102,7 @@ class RenderRun {
     return frame ? numbered_path(path, *frame) : path;
   }
 
+  /// What excludes each other, and what has no place in a pipe.
   void check_options() const {
     if (options_.connect && (options_.workers || options_.threads)) {
       throw usage_error(fmt::format("{}: cannot be chosen with --connect, whose farm has its own",
@@ -104,13 +111,25 @@ class RenderRun {
     if (options_.resume && options_.connect) {
       throw usage_error("--resume: tiles are kept where the coordinator is; expected no --connect");
     }
+    if (options_.frames && options_.time) {
+      throw usage_error("--time: a frame of --frames has its own instant; expected one of the two");
+    }
+    if (options_.scene == "-") {
+      throw usage_error("SCENE: '-'; expected a file: standard input is not read");
+    }
+    for (const auto& path : options_.outputs) {
+      if (path != "-") continue;
+      throw usage_error("--output: '-'; expected a file: no picture goes to standard output");
+    }
   }
 
   /// What cannot be written in the end is better known before.
   void check_outputs() const {
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
     for (const auto& path : picture_paths(options_)) check_writable(path_for(path, first));
-    if (options_.stats) check_output_file(path_for(*options_.stats, first), "--stats");
+    if (options_.stats && !stats_to_standard_output(options_)) {
+      check_output_file(path_for(*options_.stats, first), "--stats");
+    }
     check_distinct();
     check_input_file(options_.scene, UINT64_MAX);
   }
@@ -123,7 +142,7 @@ class RenderRun {
       throw usage_error(fmt::format("{}: '{}' is given twice", option, path.string()));
     };
     for (const auto& path : picture_paths(options_)) take("--output", path);
-    if (options_.stats) take("--stats", *options_.stats);
+    if (options_.stats && !stats_to_standard_output(options_)) take("--stats", *options_.stats);
   }
 
   std::unique_ptr<TracingFarm> start_farm() const {
@@ -151,6 +170,9 @@ class RenderRun {
     for (const std::string& warning : loaded_.warnings) {
       say(stderr, "tessera: warning: {}\n", warning);
     }
+    for (const std::string& warning : picture_warnings(options_, loaded_)) {
+      if (warned_.insert(warning).second) say(stderr, "tessera: warning: {}\n", warning);
+    }
   }
 
   ExitCode render_frame(std::optional<int> frame, bool last) {
@@ -163,7 +185,7 @@ class RenderRun {
       throw Error(ExitCode::interrupted, fmt::format("interrupted; {}", what_was_written(report)));
     }
     if (report.exit_code == ExitCode::bad_scene) {
-      throw scene_error({options_.scene}, report.failure, "");
+      throw scene_error(place_in_scene_file(options_.scene, report.failure), report.failure, "");
     }
     if (report.end == JobReport::End::failed && report.tiles_done == 0) {
       throw Error(report.exit_code,
@@ -180,8 +202,9 @@ class RenderRun {
                              report.tiles_done, report.tiles_total, store_path().string())
                : "no tile was kept, as --resume does";
     if (!options_.frames) return "no picture was written; " + kept;
-    return fmt::format("{} of {} frames were written; of the next, {}", frames_written_,
-                       options_.frames->last - options_.frames->first + 1, kept);
+    const int frames = options_.frames->last - options_.frames->first + 1;
+    return fmt::format("{} of {} {} written; of the next, {}", frames_written_,
+                       counted(frames, "frame"), frames == 1 ? "was" : "were", kept);
   }
 
   JobResult trace(const v1::FrameSettings& settings, std::optional<int> frame, bool last) {
@@ -224,7 +247,9 @@ class RenderRun {
     const ImageMetadata metadata{.scene_digest = scene_digest_,
                                  .seed = settings.seed(),
                                  .samples_per_pixel = settings.samples_per_pixel(),
-                                 .render_seconds = result.report.trace_seconds};
+                                 .render_seconds = result.report.trace_seconds,
+                                 .frame_width = static_cast<int>(settings.width()),
+                                 .frame_height = static_cast<int>(settings.height())};
     for (const auto& path : picture_paths(options_)) {
       write_image(path_for(path, frame), result.film, output, metadata);
     }
@@ -232,7 +257,7 @@ class RenderRun {
                                .frame = settings,
                                .width = result.film.width(),
                                .height = result.film.height(),
-                               .seconds = {.parse = parse_seconds_,
+                               .seconds = {.parse = std::exchange(parse_seconds_, 0),
                                            .write = seconds_since(start),
                                            .total = seconds_since(began_)},
                                .report = result.report,
@@ -240,32 +265,42 @@ class RenderRun {
                                .pixels_sha256 = {}};
     if (options_.stats) {
       statistics.pixels_sha256 = result.film.pixels_sha256();
-      write_output_file(path_for(*options_.stats, frame),
-                        statistics_json(statistics).dump(2) + "\n");
+      const std::string text = statistics_json(statistics).dump(2) + "\n";
+      if (stats_to_standard_output(options_)) {
+        say("{}", text);
+        std::fflush(stdout);
+      } else {
+        write_output_file(path_for(*options_.stats, frame), text);
+      }
     }
-    if (!options_.quiet) print_end(result, statistics, frame);
+    if (!options_.quiet && !stats_to_standard_output(options_)) {
+      print_end(result, statistics, frame);
+    }
   }
 
   void print_end(const JobResult& result, const FrameStatistics& statistics,
                  std::optional<int> frame) const {
     for (const auto& path : picture_paths(options_)) {
-      say("{}  {}x{}, {} tiles by {} workers, {} retries, {}\n", path_for(path, frame).string(),
-          result.film.width(), result.film.height(), result.report.tiles_done,
-          result.report.workers_seen, result.report.retries,
-          duration_text(statistics.seconds.total));
+      const JobReport& report = result.report;
+      const std::string retries =
+          report.retries == 1 ? "1 retry" : fmt::format("{} retries", report.retries);
+      say("{}  {}x{}, {} by {}, {}, {}\n", path_for(path, frame).string(), result.film.width(),
+          result.film.height(), counted(report.tiles_done, "tile"),
+          counted(report.workers_seen, "worker"), retries, duration_text(statistics.seconds.total));
     }
     std::fflush(stdout);
   }
 
   const RenderOptions& options_;
-  Clock::time_point began_ = Clock::now();
+  Clock::time_point began_ = Clock::now();  ///< the work on this frame
   std::unique_ptr<TracingFarm> farm_;
   std::shared_ptr<SqliteTileStore> store_;  ///< null: tiles are not kept
   LoadedScene loaded_;
   std::string scene_digest_;
-  double parse_seconds_ = 0;
+  double parse_seconds_ = 0;  ///< of what was read for this frame
   uint64_t peak_worker_bytes_ = 0;
   int frames_written_ = 0;
+  std::set<std::string> warned_;  ///< each once, not once a frame
 };
 
 }  // namespace

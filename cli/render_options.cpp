@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/plural.h"
 #include "cli/placement.h"
 #include "cli/read_option_flags.h"
 #include "renderer/accel/make_accelerator.h"
@@ -37,6 +38,7 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
           "Where to write the picture; the ending names the format. May be given more than once "
           "[SCENE's name with .png, in the current folder]")
       ->type_name("FILE")
+      ->option_text("FILE")  // not "FILE ...": one each time
       ->allow_extra_args(false)
       ->group("Picture");
   const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
@@ -44,10 +46,11 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
   };
   add("--size", "WxH", "Width and height in pixels [the scene's, or 960x540]",
       [&options](const std::string& text) { options.size = parse_size("--size", text); });
-  add("--spp", "N", "Samples per pixel [the scene's, or 1]", [&options](const std::string& text) {
-    options.samples_per_pixel =
-        static_cast<uint32_t>(parse_whole("--spp", text, 1, kMaxSamplesPerPixel));
-  });
+  add("--spp", "N", "Samples per pixel [the scene's, or 1: a quick look, with jagged edges]",
+      [&options](const std::string& text) {
+        options.samples_per_pixel =
+            static_cast<uint32_t>(parse_whole("--spp", text, 1, kMaxSamplesPerPixel));
+      });
   add("--seed", "N", "Seed of the sample pattern [the scene's, or 0]",
       [&options](const std::string& text) {
         options.seed = static_cast<uint32_t>(parse_whole("--seed", text, 0, UINT32_MAX));
@@ -66,7 +69,9 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       ->group("Picture");
   add("--time", "T", "The instant to render, in seconds [the scene's]",
       [&options](const std::string& text) { options.time = parse_number("--time", text); });
-  add("--frames", "A-B", "Frames A to B of the animation, each to NAME.NNNN.png",
+  add("--frames", "A-B",
+      "Frames A to B of the animation, each to NAME.NNNN.png, at the instants that its frame rate "
+      "gives: not with --time",
       [&options](const std::string& text) { options.frames = parse_frames("--frames", text); });
 }
 
@@ -147,8 +152,7 @@ void add_report_options(CLI::App& command, RenderOptions& options) {
       .add_option_function<std::string>(
           "--stats", [&options](const std::string& text) { options.stats = text; },
           "Write what was done, counted and timed, as one JSON object; with --frames one a frame, "
-          "to "
-          "FILE.NNNN.json")
+          "to FILE.NNNN.json. '-': standard output, where nothing else is printed then")
       ->type_name("FILE.json")
       ->group("Report");
   command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group("Report");
@@ -171,9 +175,10 @@ void check_camera(const std::string& name, const v1::Scene& scene) {
   for (const v1::Camera& camera : scene.cameras()) {
     if (!camera.name().empty()) names.push_back(camera.name());
   }
-  throw usage_error(fmt::format(
-      "--camera: '{}' is not in the scene, which has {} cameras{}{}", name, scene.cameras_size(),
-      names.empty() ? "" : fmt::format(": {}", fmt::join(names, ", ")), suggestion(name, names)));
+  throw usage_error(fmt::format("--camera: '{}' is not in the scene, which has {}{}{}", name,
+                                counted(scene.cameras_size(), "camera"),
+                                names.empty() ? "" : fmt::format(": {}", fmt::join(names, ", ")),
+                                suggestion(name, names)));
 }
 
 /// The option, which is known to be one of `names`; else the scene's, which may not be; else the
@@ -221,6 +226,8 @@ std::vector<std::filesystem::path> picture_paths(const RenderOptions& options) {
   if (!options.outputs.empty()) return options.outputs;
   return {std::filesystem::path(options.scene).stem().concat(".png")};
 }
+
+bool stats_to_standard_output(const RenderOptions& options) { return options.stats == "-"; }
 
 std::filesystem::path numbered_path(const std::filesystem::path& path, int frame) {
   std::filesystem::path numbered = path;

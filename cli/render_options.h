@@ -53,6 +53,9 @@ void add_render_options(CLI::App& command, RenderOptions& options);
 /// folder.
 std::vector<std::filesystem::path> picture_paths(const RenderOptions& options);
 
+/// "--stats -": then nothing else is printed there.
+bool stats_to_standard_output(const RenderOptions& options);
+
 /// "dir/name.png" for frame 7 is "dir/name.0007.png".
 std::filesystem::path numbered_path(const std::filesystem::path& path, int frame);
 

@@ -123,14 +123,16 @@ class InProcessFarm : public TracingFarm {
 
 class RemoteFarm : public TracingFarm {
  public:
-  explicit RemoteFarm(const std::string& endpoint) : transport_(connect_client(endpoint)) {}
+  explicit RemoteFarm(const std::string& endpoint)
+      : endpoint_(endpoint), transport_(connect_client(endpoint)) {}
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {
-    return run_remote_job(*transport_, job, progress, stop);
+    return run_remote_job(*transport_, endpoint_, job, progress, stop);
   }
 
  private:
+  std::string endpoint_;
   std::unique_ptr<ClientTransport> transport_;
 };
 

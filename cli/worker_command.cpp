@@ -32,6 +32,7 @@ ExitCode work(const WorkerCommandOptions& options) {
   if (options.parent > 0) std::signal(SIGINT, SIG_IGN);
   configure_logging(options.quiet ? "off" : options.parent > 0 ? "warn" : "info", "worker");
   const auto transport = connect_client(options.endpoint);
+  spdlog::info("connecting to {}", options.endpoint);
   WorkerOptions worker;
   worker.threads = options.threads > 0
                        ? options.threads
@@ -40,6 +41,11 @@ ExitCode work(const WorkerCommandOptions& options) {
   worker.protocol_major = options.protocol_major;
   const WorkerEnd end = run_worker(*transport, worker, interrupted());
   if (end.exit_code != ExitCode::done) throw Error(end.exit_code, end.reason);
+  if (interrupted()) {
+    spdlog::info("stopped");
+  } else {
+    spdlog::info("the coordinator has ended: {}", end.reason);
+  }
   return end.exit_code;
 }
 
@@ -64,9 +70,9 @@ void add_worker_command(CLI::App& app, Action& action) {
           },
           "Threads that trace [one a core]")
       ->type_name("N");
+  command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   // Not for users: an empty group hides them from --help.
   command->add_option("--parent", options->parent)->group("");
-  command->add_flag("--quiet", options->quiet)->group("");
   command->add_option("--protocol-major", options->protocol_major)->group("");
   command->callback([options, &action] { action = [options] { return work(*options); }; });
 }

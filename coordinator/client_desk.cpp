@@ -1,13 +1,16 @@
 #include "coordinator/client_desk.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <limits>
 #include <span>
 #include <utility>
 
+#include "base/plural.h"
 #include "coordinator/job_messages.h"
+#include "proto/wire/printable.h"
 #include "proto/wire/scene_codec.h"
 
 namespace tessera {
@@ -15,6 +18,16 @@ namespace {
 
 // More than this at once is refused: each may hold a scene and a film.
 constexpr size_t kMaxSubmissions = 64;
+
+/// What the client sends; for a request whose claim has passed.
+uint64_t scene_bytes(const v1::SubmitJob& request) {
+  uint64_t sum = request.scene_size();
+  for (const uint64_t size : request.blob_sizes()) sum += size;
+  return sum;
+}
+
+/// The name of a job in the log.
+std::string job_name(uint64_t submission) { return fmt::format("job {:016x}", submission); }
 
 /// What it may come to take; the largest number where that is none.
 uint64_t claimed_bytes(const v1::SubmitJob& request) {
@@ -165,6 +178,11 @@ void ClientDesk::on_tick(Time now) {
       ++it;
       continue;
     }
+    if (submission.status.state() == v1::JobStatus::ENDED) {
+      spdlog::warn("nobody has fetched the picture of {}", job_name(it->first));
+    } else {
+      spdlog::warn("the client of {} is gone", job_name(it->first));
+    }
     abandoned_.push_back(it->first);
     it = forget(it);
   }
@@ -183,6 +201,9 @@ void ClientDesk::advance(uint64_t id, Submission& submission, Time now) {
   auto spec = read_spec(submission);
   if (!spec) return;
   submission.status.set_state(v1::JobStatus::QUEUED);
+  spdlog::info("{} has come: {}x{} pixels, {} each, {} bytes of scene", job_name(id),
+               spec->crop.width(), spec->crop.height(),
+               counted(spec->frame.samples_per_pixel(), "sample"), scene_bytes(submission.request));
   ready_.push_back({id, std::move(*spec)});
 }
 
@@ -224,6 +245,7 @@ void ClientDesk::fail(Submission& submission, ExitCode code, const std::string& 
   report.failure = why;
   *submission.status.mutable_end() = to_message(report);
   submission.status.set_state(v1::JobStatus::ENDED);
+  spdlog::warn("{} failed: {}", job_name(submission.status.submission()), printable(why));
 }
 
 std::vector<ClientDesk::Ready> ClientDesk::take_ready() { return std::exchange(ready_, {}); }
@@ -262,6 +284,7 @@ void ClientDesk::ended(uint64_t id, const JobResult& result) {
   submission.status.mutable_end()->set_film_digest(submission.film_digest.hex());
   submission.status.mutable_end()->set_film_size(pixels.size());
   submission.status.set_state(v1::JobStatus::ENDED);
+  log_end(id, result.report);
 }
 
 void ClientDesk::close(const std::string& why) {
@@ -269,6 +292,17 @@ void ClientDesk::close(const std::string& why) {
     if (submission.status.state() == v1::JobStatus::ENDED) continue;
     fail(submission, ExitCode::render_failed, why);
     answer(submission);
+  }
+}
+
+void ClientDesk::log_end(uint64_t id, const JobReport& report) const {
+  switch (report.end) {
+    case JobReport::End::done:
+      return spdlog::info("{} is done, traced in {:.2f} s", job_name(id), report.trace_seconds);
+    case JobReport::End::failed:
+      return spdlog::warn("{} failed: {}", job_name(id), printable(report.failure));
+    case JobReport::End::interrupted:
+      return spdlog::info("{} was cancelled, or its client is gone", job_name(id));
   }
 }
 

@@ -73,6 +73,7 @@ class ClientDesk {
   void advance(uint64_t id, Submission& submission, Time now);
   void answer(const Submission& submission);
   std::optional<JobSpec> read_spec(Submission& submission);
+  void log_end(uint64_t id, const JobReport& report) const;
   void fail(Submission& submission, ExitCode code, const std::string& why);
 
   CoordinatorOptions options_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/log.h"
+#include "base/plural.h"
 #include "proto/wire/blob_transfer.h"
 #include "proto/wire/printable.h"
 
@@ -44,6 +45,7 @@ JobProgress Coordinator::progress(Time now) const {
   JobProgress progress;
   if (job()) progress = job()->progress(now);
   progress.workers = workers_.present_count();
+  if (job() && progress.workers == 0) progress.waiting_for = "workers";
   return progress;
 }
 
@@ -160,7 +162,7 @@ void Coordinator::on_hello(const PeerId& peer, const v1::Hello& hello, Time now)
   if (!greeting.worker) return;
   WorkerRecord& worker = *greeting.worker;
   if (greeting.anew && hello.session() == 1) {
-    spdlog::info("worker {} has come, with {} threads", worker.name(), hello.threads());
+    spdlog::info("worker {} has come, with {}", worker.name(), counted(hello.threads(), "thread"));
   }
   if (greeting.anew && job()) act(job()->scheduler().leave(worker.id, LossCause::left, now), now);
   v1::Welcome& welcome = *send(peer).mutable_welcome();

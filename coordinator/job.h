@@ -43,8 +43,8 @@ struct JobReport {
   uint64_t speculative = 0;     ///< second copies issued at the end of the queue
   uint64_t duplicates = 0;      ///< results that came for a tile already done
   uint64_t mismatches = 0;      ///< of those, not equal bit for bit
-  uint64_t workers_seen = 0;  ///< different ones that were there at any time of the job
-  uint64_t workers_lost = 0;  ///< how often one of them was lost
+  uint64_t workers_seen = 0;    ///< different ones that were there at any time of the job
+  uint64_t workers_lost = 0;    ///< how often one of them was lost
   uint64_t bytes_scene = 0, bytes_results = 0;  ///< shipped to and from workers
   double build_seconds = 0;                     ///< longest of any worker
   double trace_seconds = 0;                     ///< from the first assignment to the last result
@@ -61,6 +61,7 @@ struct JobProgress {
   uint64_t tiles_done = 0, tiles_total = 0;
   int workers = 0;                                    ///< now connected
   double elapsed_seconds = 0, remaining_seconds = 0;  ///< remaining < 0: not known yet
+  std::string waiting_for{};                          ///< "workers" ...; empty: tiles are traced
 };
 using ProgressCallback = std::function<void(const JobProgress&)>;
 

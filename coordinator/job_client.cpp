@@ -153,7 +153,23 @@ JobProgress JobClient::progress() const {
   progress.workers = static_cast<int>(status_.workers());
   progress.elapsed_seconds = status_.elapsed_seconds();
   progress.remaining_seconds = status_.tiles_done() > 0 ? status_.remaining_seconds() : -1;
+  progress.waiting_for = waiting_for();
   return progress;
+}
+
+std::string JobClient::waiting_for() const {
+  switch (status_.state()) {
+    case v1::JobStatus::UNKNOWN:
+      return kForCoordinator;
+    case v1::JobStatus::FETCHING:
+      return "the scene to be sent";
+    case v1::JobStatus::QUEUED:
+      return "the jobs before this one";
+    case v1::JobStatus::RUNNING:
+      return status_.workers() == 0 ? "workers" : "";
+    default:
+      return "";
+  }
 }
 
 std::optional<JobResult> JobClient::take_result() { return std::exchange(result_, std::nullopt); }

@@ -31,12 +31,15 @@ class JobClient {
   void cancel(Time now);
 
   JobProgress progress() const;
+  /// JobProgress::waiting_for while the coordinator has not answered.
+  static constexpr char kForCoordinator[] = "the coordinator";
   /// When the coordinator was last heard.
   Time last_heard() const { return last_heard_; }
   /// Set at the end; taken once. The film is one hole where it could not be fetched.
   std::optional<JobResult> take_result();
 
  private:
+  std::string waiting_for() const;
   void on_status(const v1::JobStatus& status, Time now);
   void fetch_film(Time now);
   void finish(JobReport report);

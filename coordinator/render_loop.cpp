@@ -53,19 +53,21 @@ JobResult RenderLoop::run(JobSpec job, const ProgressCallback& progress,
   const uint64_t id = coordinator_->submit(std::move(job), monotonic_now());
   tiles_done_ = 0;
   Time next_progress{};
-  std::optional<JobResult> result;
-  while (!(result = coordinator_->take_result(id))) {
+  while (true) {
     deliver();
     step(kLongestWait);
     const Time now = monotonic_now();
     if (stop) coordinator_->interrupt(id, now);
+    // Of a job that has ended there is no progress.
+    if (auto result = coordinator_->take_result(id)) {
+      deliver();
+      return std::move(*result);
+    }
     if (progress && now >= next_progress) {
       progress(coordinator_->progress(now));
       next_progress = now + kTellProgress;
     }
   }
-  deliver();
-  return std::move(*result);
 }
 
 void RenderLoop::serve(const std::atomic<bool>& stop) {

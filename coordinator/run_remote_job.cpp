@@ -19,9 +19,9 @@ constexpr Time kLongestWait = std::chrono::milliseconds(50);
 
 }  // namespace
 
-JobResult run_remote_job(ClientTransport& transport, const JobSpec& job,
-                         const ProgressCallback& progress, const std::atomic<bool>& stop,
-                         Time patience) {
+JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint,
+                         const JobSpec& job, const ProgressCallback& progress,
+                         const std::atomic<bool>& stop, Time patience) {
   check_job(job);
   std::random_device random;
   JobClient client(job, (uint64_t{random()} << 32 | random()) | 1, monotonic_now());
@@ -42,14 +42,15 @@ JobResult run_remote_job(ClientTransport& transport, const JobSpec& job,
     if (stop) client.cancel(now);
     if (now >= client.next_deadline()) client.on_tick(now);
     if (progress && now >= next_progress) {
-      progress(client.progress());
+      JobProgress told = client.progress();
+      if (told.waiting_for == JobClient::kForCoordinator) told.waiting_for += " at " + endpoint;
+      progress(told);
       next_progress = now + kTellProgress;
     }
     if (now - client.last_heard() > patience) {
       throw render_error(
-          fmt::format("no word from the coordinator for {} s; expected an answer to "
-                      "the job",
-                      to_seconds(patience)));
+          fmt::format("no word from the coordinator at {} for {} s; expected an answer to the job",
+                      endpoint, to_seconds(patience)));
     }
   }
 }

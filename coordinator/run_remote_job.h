@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <string>
 
 #include "base/monotonic.h"
 #include "coordinator/job.h"
@@ -8,10 +9,10 @@
 
 namespace tessera {
 
-/// Has `job` rendered by the coordinator behind `transport`. `stop` cancels it there. Throws
-/// render_error if the coordinator is silent for `patience`.
-JobResult run_remote_job(ClientTransport& transport, const JobSpec& job,
-                         const ProgressCallback& progress, const std::atomic<bool>& stop,
-                         Time patience = std::chrono::seconds(15));
+/// Has `job` rendered by the coordinator behind `transport`, which errors call `endpoint`. `stop`
+/// cancels it there. Throws render_error if the coordinator is silent for `patience`.
+JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint,
+                         const JobSpec& job, const ProgressCallback& progress,
+                         const std::atomic<bool>& stop, Time patience = std::chrono::seconds(15));
 
 }  // namespace tessera

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <random>
+#include <utility>
 #include <variant>
 
 #include "base/log.h"
+#include "base/plural.h"
 #include "base/version.h"
 #include "proto/wire/frame.h"
 #include "proto/wire/version.h"
@@ -53,7 +55,8 @@ class WorkerLoop {
   WorkerLoop(ClientTransport& transport, const WorkerOptions& options)
       : transport_(transport),
         service_(options.make_renderer, options.threads, [&transport] { transport.wake(); }),
-        session_(session_options(options), monotonic_now()) {}
+        session_(session_options(options), monotonic_now()),
+        threads_(options.threads) {}
 
   WorkerEnd run(const std::atomic<bool>& stop) {
     while (true) {
@@ -74,6 +77,7 @@ class WorkerLoop {
         session_.on_traced(std::move(*traced), monotonic_now());
       }
       if (session_.next_deadline() <= monotonic_now()) session_.on_tick(monotonic_now());
+      tell_connection();
     }
     // Nothing waits for the tiles any more.
     session_.leave(end_.reason);
@@ -98,6 +102,15 @@ class WorkerLoop {
       } else {
         spdlog::warn("dropped a message of {} bytes that is none of ours", received->bytes.size());
       }
+    }
+  }
+
+  void tell_connection() {
+    if (session_.is_welcome() == std::exchange(told_welcome_, session_.is_welcome())) return;
+    if (told_welcome_) {
+      spdlog::info("connected, with {}", counted(threads_, "thread"));
+    } else {
+      spdlog::info("the coordinator is silent; connecting again");
     }
   }
 
@@ -126,6 +139,8 @@ class WorkerLoop {
   RenderService service_;
   WorkerSession session_;
   WorkerEnd end_;
+  int threads_;
+  bool told_welcome_ = false;
 };
 
 }  // namespace

@@ -62,6 +62,8 @@ class WorkerSession {
   void on_tick(Time now);
   Time next_deadline() const;
   std::vector<SessionAction> take_actions();
+  /// Whether the coordinator has taken this worker in, and is there.
+  bool is_welcome() const { return welcomed_; }
 
   /// Gives back what it holds and says goodbye.
   void leave(const std::string& reason);

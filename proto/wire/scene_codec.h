@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/error.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
 
@@ -53,6 +54,11 @@ SceneWithBlobs read_scene_file(const std::string& path, SceneEncoding encoding);
 /// file appears whole or not at all. Throws usage_error for an ending that is not ours,
 /// render_error where it cannot be written.
 void write_scene_file(const std::string& path, const v1::Scene& scene, const BlobStore& blobs);
+
+/// Where the text file `path` writes what `message`, an error of building its scene, begins with:
+/// "node 'hall' > node 3 > shape: sphere.radius is ...". Without line and column where the file is
+/// no text, or does not tell. Reads it anew: for the way out.
+SourcePlace place_in_scene_file(const std::string& path, std::string_view message);
 
 /// The digests that `scene` refers to, each once, in the order of the message; nothing where one is
 /// no digest.

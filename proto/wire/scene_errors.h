@@ -15,6 +15,9 @@ namespace tessera {
 /// The line and column of a byte of `text`.
 SourcePlace place_of(const std::string& file, std::string_view text, size_t offset);
 
+/// The offset of a place as protobuf's tokenizer counts it: from 0, tabs to multiples of 8.
+size_t offset_of(std::string_view text, int line, int column);
+
 /// Of a message type, of an enumeration: the names that may be written.
 std::vector<std::string> field_names(const google::protobuf::Descriptor& type);
 std::vector<std::string> value_names(const google::protobuf::EnumDescriptor& type);

@@ -11,19 +11,6 @@ namespace {
 
 namespace pb = google::protobuf;
 
-/// The offset of a place as protobuf's tokenizer counts it: from 0, tabs to multiples of 8.
-size_t offset_of(std::string_view text, int line, int column) {
-  size_t at = 0;
-  for (; line > 0; --line) {
-    const size_t end = text.find('\n', at);
-    if (end == std::string_view::npos) return text.size();
-    at = end + 1;
-  }
-  for (int reached = 0; reached < column && at < text.size() && text[at] != '\n'; ++at)
-    reached = text[at] == '\t' ? (reached / 8 + 1) * 8 : reached + 1;
-  return at;
-}
-
 /// The parts of `message` in double quotes.
 std::vector<std::string> quoted_parts(const std::string& message) {
   std::vector<std::string> parts;
@@ -67,7 +54,7 @@ Complaint expectation(const std::string& message) {
   if (found.starts_with("found ")) found = found.substr(6, found.size() - 7);
   if (found.size() >= 2 && found.front() == '"') found = found.substr(1, found.size() - 2);
   if (expected.size() >= 2 && expected.front() == '"')
-    expected = "'" + expected.substr(1, expected.size() - 2) + "'";
+    expected = fmt::format("'{}'", expected.substr(1, expected.size() - 2));
   if (expected == "identifier") expected = "a field's name";
   if (expected == "integer") expected = "an integer in the field's range";
   if (expected == "double" || expected == "float") expected = "a number";
@@ -106,6 +93,18 @@ Complaint reword(const std::string& message) {
 }
 
 }  // namespace
+
+size_t offset_of(std::string_view text, int line, int column) {
+  size_t at = 0;
+  for (; line > 0; --line) {
+    const size_t end = text.find('\n', at);
+    if (end == std::string_view::npos) return text.size();
+    at = end + 1;
+  }
+  for (int reached = 0; reached < column && at < text.size() && text[at] != '\n'; ++at)
+    reached = text[at] == '\t' ? (reached / 8 + 1) * 8 : reached + 1;
+  return at;
+}
 
 SourcePlace place_of(const std::string& file, std::string_view text, size_t offset) {
   const std::string_view before = text.substr(0, offset);

@@ -83,6 +83,7 @@ std::vector<std::byte> encode(const Format& format, const Film& film,
   request.call = ImageRequest::encode;
   copy_text(format.name, request.format);
   request.layout = {film.width(), film.height(), kFilmChannels, format.is_float ? 32 : 8};
+  request.window = {film.rect().x0, film.rect().y0, metadata.frame_width, metadata.frame_height};
   copy_text(fmt::format("tessera {}", kVersion), request.attributes.software);
   copy_text(metadata.scene_digest, request.attributes.scene_digest);
   request.attributes.seed = metadata.seed;

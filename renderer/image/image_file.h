@@ -17,6 +17,8 @@ struct ImageMetadata {
   uint32_t seed = 0;
   uint32_t samples_per_pixel = 0;
   double render_seconds = 0;
+  /// Of the whole frame, where the film may be a crop of it; 0: it is not. EXR and TIFF tell it.
+  int frame_width = 0, frame_height = 0;
 };
 
 /// A picture read back: rows from the top, three floats a pixel, numbers as the file has them

@@ -131,7 +131,7 @@ TEST(RenderLoop, ServesAClientThatSubmitsAJob) {
       const auto client = connect_client(loop.endpoint());
       JobSpec job = make_job(700, 400, 32, 2'500'000);
       job.frame.set_seed(static_cast<uint32_t>(round));
-      const JobResult result = run_remote_job(*client, job, nullptr, kNever);
+      const JobResult result = run_remote_job(*client, "memory", job, nullptr, kNever);
       EXPECT_EQ(result.report.end, JobReport::End::done);
       EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
       EXPECT_EQ(result.report.tiles_done, 22u * 13);
@@ -183,7 +183,7 @@ TEST(RenderLoop, AClientThatIsInterruptedBeforeAnybodyAnswersEndsAtOnce) {
   const auto client = connect_client("tcp://127.0.0.1:1");
   const std::atomic<bool> stop{true};
   const JobResult result =
-      run_remote_job(*client, make_job(8, 8, 8), nullptr, stop, std::chrono::hours(100));
+      run_remote_job(*client, "memory", make_job(8, 8, 8), nullptr, stop, std::chrono::hours(100));
   EXPECT_EQ(result.report.exit_code, ExitCode::interrupted);
   EXPECT_EQ(result.report.holes, std::vector<PixelRect>({{0, 0, 8, 8}}));
 }
@@ -271,9 +271,9 @@ TEST(RenderLoop, ATileThatAlwaysFailsIsNamedAndTheRestIsRendered) {
 
 TEST(RenderLoop, NobodyAnswersAClient) {
   const auto client = connect_client("tcp://127.0.0.1:1");
-  EXPECT_THROW(
-      run_remote_job(*client, make_job(8, 8, 8), nullptr, kNever, std::chrono::milliseconds(200)),
-      Error);
+  EXPECT_THROW(run_remote_job(*client, "memory", make_job(8, 8, 8), nullptr, kNever,
+                              std::chrono::milliseconds(200)),
+               Error);
 }
 
 }  // namespace

@@ -27,6 +27,12 @@ struct PixelLayout {
 /// No encoder makes more of so many bytes of incompressible pixels, headers included.
 constexpr uint64_t most_encoded_bytes(uint64_t pixel_bytes) { return 2 * pixel_bytes + 64 * 1024; }
 
+/// Where the pixels lie in the frame that they were cropped from.
+struct ImageWindow {
+  int32_t x = 0, y = 0;                       ///< of the first pixel
+  int32_t frame_width = 0, frame_height = 0;  ///< 0: the pixels are the frame
+};
+
 /// What an image tells of its making. Texts end with a zero.
 struct ImageAttributes {
   char software[32] = {};
@@ -50,10 +56,11 @@ struct ImageRequest {
   Call call = encode;
   char format[16] = {};  ///< encode: as OpenImageIO calls it
   PixelLayout layout;    ///< encode
+  ImageWindow window;    ///< encode
   ImageAttributes attributes;
   uint64_t payload_bytes = 0;
 
-  static constexpr uint32_t kVersion = 3;
+  static constexpr uint32_t kVersion = 4;
 };
 
 struct ImageReply {

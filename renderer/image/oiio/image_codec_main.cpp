@@ -80,6 +80,15 @@ class MemoryFile {
   int file_;
 };
 
+/// For the formats that can tell where a crop lies; the others hold the crop alone.
+void set_window(const ImageWindow& window, OIIO::ImageSpec& spec) {
+  if (window.frame_width <= 0 || window.frame_height <= 0) return;
+  spec.x = window.x;
+  spec.y = window.y;
+  spec.full_width = window.frame_width;
+  spec.full_height = window.frame_height;
+}
+
 OIIO::ImageSpec make_spec(const ImageRequest& request) {
   const bool is_float = request.layout.bits == 32;
   OIIO::ImageSpec spec(request.layout.width, request.layout.height, request.layout.channels,
@@ -110,7 +119,8 @@ Answer encode(const ImageRequest& request, const std::vector<char>& pixels) {
   file.check_room(most_encoded_bytes(pixels.size()));
   const auto output = OIIO::ImageOutput::create(request.format);
   if (!output) fail(OIIO::geterror());
-  const OIIO::ImageSpec spec = make_spec(request);
+  OIIO::ImageSpec spec = make_spec(request);
+  if (output->supports("displaywindow")) set_window(request.window, spec);
   if (!output->open(file.path(), spec) || !output->write_image(spec.format, pixels.data()) ||
       !output->close()) {
     fail(output->geterror());

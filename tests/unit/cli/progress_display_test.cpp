@@ -27,7 +27,17 @@ TEST(ProgressDisplay, LeavesOutWhatIsNotKnown) {
   progress.workers = 0;
   progress.remaining_seconds = -1;
   EXPECT_EQ(progress_text(progress, false), " 50 %  21/42 tiles");
-  EXPECT_EQ(progress_text({}, false), "  0 %  0/0 tiles");
+  EXPECT_EQ(progress_text({}, false), "  0 %");
+}
+
+TEST(ProgressDisplay, TellsWhatItWaitsFor) {
+  JobProgress progress;
+  progress.waiting_for = "the coordinator at tcp://127.0.0.1:1";
+  EXPECT_EQ(progress_text(progress, false),
+            "  0 %  waiting for the coordinator at tcp://127.0.0.1:1");
+  progress.tiles_total = 42;
+  progress.waiting_for = "workers";
+  EXPECT_EQ(progress_text(progress, false), "  0 %  0/42 tiles  waiting for workers");
 }
 
 TEST(ProgressDisplay, AFullBarHasNoHead) {

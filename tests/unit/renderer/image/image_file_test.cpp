@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -97,6 +99,36 @@ TEST_F(ImageFile, files_carry_their_making) {
                              "tessera:Samples=77", "tessera:RenderSeconds=12.346"}) {
       EXPECT_NE(bytes.find(text), std::string::npos) << name << " " << text;
     }
+  }
+}
+
+/// The four numbers of a box in an EXR header.
+std::array<int32_t, 4> exr_box(const std::string& bytes, const std::string& name) {
+  const std::string head = name + '\0' + "box2i" + '\0';
+  std::array<int32_t, 4> box{};
+  const size_t at = bytes.find(head);
+  if (at == std::string::npos) return box;
+  std::memcpy(box.data(), bytes.data() + at + head.size() + 4, sizeof box);
+  return box;
+}
+
+TEST_F(ImageFile, a_crop_knows_its_place) {
+  Film film({100, 200, 103, 202});
+  film.values()[4] = 0.5f;
+  ImageMetadata making;
+  making.frame_width = 640;
+  making.frame_height = 480;
+  write_image(folder_ / "a.exr", film, display_, making);
+  std::ifstream file(folder_ / "a.exr", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(exr_box(bytes, "dataWindow"), (std::array<int32_t, 4>{100, 200, 102, 201}));
+  EXPECT_EQ(exr_box(bytes, "displayWindow"), (std::array<int32_t, 4>{0, 0, 639, 479}));
+  for (const char* name : {"a.exr", "a.tif", "a.png"}) {
+    write_image(folder_ / name, film, display_, making);
+    const RgbImage image = read_image(folder_ / name);
+    EXPECT_EQ(image.width, 3) << name;
+    EXPECT_EQ(image.height, 2) << name;
+    EXPECT_GT(image.values[4], 0.4f) << name;
   }
 }
 

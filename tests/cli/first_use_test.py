@@ -1,0 +1,257 @@
+#!/usr/bin/env python3
+"""What a new user tries: help, slips of the pen, animations, pipes."""
+import fcntl
+import json
+import os
+import pty
+import signal
+import struct
+import termios
+import unittest
+
+import scenes
+from tessera_process import PROGRAM, TesseraTest
+
+SMALL = ["--size", "48x32", "--workers", "0", "--threads", "1"]
+MOVING = """
+nodes { keys { time: 0 transform { } } keys { time: 1 transform { steps { translate { x: 1 } } } }
+        shape { sphere { } } }
+"""
+
+
+class Help(TesseraTest):
+    def test_lines_fit(self):
+        for command in ["", "render", "serve", "worker", "convert", "info", "compare", "bench",
+                        "bench rays", "bench octree", "bench farm"]:
+            for line in self.run_program("help", *command.split()).out.splitlines():
+                self.assertLessEqual(len(line), 100, line)
+
+    def test_help_is_a_command(self):
+        for command in (["render"], ["bench", "octree"], []):
+            asked = self.run_program("help", *command)
+            self.assertEqual((0, self.run_program(*command, "--help").out), (asked.code, asked.out))
+        self.assert_error(self.run_program("help", "rendr"), 2, "'rendr'", "'render'")
+
+    def test_each_bench_has_examples_of_its_own(self):
+        for kind in ("", "rays", "octree", "farm"):
+            own = self.run_program("help", "bench", *kind.split()).out
+            self.assertIn(f"tessera bench {kind}", own.partition("Example")[2])
+            self.assertNotIn("tessera render", own)
+
+    def test_one_file_an_option(self):
+        self.assertIn("--output FILE  ", self.run_program("help", "render").out)
+
+    def test_a_question_ends_its_sentence(self):
+        self.assertNotIn("?;", self.run_program("rendr").err + self.run_program("render", "--sise").err)
+
+
+class Names(TesseraTest):
+    def test_the_file_beside_it(self):
+        self.write("temple.x3d", "")
+        for command in ("render", "info"):
+            self.assert_error(self.run_program(command, "temple.x3"), 1,
+                              "temple.x3: no such file; did you mean 'temple.x3d'?")
+        self.assertNotIn("did you mean", self.run_program("info", "nothing-like-it.obj").err)
+
+
+class Places(TesseraTest):
+    def test_errors_of_building_are_located(self):
+        red = 'materials { name: "red" classic { } }\n'
+        for place, text in [
+                ("1:17", 'nodes { shape { materials: "rde" sphere { radius: -1 } } }\n'),
+                ("2:26", red + 'nodes { shape { sphere { radius: -1 } } }\n'),
+                ("3:41", red + 'nodes { name: "hall"\n  children { } children { shape { box { min '
+                 '{ x: 3 } } } }\n}\n'),
+                ("2:28", 'objects { name: "o"\n  nodes { shape { sphere { radius: -1 } } }\n}\n'
+                 'nodes { name: "a > b" instance_of: "o" }\n'),
+                ("1:50", 'materials { name: "m" classic { reflectivity { } shininess { value: -4 } } }\n'
+                 'nodes { shape { materials: "m" sphere { } } }\n'),
+                ("2:11", 'nodes {\n  light { spot { } }\n}\n'),
+                ("1:25", 'cameras { perspective { field_of_view: 200 } }\n'),
+                ("1:9", 'nodes { instance_of: "p" }\n')]:
+            scene = self.write("s.tessera", text)
+            for command in (["info"], ["render", *SMALL]):
+                with self.subTest(text=text, command=command[0]):
+                    self.assert_error(self.run_program(*command, scene), 1, f"s.tessera:{place}: ")
+
+    def test_no_place_is_better_than_a_wrong_one(self):
+        twice = 'nodes { name: "a" shape { sphere { radius: 1 } } }\n'
+        result = self.run_program("info", self.write("s.tessera", twice + twice.replace("1", "-1")))
+        self.assert_error(result, 1, "s.tessera: node 'a'")
+        for scene in ("s.tesserab", "s.json"):
+            self.write("s.tessera", 'nodes { shape { sphere { radius: -1 } } }')
+            self.assertEqual(0, self.run_program("convert", "s.tessera", scene).code)
+            self.assert_error(self.run_program("info", scene), 1, f"{scene}: node 1 > shape")
+
+
+class Frames(TesseraTest):
+    def setUp(self):
+        super().setUp()
+        self.still = self.write("still.tessera", scenes.ONE_SPHERE)
+        self.moving = self.write("moving.tessera", scenes.CAMERA + scenes.SUN + MOVING)
+
+    def test_times_are_of_the_frame(self):
+        result = self.run_program("render", self.still, *SMALL, "--frames", "1-12", "--stats", "s.json")
+        self.assertEqual(0, result.code, result.err)
+        stats = [json.loads(path.read_text()) for path in sorted(self.folder.glob("s.*.json"))]
+        parse = [frame["seconds"]["parse"] for frame in stats]
+        self.assertGreater(parse[0], 0)
+        self.assertEqual([0] * 11, parse[1:])
+        # Each frame's own span, and so no longer than the whole run; sums of sums would be.
+        totals = [frame["seconds"]["total"] for frame in stats]
+        self.assertNotEqual(totals, sorted(totals), "cumulative")
+
+    def test_an_instant_beside_frames(self):
+        self.assert_error(self.run_program("render", self.moving, "--frames", "0-1", "--time", "1"), 2,
+                          "--time", "--frames")
+
+    def test_a_still_scene(self):
+        for scene, count in ((self.still, 1), (self.moving, 0)):
+            result = self.run_program("render", scene, *SMALL, "--frames", "1-3")
+            self.assertEqual(count, result.err.count("depends on the frame"), result.err)
+        self.assertEqual("", self.run_program("render", self.still, *SMALL, "--frames", "1-3",
+                                              "--quiet").err)
+
+
+class Darkness(TesseraTest):
+    def test_no_light(self):
+        ball = "nodes { shape { materials: 'm' sphere { } } }\n"
+        dark = ball + "materials { name: 'm' classic { } }\n"
+        for text, count in [
+                (dark, 1), (dark + "background { solid { } }", 1), (dark + "background { solid { r: 1 } }", 0),
+                (dark + scenes.SUN, 0), (dark + "nodes { light { off: true point { } } }", 1),
+                (dark + "settings { integrator { kind: 'normals' } }", 0),
+                (ball + "materials { name: 'm' classic { emission { value { r: 1 } } } }", 0),
+                (dark + "cameras { headlight { directional { direction { z: -1 } } } }", 0)]:
+            for command in (["render", *SMALL], ["info"]):
+                with self.subTest(text=text, command=command[0]):
+                    result = self.run_program(*command, self.write("s.tessera", text))
+                    self.assertEqual(0, result.code, result.err)
+                    self.assertEqual(count, (result.out + result.err).count("will be black"))
+
+
+class Pipes(TesseraTest):
+    def setUp(self):
+        super().setUp()
+        self.scene = self.write("scene.tessera", scenes.ONE_SPHERE)
+
+    def test_statistics_to_standard_output(self):
+        result = self.run_program("render", self.scene, *SMALL, "--stats", "-")
+        self.assertEqual(0, result.code, result.err)
+        self.assertEqual(48, json.loads(result.out)["width"])
+        self.assertEqual(["scene.png", "scene.tessera", "tmp"],
+                         sorted(os.listdir(self.folder)))
+
+    def test_pictures_and_scenes_are_files(self):
+        self.assert_error(self.run_program("render", self.scene, "-o", "-"), 2, "--output", "'-'")
+        self.assert_error(self.run_program("render", "-"), 2, "SCENE", "'-'")
+
+
+class Farm(TesseraTest):
+    def test_everyone_tells_what_happens(self):
+        scene = self.write("scene.tessera", scenes.ONE_SPHERE)
+        with open(self.folder / "serve", "w") as log:
+            serve = self.start("serve", "--bind", "tcp://127.0.0.1:*", stderr=log)
+        endpoint = serve.stdout.readline().split()[-1]
+        render = self.start("render", scene, "--connect", endpoint)
+        self.assertIn("waiting for workers", render.stderr.readline())
+        logs = {}
+        for name, options in (("loud", []), ("quiet", ["--quiet"])):
+            logs[name] = self.start("worker", "--connect", endpoint, "--threads", 1, *options)
+        self.assertEqual(0, render.wait(30))
+        serve.terminate()
+        self.assertEqual(0, serve.wait(10))
+        told = {name: worker.communicate(timeout=10)[1] for name, worker in logs.items()}
+        self.assertEqual("", told["quiet"])
+        self.assertRegex(told["loud"], rf"(?s)connecting to {endpoint}\n.*connected, with 1 thread\n"
+                         ".*the coordinator has ended: ")
+        served = (self.folder / "serve").read_text()
+        self.assertRegex(served, r"(?s)with 1 thread\n.*job \w+ is done, traced in [\d.]+ s\n")
+        self.assertRegex(served, r"job \w+ has come: 960x540 pixels, 1 sample each, \d+ bytes")
+
+    def test_nobody_there(self):
+        scene = self.write("scene.tessera", scenes.ONE_SPHERE)
+        result = self.run_program("render", scene, "--connect", "tcp://127.0.0.1:1")
+        self.assertEqual(3, result.code)
+        lines = result.err.splitlines()
+        self.assertIn("tcp://127.0.0.1:1", lines[-1])
+        self.assertLess(1, len(lines))
+        for line in lines[:-1]:
+            self.assertIn("waiting for the coordinator at tcp://127.0.0.1:1", line)
+
+
+class Terminal(TesseraTest):
+    def test_a_bar_fits_and_shows_no_job_of_no_tiles(self):
+        scene = self.write("scene.tessera", scenes.glass_scene())
+        child, terminal = pty.fork()
+        if child == 0:
+            os.chdir(self.folder)
+            fcntl.ioctl(1, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 40, 0, 0))
+            os.execve(PROGRAM, ["tessera", "render", str(scene), "--size", "640x480", "--spp", "4096",
+                                "--workers", "2"], self.environment())
+        shown = b""
+        try:
+            while part := os.read(terminal, 4096):
+                shown += part
+                if shown.count(b"\r\x1b[K") == 8:
+                    os.kill(child, signal.SIGINT)
+        except OSError:
+            pass  # the other end is closed
+        os.close(terminal)
+        self.assertEqual(4, os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), shown)
+        bars = shown.decode().split("\r\x1b[K")[1:-1]
+        self.assertGreater(len(bars), 6)
+        for bar in bars:
+            self.assertLess(len(bar), 40, bar)
+            self.assertNotIn("0/0", bar)
+
+
+class Compare(TesseraTest):
+    def test_where(self):
+        for name, at in (("a.ppm", None), ("b.ppm", [(2, 1, 30), (4, 3, 90)])):
+            pixels = bytearray(6 * 5 * 3)
+            for x, y, value in at or []:
+                pixels[3 * (6 * y + x)] = value
+            self.write(name, b"P6\n6 5\n255\n" + bytes(pixels))
+        shown = self.run_program("compare", "a.ppm", "b.ppm")
+        self.assertEqual(1, shown.code)
+        self.assertRegex(shown.out, r"differing pixels +2 of 30\n")
+        self.assertRegex(shown.out, r"all of them in +2,1,5,4\n")
+        self.assertRegex(shown.out, r"worst pixel +4,3: \(0, 0, 0\) and \(0\.3529\d+, 0, 0\)\n")
+        self.assertNotIn("worst", self.run_program("compare", "a.ppm", "a.ppm").out)
+
+    def test_missing(self):
+        self.write("a.ppm", b"P6\n1 1\n255\n\0\0\0")
+        self.assert_error(self.run_program("compare", "a.ppm", "aa.ppm"), 1,
+                          "aa.ppm: no such file; did you mean 'a.ppm'?")
+
+
+class Info(TesseraTest):
+    def test_what_it_lists(self):
+        scene = self.write("scene.tessera", scenes.SUN + scenes.material("red", "") +
+                           "nodes { shape { sphere { radius: 2 } } }\n")
+        found = json.loads(self.run_program("info", scene, "--json").out)
+        for key in found["counts"]:
+            self.assertRegex(key, "^[a-z_]+$")
+        self.assertEqual(1, found["counts"]["lights_directional"])
+        self.assertEqual(["red"], found["materials"])
+        for side, corner in (("min", -2), ("max", 2)):
+            for number in found["bounds"][side]:
+                self.assertAlmostEqual(corner, number)
+        shown = self.run_program("info", scene).out
+        self.assertRegex(shown, r"camera +none: from \(0, 0, 10\) along -z")
+        self.assertEqual(0, shown.count("bytes of blobs"))
+
+
+class Grammar(TesseraTest):
+    def test_one_of_a_kind(self):
+        scene = self.write("scene.tessera", "cameras { name: 'a' }\n" + scenes.SUN +
+                           "nodes { shape { sphere { } } }\n")
+        shown = self.run_program("render", scene, "--size", "8x8", "--workers", "1").out
+        self.assertRegex(shown, r"1 tile by 1 worker, 0 retries")
+        self.assertIn("1 sample per pixel", self.run_program("info", scene).out)
+        self.assertIn("1 camera:", self.run_program("render", scene, "--camera", "b").err)
+
+
+if __name__ == "__main__":
+    unittest.main()
