@@ -250,8 +250,14 @@ class RenderRun {
                                  .render_seconds = result.report.trace_seconds,
                                  .frame_width = static_cast<int>(settings.width()),
                                  .frame_height = static_cast<int>(settings.height())};
+    // A disk that is full for one may have room for another: nothing finished is thrown away.
+    std::optional<Error> failure;
     for (const auto& path : picture_paths(options_)) {
-      write_image(path_for(path, frame), result.film, output, metadata);
+      try {
+        write_image(path_for(path, frame), result.film, output, metadata);
+      } catch (const Error& error) {
+        if (!failure) failure = error;
+      }
     }
     FrameStatistics statistics{.scene_digest = scene_digest_,
                                .frame = settings,
@@ -273,6 +279,7 @@ class RenderRun {
         write_output_file(path_for(*options_.stats, frame), text);
       }
     }
+    if (failure) throw *failure;
     if (!options_.quiet && !stats_to_standard_output(options_)) {
       print_end(result, statistics, frame);
     }

@@ -16,6 +16,7 @@ struct CoordinatorOptions {
   Time lost_after = std::chrono::seconds(5);      ///< silence: its work is given to others
   Time lease = std::chrono::seconds(10);          ///< a tile without progress
   Time settle = std::chrono::milliseconds(2500);  ///< for what was sent to show in heartbeats
+  Time greeting = std::chrono::seconds(15);       ///< for a local process to say hello
   Time client_timeout = std::chrono::seconds(15);
   /// A second copy of a tile is issued no sooner than this after the first.
   Time speculate_after = std::chrono::milliseconds(100);

@@ -61,7 +61,9 @@ void remove_stale_folders(const std::filesystem::path& parent) {
 std::pair<std::string, int> make_private_folder() {
   std::error_code error;
   std::filesystem::path parent = std::filesystem::temp_directory_path(error);
-  if (error) parent = "/tmp";
+  // A socket's path has to be short.
+  constexpr size_t kLongestParent = 64;
+  if (error || parent.native().size() > kLongestParent) parent = "/tmp";
   remove_stale_folders(parent);
   // Another process may take it for a stale one before it is held.
   constexpr int kAttempts = 100;

@@ -44,7 +44,8 @@ CoordinatorOptions completed(CoordinatorOptions options, const ServerTransport& 
 RenderLoop::RenderLoop(std::unique_ptr<ServerTransport> transport,
                        const CoordinatorOptions& options)
     : transport_(std::move(transport)),
-      coordinator_(std::make_unique<Coordinator>(completed(options, *transport_))) {}
+      coordinator_(std::make_unique<Coordinator>(completed(options, *transport_))),
+      greeting_(options.greeting) {}
 
 RenderLoop::~RenderLoop() = default;
 
@@ -137,10 +138,23 @@ void RenderLoop::deliver() {
   }
 }
 
+void RenderLoop::kill_silent(Time now) {
+  std::map<pid_t, Time> silent;
+  for (const pid_t process : local_workers_->processes()) {
+    if (coordinator_->workers().knows_process(process)) continue;
+    const auto known = silent_since_.find(process);
+    const Time since = known == silent_since_.end() ? now : known->second;
+    silent.emplace(process, since);
+    if (now - since > greeting_) local_workers_->kill_stuck(process);
+  }
+  silent_since_ = std::move(silent);
+}
+
 void RenderLoop::attend_local_workers(Time now) {
   next_look_ = now + kLookAtProcesses;
   const uint64_t done = coordinator_->progress(now).tiles_done;
   if (done != std::exchange(tiles_done_, done)) local_workers_->note_progress();
+  kill_silent(now);
   for (const pid_t process : coordinator_->take_stuck_processes()) {
     local_workers_->kill_stuck(process);
   }

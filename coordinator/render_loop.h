@@ -1,6 +1,9 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <atomic>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -47,12 +50,16 @@ class RenderLoop {
   void receive();
   void deliver();
   void attend_local_workers(Time now);
+  /// Kills local workers that were stopped before they could say hello.
+  void kill_silent(Time now);
 
   std::unique_ptr<ServerTransport> transport_;
   std::unique_ptr<Coordinator> coordinator_;
   LocalWorkers* local_workers_ = nullptr;
-  Time next_look_{};         ///< at local workers
-  uint64_t tiles_done_ = 0;  ///< when last looked at
+  Time greeting_;                       ///< as in CoordinatorOptions
+  std::map<pid_t, Time> silent_since_;  ///< local workers that have not said hello
+  Time next_look_{};                    ///< at local workers
+  uint64_t tiles_done_ = 0;             ///< when last looked at
 };
 
 }  // namespace tessera

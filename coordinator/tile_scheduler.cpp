@@ -15,6 +15,7 @@ constexpr size_t kMaxLeasesOfTile = 2;
 constexpr uint64_t kTilesPerCopy = 20;
 constexpr uint64_t kFreeCopies = 4;
 constexpr double kStragglerFactor = 1.5;
+constexpr int kOverdueLeases = 3;
 constexpr size_t kDurationsKept = 1024;
 
 }  // namespace
@@ -91,7 +92,7 @@ std::optional<uint32_t> TileScheduler::next_pending(WorkerId worker, Time now) {
 }
 
 Time TileScheduler::straggler_age() const {
-  if (durations_.empty()) return Time::max();
+  if (durations_.empty()) return options_.lease;
   std::vector<Time> sorted = durations_;
   const auto p90 = sorted.begin() + static_cast<ptrdiff_t>(sorted.size() * 9 / 10);
   std::nth_element(sorted.begin(), p90, sorted.end());
@@ -103,7 +104,9 @@ std::optional<uint32_t> TileScheduler::next_straggler(WorkerId worker, Time now)
   if (live_.empty()) return std::nullopt;
   const bool within_budget =
       speculative_ < std::max<uint64_t>(kFreeCopies, tiles_.size() / kTilesPerCopy);
-  const Time age = within_budget ? straggler_age() : Time::max();
+  // Whoever reports progress for ever and sends nothing holds no tile back for good.
+  const Time overdue = kOverdueLeases * options_.lease;
+  const Time age = within_budget ? std::min(straggler_age(), overdue) : overdue;
   const Lease* slowest = nullptr;
   for (const auto& [id, lease] : live_) {
     const Tile& tile = tiles_[lease.tile];

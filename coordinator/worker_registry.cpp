@@ -11,7 +11,9 @@ namespace tessera {
 namespace {
 
 constexpr size_t kMaxText = 256;
-constexpr uint32_t kMaxCredit = 4096;
+constexpr uint32_t kMaxCredit = 1024;
+/// More than this at once are refused: ids cost nothing to make up.
+constexpr size_t kMaxWorkers = 16384;
 // Lost workers that are remembered, so that late results are known for whose they are.
 constexpr Time kForgetAfter = std::chrono::minutes(10);
 
@@ -20,6 +22,15 @@ v1::Reject rejected(v1::Reject::Reason reason, std::string text) {
   reject.set_reason(reason);
   reject.set_text(std::move(text));
   return reject;
+}
+
+/// The worker of a process of this host.
+template <typename Workers>
+auto find_process(Workers& workers, const std::string& host, pid_t process) {
+  return std::find_if(workers.begin(), workers.end(), [&](const auto& entry) {
+    const v1::Hello& hello = entry.second.hello;
+    return hello.process_id() == static_cast<uint32_t>(process) && hello.host() == host;
+  });
 }
 
 }  // namespace
@@ -56,6 +67,10 @@ std::optional<v1::Reject> WorkerRegistry::judge(const v1::Hello& hello) const {
 
 WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hello& hello,
                                                Time now) {
+  if (workers_.size() >= kMaxWorkers && !workers_.contains(hello.worker_id())) {
+    forget_lost();
+    if (workers_.size() >= kMaxWorkers) return {};
+  }
   const auto [it, inserted] = workers_.try_emplace(hello.worker_id());
   WorkerRecord& worker = it->second;
   if (inserted) {
@@ -82,6 +97,15 @@ WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hel
   return {&worker, anew};
 }
 
+void WorkerRegistry::forget_lost() {
+  std::erase_if(workers_, [this](const auto& entry) {
+    const WorkerRecord& worker = entry.second;
+    if (worker.state != WorkerState::lost) return false;
+    by_peer_.erase(worker.peer);
+    return true;
+  });
+}
+
 WorkerRecord* WorkerRegistry::by_id(WorkerId id) {
   const auto it = workers_.find(id);
   return it == workers_.end() ? nullptr : &it->second;
@@ -93,11 +117,12 @@ WorkerRecord* WorkerRegistry::by_peer(const PeerId& peer) {
 }
 
 WorkerRecord* WorkerRegistry::by_process(pid_t process) {
-  const auto it = std::find_if(workers_.begin(), workers_.end(), [&](const auto& entry) {
-    return entry.second.hello.process_id() == static_cast<uint32_t>(process) &&
-           entry.second.hello.host() == options_.host;
-  });
+  const auto it = find_process(workers_, options_.host, process);
   return it == workers_.end() ? nullptr : &it->second;
+}
+
+bool WorkerRegistry::knows_process(pid_t process) const {
+  return find_process(workers_, options_.host, process) != workers_.end();
 }
 
 bool WorkerRegistry::heard(WorkerRecord& worker, Time now) {

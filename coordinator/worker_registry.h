@@ -45,7 +45,7 @@ class WorkerRegistry {
   /// Why a hello cannot be accepted, or nothing.
   std::optional<v1::Reject> judge(const v1::Hello& hello) const;
   struct Greeting {
-    WorkerRecord* worker = nullptr;  ///< null: an old hello, to be ignored
+    WorkerRecord* worker = nullptr;  ///< null: to be ignored: an old hello, or one too many
     bool anew = false;               ///< the first of this session: what it held is forgotten
   };
   /// Registers a hello that judge() has nothing against.
@@ -55,6 +55,7 @@ class WorkerRegistry {
   WorkerRecord* by_id(WorkerId id);
   /// The worker in that process of this host.
   WorkerRecord* by_process(pid_t process);
+  bool knows_process(pid_t process) const;
 
   /// Any message counts as a sign of life. True if it was lost and is now back.
   bool heard(WorkerRecord& worker, Time now);
@@ -80,6 +81,7 @@ class WorkerRegistry {
 
  private:
   void count(WorkerRecord& worker);
+  void forget_lost();
 
   CoordinatorOptions options_;
   std::map<WorkerId, WorkerRecord> workers_;

@@ -63,6 +63,12 @@ void ImageCodec::start() {
 }
 
 void ImageCodec::start_locked() {
+  siginfo_t news{};
+  if (process_ &&
+      waitid(P_PID, static_cast<id_t>(process_), &news, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+      news.si_pid == process_) {
+    end_locked();
+  }
   if (process_) return;
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
@@ -114,12 +120,13 @@ std::optional<ImageCodec::Answer> ImageCodec::try_call(const ImageRequest& reque
 ImageCodec::Answer ImageCodec::call(ImageRequest request, std::string_view payload) {
   const std::lock_guard lock(mutex_);
   request.payload_bytes = payload.size();
-  if (auto answer = try_call(request, payload)) return *std::move(answer);
-  int status = end_locked();
-  // Who ended it from outside did not mean this file.
-  if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGKILL || WTERMSIG(status) == SIGTERM)) {
+  int status = 0;
+  for (int attempt = 0; attempt < 3; ++attempt) {
     if (auto answer = try_call(request, payload)) return *std::move(answer);
     status = end_locked();
+    // Who ended it from outside did not mean this file.
+    const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+    if (signal != SIGKILL && signal != SIGTERM) break;
   }
   throw render_error(fmt::format("the image codec ended over it with {}", how_it_ended(status)));
 }

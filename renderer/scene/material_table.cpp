@@ -45,7 +45,14 @@ uint32_t MaterialTable::use(const Where& where, const std::string& name) {
   }
   // Its own number is known by now, so that materials may name each other.
   if (materials_[index].sides == Sides::back_material) {
+    constexpr int kDeepest = 64;
+    if (depth_ >= kDeepest) {
+      fail_value(place, "backs of backs", fmt::format("{} deep", depth_ + 1),
+                 fmt::format("at most {}", kDeepest));
+    }
+    ++depth_;
     const uint32_t back = use(place, source->back());
+    --depth_;
     materials_[index].back = back;
   }
   return index;

@@ -37,6 +37,7 @@ class MaterialTable {
   std::unordered_map<const v1::Material*, uint32_t> used_;
   std::vector<Material> materials_;
   std::vector<MaterialInputs> inputs_;
+  int depth_ = 0;  ///< of backs within backs, in use()
 };
 
 }  // namespace tessera

@@ -9,6 +9,18 @@
 
 namespace tessera {
 
+namespace {
+
+// A look-up at an edge takes both sides: its cost doubles with every level.
+constexpr size_t kDeepest = 8;
+
+[[noreturn]] void fail_too_deep(const Where& place, size_t depth) {
+  fail_value(place, "checkers in checkers", fmt::format("{} deep", depth),
+             fmt::format("at most {}", kDeepest));
+}
+
+}  // namespace
+
 TextureTable::TextureTable(const v1::Scene& scene, const BlobStore& blobs)
     : scene_(scene), blobs_(blobs) {
   for (const v1::Texture& texture : scene.textures()) {
@@ -61,6 +73,8 @@ uint32_t TextureTable::use(const Where& where, const std::string& name) {
       out.image = read_image(place, in.image());
       break;
     case v1::Texture::kChecker:
+      // Before it goes down: the chain may be as long as the file.
+      if (active_.size() >= kDeepest) fail_too_deep(place, active_.size() + 1);
       active_.push_back(&in);
       out.kind = TextureKind::checker;
       out.odd = read(place, "checker.odd", in.checker().odd(), kBlack);
@@ -83,12 +97,8 @@ uint32_t TextureTable::use(const Where& where, const std::string& name) {
     facts.needs_uv |= facts_[part].needs_uv;
     facts.depth = std::max(facts.depth, facts_[part].depth + 1);
   }
-  // A look-up at an edge takes both sides: its cost doubles with every level.
-  constexpr int kDeepest = 8;
-  if (facts.depth > kDeepest) {
-    fail_value(place, "checkers in checkers", std::to_string(facts.depth) + " deep",
-               fmt::format("at most {}", kDeepest));
-  }
+  const auto depth = static_cast<size_t>(facts.depth);
+  if (depth > kDeepest) fail_too_deep(place, depth);
   facts_.push_back(facts);
   textures_.push_back(std::move(out));
   used_.emplace(&in, index);

@@ -1,7 +1,12 @@
 // A real worker process that traces the fake renderer: what LocalWorkers starts in tests.
+#include <signal.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
 #include <thread>
@@ -39,6 +44,11 @@ int main(int argc, char** argv) {
   for (int i = 2; i + 1 < argc; i += 2) options[argv[i]] = argv[i + 1];
   if (options.contains("--fail")) return 9;
   if (!die_with_parent(std::atoi(options["--parent"].c_str()))) return 8;
+  // The first to come stops before its hello.
+  if (options.contains("--stop-once") && !std::filesystem::exists(options["--stop-once"])) {
+    std::ofstream(options["--stop-once"]) << getpid();
+    raise(SIGSTOP);
+  }
   WorkerOptions worker;
   worker.threads = std::atoi(options["--threads"].c_str());
   const int pause = std::atoi(options["--pause"].c_str());

@@ -67,6 +67,24 @@ TEST(LocalWorkers, RenderAndLeaveNothingBehind) {
   EXPECT_FALSE(std::filesystem::exists(folder));
 }
 
+TEST(LocalWorkers, OneStoppedBeforeItsHelloIsReplaced) {
+  std::string mark = (std::filesystem::temp_directory_path() / "tessera-stop-XXXXXX").string();
+  ASSERT_NE(mkdtemp(mark.data()), nullptr);
+  LocalWorkerOptions options = fake_workers(1, 0);
+  options.extra_arguments.insert(options.extra_arguments.end(), {"--stop-once", mark + "/mark"});
+  CoordinatorOptions times;
+  times.greeting = milliseconds(300);
+  {
+    Farm farm(options, times);
+    const JobSpec job = make_job(64, 64, 16);
+    const JobResult result = farm.render(job, nullptr);
+    EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+    EXPECT_TRUE(std::filesystem::exists(mark + "/mark"));
+    farm.loop.shut_down("done");
+  }
+  std::filesystem::remove_all(mark);
+}
+
 TEST(LocalWorkers, KilledOnesAreReplacedAndThePictureIsTheSame) {
   for (uint64_t seed = 1; seed <= 6; ++seed) {
     std::mt19937_64 random(seed);

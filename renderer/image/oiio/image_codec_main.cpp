@@ -170,7 +170,11 @@ Answer decode(const std::string& path) {
                                                                     : OIIO::TypeDesc::FLOAT;
   const int channels = std::min(spec.nchannels, 4);
   Answer answer{{spec.width, spec.height, channels, static_cast<int>(type.basesize()) * 8}, {}};
-  if (!input->read_image(0, 0, 0, channels, type, make_room(answer))) fail(input->geterror());
+  void* const texels = make_room(answer);
+  // Some readers fill in what a truncated file lacks, and merely say so.
+  if (!input->read_image(0, 0, 0, channels, type, texels) || input->has_error()) {
+    fail(input->geterror());
+  }
   return answer;
 }
 
@@ -219,6 +223,7 @@ bool serve_one(ImageChannel& channel) {
   } catch (const std::exception& error) {
     cause = error.what();
     if (cause.empty()) cause = "OpenImageIO does not tell why";
+    std::replace(cause.begin(), cause.end(), '\n', ' ');
   }
   if (!cause.empty()) return channel.send(ImageReply{0, {}, cause.size()}, cause);
   const ImageReply reply{1, answer.layout, answer.payload.size()};

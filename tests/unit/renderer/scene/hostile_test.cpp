@@ -29,6 +29,33 @@ constexpr char kSeed[] = R"(
   nodes { shape { mesh { inline_positions: [0,0,0, 1,0,0, 0,1,0, 1,1,1] inline_triangles: [0,1,2, 1,3,2] } } }
   nodes { shape { plane {} } })";
 
+std::string error_of(const std::string& text) {
+  try {
+    make_tile_renderer(parse_scene(text), {}, frame_of(2, 2), 1);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Hostile, endless_chains_are_refused_before_they_fill_the_stack) {
+  std::string textures = "textures { name: 't0' checker {} }\n";
+  std::string materials = "materials { name: 'm0' unlit {} }\n";
+  for (int i = 1; i < 50000; ++i) {
+    textures += "textures { name: 't" + std::to_string(i) + "' checker { odd { texture: 't" +
+                std::to_string(i - 1) + "' } } }\n";
+    materials += "materials { name: 'm" + std::to_string(i) +
+                 "' unlit {} sides: BACK_MATERIAL back: 'm" + std::to_string(i - 1) + "' }\n";
+  }
+  EXPECT_NE(error_of(textures + "materials { name: 'a' unlit { color { texture: 't49999' } } }"
+                                "nodes { shape { materials: 'a' sphere {} } }")
+                .find("at most 8"),
+            std::string::npos);
+  EXPECT_NE(
+      error_of(materials + "nodes { shape { materials: 'm49999' sphere {} } }").find("at most 64"),
+      std::string::npos);
+}
+
 TEST(Hostile, damaged_descriptions_are_refused_or_traced) {
   const std::string good = parse_scene(kSeed).SerializeAsString();
   std::mt19937 random(1);
