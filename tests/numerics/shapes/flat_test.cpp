@@ -7,9 +7,9 @@
 #include "renderer/shapes/convex_polygon.h"
 #include "renderer/shapes/disc.h"
 #include "renderer/shapes/half_plane.h"
-#include "tests/numerics/stress.h"
+#include "tests/numerics/support.h"
 
-namespace tessera::stress {
+namespace tessera::numerics {
 namespace {
 
 struct Flat {
@@ -83,7 +83,7 @@ TEST(N05, FlatShapesAreHitWhereQuadPrecisionSaysSo) {
   int64_t hits = 0, misses = 0, in_band = 0;
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     Random random(5, seed);
-    for (int64_t i = 0; i < count(500000); ++i) {
+    for (int64_t i = 0; i < ray_count(500000); ++i) {
       const Flat flat = make_flat(static_cast<int>(i % 4), random);
       const Vec3 n =
           normalize(Vec3{static_cast<double>(flat.normal.x), static_cast<double>(flat.normal.y),
@@ -141,4 +141,4 @@ TEST(N05, FlatShapesAreHitWhereQuadPrecisionSaysSo) {
 }
 
 }  // namespace
-}  // namespace tessera::stress
+}  // namespace tessera::numerics

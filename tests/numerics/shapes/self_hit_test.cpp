@@ -8,10 +8,13 @@
 #include "renderer/shapes/frustum.h"
 #include "renderer/shapes/half_plane.h"
 #include "renderer/shapes/torus.h"
-#include "tests/numerics/stress.h"
+#include "tests/numerics/support.h"
 
-namespace tessera::stress {
+namespace tessera::numerics {
 namespace {
+
+using N11 = Shard;
+INSTANTIATE_TEST_SUITE_P(Seed, N11, kSeeds);
 
 Transform random_transform(Random& random, double exponent) {
   const double scale = std::abs(random.power(-exponent, exponent));
@@ -73,7 +76,7 @@ TEST(N10, FlatShapesDoNotHitThemselves) {
   int64_t tested = 0, self_hits = 0;
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     Random random(10, seed);
-    for (int64_t i = 0; i < count(1250000); ++i) {
+    for (int64_t i = 0; i < ray_count(1250000); ++i) {
       const double exponents[] = {0.5, 2, 4, 6, 8};
       const double e = exponents[random.below(5)];
       const Point3 a = sliver_scale(random, e), b = sliver_scale(random, e),
@@ -121,14 +124,14 @@ TEST(N10, FlatShapesDoNotHitThemselves) {
     }
   }
   EXPECT_EQ(self_hits, 0);
-  EXPECT_GT(tested, count(2000000));
+  EXPECT_GT(tested, ray_count(2000000));
 }
 
 TEST(N11, RoundSolidsDoNotHitThemselvesNorLoseTheFarWall) {
   int64_t outward_rays = 0, inward_rays = 0, self_hits = 0, lost = 0;
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     Random random(11, seed);
-    for (int64_t i = 0; i < count(1250000); ++i) {
+    for (int64_t i = 0; i < ray_count(1250000); ++i) {
       const double r = std::abs(random.power(-3, 3)), h = r * std::abs(random.power(-2, 2));
       Instance instance;
       const int kind = random.below(3);
@@ -159,7 +162,7 @@ TEST(N11, RoundSolidsDoNotHitThemselvesNorLoseTheFarWall) {
   }
   EXPECT_EQ(self_hits, 0);
   EXPECT_EQ(lost, 0);
-  EXPECT_GT(outward_rays, count(3000000));
+  EXPECT_GT(outward_rays, ray_count(3000000));
 }
 
 Quad torus_distance(double minor, const Ray& ray, Quad t) {
@@ -168,50 +171,48 @@ Quad torus_distance(double minor, const Ray& ray, Quad t) {
   return sqrtq(ring * ring + p.y * p.y) - minor;
 }
 
-TEST(N11, ToriDoNotHitThemselvesNorLoseTheFarWall) {
+TEST_P(N11, ToriDoNotHitThemselvesNorLoseTheFarWall) {
   const double minors[] = {1e-4, 0.01, 0.25, 0.9, 1, 1.5};
   int64_t tested = 0, self_hits = 0, lost = 0, wrong_side = 0;
-  for (uint64_t seed = 1; seed <= 8; ++seed) {
-    Random random(12, seed);
-    for (int64_t i = 0; i < count(1250000); ++i) {
-      const double minor = minors[random.below(6)];
-      Instance instance;
-      instance.shape = std::make_shared<Torus>(1, minor);
-      if (random.next() & 1) instance.world_from_object = random_transform(random, 4);
-      const double turn = random.uniform(0, 6.3);
-      const Point3 target = Point3{std::cos(turn), 0, std::sin(turn)} +
-                            random.direction() * (minor * random.uniform(0, 1));
-      const Ray ray = aimed(instance, target, random);
-      Hit hit;
-      if (!hit_of(instance, ray, hit)) continue;
-      const SurfaceInteraction s = surface_at({&instance, 1}, ray, hit);
-      const Vec3 n = static_cast<Vec3>(s.geometric_normal);
-      ++tested;
-      Hit again;
-      const Ray out = spawn_ray(s, leaving(n, true, random));
-      const Ray local = to_local(instance, out);
-      if (!(torus_distance(minor, local, 0) > 0)) ++wrong_side;
-      // A torus can be met again from outside; then the line is inside beyond the hit.
-      if (hit_of(instance, out, again)) {
-        bool inside = false;
-        for (const double beyond : {1 + 1e-9, 1.001, 2.0, 10.0})
-          inside |= torus_distance(minor, local, Quad(again.t) * beyond) < 0;
-        if (!inside) ++self_hits;
-      }
-      const Ray in = spawn_ray(s, leaving(n, false, random));
-      if (!(torus_distance(minor, to_local(instance, in), 0) < 0)) ++wrong_side;
-      if (!hit_of(instance, in, again)) ++lost;
+  Random random(12, seed());
+  for (int64_t i = 0; i < ray_count(1250000); ++i) {
+    const double minor = minors[random.below(6)];
+    Instance instance;
+    instance.shape = std::make_shared<Torus>(1, minor);
+    if (random.next() & 1) instance.world_from_object = random_transform(random, 4);
+    const double turn = random.uniform(0, 6.3);
+    const Point3 target = Point3{std::cos(turn), 0, std::sin(turn)} +
+                          random.direction() * (minor * random.uniform(0, 1));
+    const Ray ray = aimed(instance, target, random);
+    Hit hit;
+    if (!hit_of(instance, ray, hit)) continue;
+    const SurfaceInteraction s = surface_at({&instance, 1}, ray, hit);
+    const Vec3 n = static_cast<Vec3>(s.geometric_normal);
+    ++tested;
+    Hit again;
+    const Ray out = spawn_ray(s, leaving(n, true, random));
+    const Ray local = to_local(instance, out);
+    if (!(torus_distance(minor, local, 0) > 0)) ++wrong_side;
+    // A torus can be met again from outside; then the line is inside beyond the hit.
+    if (hit_of(instance, out, again)) {
+      bool inside = false;
+      for (const double beyond : {1 + 1e-9, 1.001, 2.0, 10.0})
+        inside |= torus_distance(minor, local, Quad(again.t) * beyond) < 0;
+      if (!inside) ++self_hits;
     }
+    const Ray in = spawn_ray(s, leaving(n, false, random));
+    if (!(torus_distance(minor, to_local(instance, in), 0) < 0)) ++wrong_side;
+    if (!hit_of(instance, in, again)) ++lost;
   }
   EXPECT_EQ(self_hits, 0);
   EXPECT_EQ(lost, 0);
   EXPECT_EQ(wrong_side, 0);
-  EXPECT_GT(tested, count(2000000));
+  EXPECT_GT(tested, ray_count(2000000 / kShards));
 }
 
 TEST(N12, BothSidesOfAThinGapAreSeenInOrder) {
   Random random(12);
-  for (int64_t i = 0; i < count(1000000); ++i) {
+  for (int64_t i = 0; i < ray_count(1000000); ++i) {
     const double scale = std::pow(10.0, 3 * (random.below(3) - 1));
     const double gap = std::pow(10.0, random.uniform(-13, -1));
     // Two coaxial cylinders and two parallel discs.
@@ -244,4 +245,4 @@ TEST(N12, BothSidesOfAThinGapAreSeenInOrder) {
 }
 
 }  // namespace
-}  // namespace tessera::stress
+}  // namespace tessera::numerics
