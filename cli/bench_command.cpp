@@ -48,6 +48,7 @@ void add_bench_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("bench", "Measure this program on this machine");
   command->require_subcommand(1);
   add_tracing_benches(*command, action);
+  add_precision_and_growth_benches(*command, action);
   CLI::App* farm = command->add_subcommand("farm", "What distribution costs");
   farm->footer(
       "Pairs are measured in turns; seconds are medians, ratios medians of the pairs' ratios.\n"
