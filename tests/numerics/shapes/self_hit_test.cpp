@@ -7,6 +7,7 @@
 #include "renderer/shapes/disc.h"
 #include "renderer/shapes/frustum.h"
 #include "renderer/shapes/half_plane.h"
+#include "renderer/shapes/sphere.h"
 #include "renderer/shapes/torus.h"
 #include "tests/numerics/support.h"
 
@@ -215,7 +216,8 @@ TEST(N12, BothSidesOfAThinGapAreSeenInOrder) {
   for (int64_t i = 0; i < ray_count(1000000); ++i) {
     const double scale = std::pow(10.0, 3 * (random.below(3) - 1));
     const double gap = std::pow(10.0, random.uniform(-13, -1));
-    // Two coaxial cylinders and two parallel discs.
+    // Two coaxial cylinders, two concentric spheres and two parallel discs.
+    const Sphere small({0, 0, 0}, scale), large({0, 0, 0}, (1 + gap) * scale);
     const Cylinder inner(scale, 4 * scale), outer((1 + gap) * scale, 4 * scale);
     const Disc low({0, 0, 0}, {0, 0, 1}, 4 * scale),
         high({0, 0, gap * scale}, {0, 0, 1}, 4 * scale);
@@ -224,7 +226,9 @@ TEST(N12, BothSidesOfAThinGapAreSeenInOrder) {
     const Vec3 e = normalize(Vec3{random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), -1});
     const Ray down{Point3{} - e * (random.uniform(1, 5) * scale), e};
     TraversalCounters counters;
-    Hit a, b, c, f;
+    Hit a, b, c, f, g, h;
+    ASSERT_TRUE(small.closest_hit(ray, g, counters) && large.closest_hit(ray, h, counters));
+    ASSERT_LE(h.t, g.t + 4 * kUnitRoundoff * g.t);
     ASSERT_TRUE(inner.closest_hit(ray, a, counters) && outer.closest_hit(ray, b, counters));
     ASSERT_TRUE(low.closest_hit(down, c, counters) && high.closest_hit(down, f, counters));
     const double resolved = 64 * kUnitRoundoff * 6;
@@ -233,6 +237,7 @@ TEST(N12, BothSidesOfAThinGapAreSeenInOrder) {
     if (gap >= resolved) {
       ASSERT_LT(b.t, a.t) << "gap " << gap;
       ASSERT_LT(f.t, c.t) << "gap " << gap;
+      ASSERT_LT(h.t, g.t) << "gap " << gap;
       // A ray that leaves the inner one outward meets the outer one from inside.
       const Instance instance{std::make_shared<Cylinder>(inner), {}};
       const SurfaceInteraction s = to_world(inner.surface(ray, a), {}, false, 0);
