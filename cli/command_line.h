@@ -23,6 +23,7 @@ void add_compare_command(CLI::App& app, Action& action);
 void add_bench_command(CLI::App& app, Action& action);
 /// The kinds of `bench` that trace: rays and octree.
 void add_tracing_benches(CLI::App& bench, Action& action);
+void add_precision_and_growth_benches(CLI::App& bench, Action& action);
 
 /// Parses and runs; prints the error, if any, to standard error. Never throws.
 ExitCode run_command_line(int argc, const char* const* argv);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <memory>
 
 #include "base/file.h"
@@ -11,9 +12,15 @@
 #include "cli/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
 #include "scenes/formats/read_scene.h"
+#include "scenes/generate/generate_scene.h"
 
 namespace tessera {
 namespace {
+
+/// "forest:10000", and no file of that name.
+bool is_generated(const std::string& input) {
+  return input.find(':') != std::string::npos && !std::filesystem::exists(input);
+}
 
 struct ConvertOptions {
   std::string input, output;
@@ -28,7 +35,9 @@ ExitCode convert(const ConvertOptions& options) {
                     options.output));
   }
   check_output_file(options.output, "OUT");
-  const LoadedScene loaded = read_scene(options.input, options.reading);
+  const LoadedScene loaded = is_generated(options.input)
+                                 ? generate_scene(options.input)
+                                 : read_scene(options.input, options.reading);
   for (const std::string& warning : loaded.warnings) {
     say(stderr, "tessera: warning: {}\n", warning);
   }
@@ -46,8 +55,14 @@ void add_convert_command(CLI::App& app, Action& action) {
       "  .tessera   text, to read and edit      .tesserab  binary, small and fast      .json\n"
       "Examples:\n"
       "  tessera convert bunny.obj bunny.tessera\n"
-      "  tessera convert bunny.tessera bunny.json");
-  command->add_option("IN", options->input, "The scene to read")->required()->type_name("FILE");
+      "  tessera convert bunny.tessera bunny.json\n"
+      "  tessera convert forest:10000 forest.tesserab");
+  command
+      ->add_option("IN", options->input,
+                   fmt::format("The scene to read; or one to make, as NAME:NUMBER, of {}",
+                               fmt::join(generated_scene_names(), ", ")))
+      ->required()
+      ->type_name("FILE");
   command->add_option("OUT", options->output, "The file to write")->required()->type_name("FILE");
   add_place_option(*command, options->reading.placements);
   add_read_options(*command, options->reading);

@@ -145,8 +145,9 @@ class TriangleTester {
     const auto t = hn::Mul(s.scaled_t, inverse_det);
     const auto max_x = largest(s.ax, s.bx, s.cx), max_y = largest(s.ay, s.by, s.cy);
     const auto max_z = largest(s.az, s.bz, s.cz), max_e = largest(s.u, s.v, s.w);
-    const auto delta_x = scaled(gamma(5), hn::Add(max_x, max_z));
-    const auto delta_y = scaled(gamma(5), hn::Add(max_y, max_z));
+    const auto max_depth = scaled(ray_.depth, max_z);
+    const auto delta_x = scaled(gamma(5), hn::Add(max_x, max_depth));
+    const auto delta_y = scaled(gamma(5), hn::Add(max_y, max_depth));
     const auto delta_z = scaled(gamma(3), max_z);
     const auto delta_e =
         scaled(2, hn::Add(scaled(gamma(2), hn::Mul(max_x, max_y)),

@@ -77,7 +77,7 @@ ShearedTriangle sheared(const ProjectedVertex& a, const ProjectedVertex& b,
 }
 
 /// Where the line crosses the triangle that it is known to cross.
-SolidEvent crossing_of(const ShearedTriangle& s) {
+SolidEvent crossing_of(const TriangleRay& ray, const ShearedTriangle& s) {
   const double near = std::min(s.az, std::min(s.bz, s.cz));
   const double far = std::max(s.az, std::max(s.bz, s.cz));
   const double rounding = gamma(6) * std::max(std::abs(near), std::abs(far));
@@ -86,7 +86,7 @@ SolidEvent crossing_of(const ShearedTriangle& s) {
   if (det == 0) return e;  // seen edge-on
   const double inverse = 1 / det;
   const double t = (s.u * s.az + s.v * s.bz + s.w * s.cz) * inverse;
-  const double error = t_error(s, inverse);
+  const double error = t_error(ray, s, inverse);
   e.u = s.v * inverse;
   e.v = s.w * inverse;
   if (!std::isfinite(t)) return e;
@@ -199,7 +199,7 @@ void ClosedMesh::crossings(const Ray& ray, const RayError& error,
     const ProjectedVertex pa = project(frame, a), pb = project(frame, b), pc = project(frame, c);
     const int side = edge_side(pa, pb);
     if (side == 0 || edge_side(pb, pc) != side || edge_side(pc, pa) != side) return;
-    SolidEvent e = crossing_of(sheared(pa, pb, pc));
+    SolidEvent e = crossing_of(frame, sheared(pa, pb, pc));
     const Vec3 n = cross(b - a, c - a);
     const double lean = std::abs(dot(n, ray.direction));
     if (lean > 0) e.error += crossing_depth(n, e.t, error, 0) / lean;

@@ -20,6 +20,7 @@ struct TriangleRay {
   int kx, ky, kz;     ///< axes after the permutation that makes z the longest and keeps the winding
   Point3 origin;      ///< permuted
   double sx, sy, sz;  ///< shear and scale
+  double depth;       ///< the direction's length along z: metres per unit of t
   double t_min, t_max;
   const Ray& ray;
 
@@ -55,6 +56,7 @@ inline TriangleRay::TriangleRay(const Ray& r) : t_min(r.t_min), t_max(r.t_max), 
   kx = kAxes[2 * kz + backward][0];
   ky = kAxes[2 * kz + backward][1];
   origin = {o[kx], o[ky], o[kz]};
+  depth = std::abs(d[kz]);
   sz = 1 / d[kz];
   sx = d[kx] * sz;
   sy = d[ky] * sz;
@@ -80,8 +82,9 @@ inline ShearedTriangle shear(const TriangleRay& ray, const Point3& a, const Poin
 
 /// Bound on the error of t (PBRT 4ed, 6.8.7), relative to 1/|det|: the hit counts only if t is
 /// above it. Else a ray that starts on a sliver could hit it again, however far its origin was
-/// moved.
-inline double t_error(const ShearedTriangle& s, double inverse_det) {
+/// moved. PBRT's rays are of about unit length; ours of any, so that x and y are in metres where z
+/// is in units of t.
+inline double t_error(const TriangleRay& ray, const ShearedTriangle& s, double inverse_det) {
   const auto largest = [](double a, double b, double c) {
     return std::max(std::max(std::abs(a), std::abs(b)), std::abs(c));
   };
@@ -89,8 +92,9 @@ inline double t_error(const ShearedTriangle& s, double inverse_det) {
   const double max_y = largest(s.ay, s.by, s.cy);
   const double max_z = largest(s.az, s.bz, s.cz);
   const double max_e = largest(s.u, s.v, s.w);
-  const double delta_x = gamma(5) * (max_x + max_z);
-  const double delta_y = gamma(5) * (max_y + max_z);
+  const double max_depth = max_z * ray.depth;
+  const double delta_x = gamma(5) * (max_x + max_depth);
+  const double delta_y = gamma(5) * (max_y + max_depth);
   const double delta_z = gamma(3) * max_z;
   const double delta_e = 2 * (gamma(2) * (max_x * max_y) + (delta_y * max_x + delta_x * max_y));
   return 3 * (gamma(3) * (max_e * max_z) + (delta_e * max_z + delta_z * max_e)) *
@@ -118,7 +122,7 @@ inline bool finish_triangle(const TriangleRay& ray, ShearedTriangle& s, Corners&
   if (cull != Cull::none && (cull == Cull::back ? det < 0 : det > 0)) return false;
   const double inverse_det = 1 / det;
   double t = (s.u * s.az + s.v * s.bz + s.w * s.cz) * inverse_det;
-  const double error = t_error(s, inverse_det);
+  const double error = t_error(ray, s, inverse_det);
   if (!(error <= t * 0x1p-30)) [[unlikely]] {
     if (!settle_uncertain_t(ray, s, corners(), error, t)) return false;
   }

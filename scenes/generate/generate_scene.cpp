@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "base/error.h"
+#include "scenes/generate/generate_forest.h"
 #include "scenes/generate/random.h"
 
 namespace tessera {
@@ -105,8 +106,9 @@ struct Kind {
 };
 
 constexpr std::array kKinds{
-    Kind{"icosphere", 0, 10, 5, icosphere_scene}, Kind{"soup", 1, 50'000'000, 100'000, soup_scene},
-    Kind{"spheres", 1, 100, 10, sphere_grid}, Kind{"uvsphere", 3, 5'000, 200, uv_sphere_scene}};
+    Kind{"forest", 1, 1'000'000, 10'000, forest}, Kind{"icosphere", 0, 10, 5, icosphere_scene},
+    Kind{"soup", 1, 50'000'000, 100'000, soup_scene}, Kind{"spheres", 1, 100, 10, sphere_grid},
+    Kind{"uvsphere", 3, 5'000, 200, uv_sphere_scene}};
 
 }  // namespace
 

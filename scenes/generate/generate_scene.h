@@ -23,9 +23,9 @@ MeshData diamond();
 /// Names and parameters of the scenes that generate_scene makes, for help texts.
 std::vector<std::string> generated_scene_names();
 
-/// A procedural scene from text as "icosphere:5", "soup:100000", "spheres:10" or "uvsphere:200",
-/// with a camera and lights. The same text gives the same bytes everywhere. Throws usage_error for
-/// an unknown name or a number out of its range.
+/// A procedural scene from text as "icosphere:5", "soup:100000", "spheres:10", "uvsphere:200" or
+/// "forest:10000", with a camera and lights. The same text gives the same bytes everywhere. Throws
+/// usage_error for an unknown name or a number out of its range.
 LoadedScene generate_scene(std::string_view what);
 
 }  // namespace tessera

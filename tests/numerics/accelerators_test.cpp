@@ -1,23 +1,13 @@
 // N15, N16, N18, N20: every accelerator gives the bits of the linear scan.
+#include "tests/numerics/accelerators.h"
 #include "bench/generated_meshes.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/shapes/box.h"
 #include "renderer/shapes/plane.h"
 #include "renderer/shapes/sphere.h"
-#include "tests/numerics/support.h"
 
 namespace tessera::numerics {
 namespace {
-
-std::vector<Vec3> axis_directions() {
-  std::vector<Vec3> all;
-  const double parts[4] = {0.0, -0.0, 1.0, -1.0};
-  for (const double x : parts)
-    for (const double y : parts)
-      for (const double z : parts)
-        if (x != 0 || y != 0 || z != 0) all.push_back({x, y, z});
-  return all;
-}
 
 TriangleMesh grid_of_boxes(int n) {
   TriangleMesh mesh;
@@ -62,7 +52,7 @@ TEST(N15, AxisParallelRaysInFacesEdgesAndCorners) {
 TEST(N16, WhatIsNotANumberHitsNothingAndSpreadsNowhere) {
   const double inf = Bounds3::kInfinity, nan = std::nan("");
   const double odd[] = {nan, inf, -inf, 1e308, -1e308, 0, 1e-310};
-  Pcg32 random(1, 16);
+  Random random(16, 1);
   const auto mesh = std::make_shared<const TriangleMesh>(icosphere(2));
   const Accelerators meshes = Accelerators::over(mesh);
   const std::shared_ptr<const Shape> shape = make_mesh_shape(mesh, AcceleratorKind::bvh, 1);
@@ -75,7 +65,7 @@ TEST(N16, WhatIsNotANumberHitsNothingAndSpreadsNowhere) {
     Ray ray{Point3{} + random.in_cube(1), random.direction()};
     double* parts[8] = {&ray.origin.x,    &ray.origin.y,    &ray.origin.z, &ray.direction.x,
                         &ray.direction.y, &ray.direction.z, &ray.t_min,    &ray.t_max};
-    for (uint32_t k = 0; k <= random.below(3); ++k) *parts[random.below(8)] = odd[random.below(7)];
+    for (int k = 0; k <= random.below(3); ++k) *parts[random.below(8)] = odd[random.below(7)];
     EXPECT_EQ(disagreements(meshes, ray), 0) << describe(ray) << ray.t_min << " " << ray.t_max;
     EXPECT_EQ(disagreements(instances, ray), 0) << describe(ray) << ray.t_min << " " << ray.t_max;
     Hit hit;
@@ -104,7 +94,7 @@ TEST(N16, BadTrianglesAreDroppedAndCounted) {
   EXPECT_EQ(mesh.triangles.size(), good);
 }
 
-void add_triangle(TriangleMesh& mesh, Pcg32& random, const Vec3& at, double size) {
+void add_triangle(TriangleMesh& mesh, Random& random, const Vec3& at, double size) {
   const auto base = static_cast<uint32_t>(mesh.positions.size());
   for (int k = 0; k < 3; ++k) {
     const Vec3 p = at + random.in_cube(size);
@@ -122,7 +112,7 @@ void expect_sound_tree(TriangleMesh mesh, const char* name, double spread, int r
     EXPECT_LE(all.all[i]->statistics().depth, WideTree::kMaxDepth) << name;
     EXPECT_LE(all.all[i]->statistics().nodes, shared->triangles.size() + 1) << name;
   }
-  Pcg32 random(1, 18);
+  Random random(18, 1);
   int wrong = 0;
   for (int i = 0; i < rays; ++i) {
     const Point3 origin = Point3{} + random.in_cube(spread);
@@ -132,7 +122,7 @@ void expect_sound_tree(TriangleMesh mesh, const char* name, double spread, int r
 }
 
 TEST(N18, DegenerateInputBuildsABoundedTree) {
-  Pcg32 random(1, 18);
+  Random random(18, 1);
   TriangleMesh same;
   for (int i = 0; i < 100000; ++i) {
     if (i == 0) add_triangle(same, random, {}, 1);
@@ -172,7 +162,7 @@ TEST(N18, TreesDoNotDependOnThreads) {
   const MeshBvh one(mesh, 1), three(mesh, 3);
   EXPECT_EQ(one.statistics().nodes, three.statistics().nodes);
   EXPECT_EQ(one.statistics().bytes, three.statistics().bytes);
-  Pcg32 random(1, 118);
+  Random random(118, 1);
   TraversalCounters a, b;
   for (int i = 0; i < 2000; ++i) {
     const Ray ray{Point3{} + random.in_cube(2), random.direction()};
@@ -198,79 +188,18 @@ TEST(N18, AnEmptySceneHitsNothing) {
       make_instance_accelerator(hollow, AcceleratorKind::bvh, 2)->closest_hit(ray, hit, counters));
 }
 
-Transform random_placement(Pcg32& random) {
-  Affine a;
-  do {
-    for (auto& row : a.m)
-      for (double& entry : row) entry = random.between(-1, 1);
-  } while (std::abs(a.determinant()) < 0.02);
-  for (auto& row : a.m) row[3] *= 6;
-  return Transform(a);
-}
-
-std::vector<Instance> random_scene(Pcg32& random) {
-  std::vector<std::shared_ptr<const Shape>> shapes{
-      make_mesh_shape(std::make_shared<TriangleMesh>(icosphere(1)), AcceleratorKind::bvh, 1),
-      make_mesh_shape(std::make_shared<TriangleMesh>(triangle_soup(60, random.next())),
-                      AcceleratorKind::bvh, 1),
-      std::make_shared<Sphere>(Point3{0.3, 0, 0}, 1.0), std::make_shared<Plane>(Vec3{0, 1, 0}, -8),
-      std::make_shared<Box>(Bounds3{{-1, -1, -1}, {1, 1, 1}})};
-  std::vector<Instance> scene;
-  const uint32_t count = 1 + random.below(40);
-  for (uint32_t i = 0; i < count; ++i) {
-    Instance& added = scene.emplace_back();
-    added.shape = shapes[random.below(20) == 0 ? 3 : random.below(4) == 3 ? 4 : random.below(3)];
-    // Whole-numbered places make many exact ties.
-    if (random.below(2)) {
-      added.world_from_object = Transform(translation(
-          {random.below(5) * 2.0 - 4, random.below(5) * 2.0 - 4, random.below(5) * 2.0 - 4}));
-    } else {
-      added.world_from_object = random_placement(random);
-    }
-    added.casts_shadow = random.below(8) != 0;
-    added.cull = random.below(6) == 0   ? Cull::back
-                 : random.below(6) == 0 ? Cull::front
-                                        : Cull::none;
-    added.flip_normals = random.below(8) == 0;
-  }
-  return scene;
-}
-
-TEST(N20, AcceleratorsAgreeToTheLastBitOnMixedScenes) {
-  const std::vector<Vec3> axes = axis_directions();
-  for (uint64_t seed = 1; seed <= 60; ++seed) {
-    Pcg32 random(seed, 20);
-    const std::vector<Instance> scene = random_scene(random);
-    const Accelerators all = Accelerators::over(scene);
-    int wrong = 0;
-    for (int i = 0; i < 600; ++i) {
-      Ray ray{Point3{} + random.in_cube(8), random.direction()};
-      if (i % 3 == 0) {
-        ray.origin = {random.below(17) * 1.0 - 8, random.below(17) * 1.0 - 8,
-                      random.below(17) * 1.0 - 8};
-        ray.direction = axes[random.below(static_cast<uint32_t>(axes.size()))];
-      }
-      if (random.below(4) == 0) ray.cull = random.below(2) ? Cull::back : Cull::front;
-      if (random.below(4) == 0) ray.t_max = random.between(0, 10);
-      if (random.below(4) == 0) ray.t_min = random.between(0, 5);
-      wrong += disagreements(all, ray);
-    }
-    EXPECT_EQ(wrong, 0) << "seed " << seed << " stream 20";
-  }
-}
-
 TEST(N20, AcceleratorsAgreeOnTrianglesSeenEdgeOn) {
   size_t hits = 0;
   for (uint64_t seed = 1; seed <= 60; ++seed) {
-    Pcg32 random(seed, 120);
+    Random random(120, seed);
     // Far apart, so that none hides another; every second one a sliver. Now and then enough of them
     // for an octree to cut them up.
     TriangleMesh mesh;
     const int count = seed % 6 == 0 ? 300 : 12;
     for (int i = 0; i < count; ++i) {
       const Vec3 a = random.in_cube(1) + Vec3{i * 7.0, 0, 0}, b = a + random.in_cube(1);
-      const Vec3 along = (b - a) * random.unit();
-      const double off = i % 2 ? 1 : std::pow(10, random.between(-7, -2));
+      const Vec3 along = (b - a) * random.uniform();
+      const double off = i % 2 ? 1 : std::pow(10, random.uniform(-7, -2));
       const Vec3 c = a + along + random.in_cube(off);
       const auto base = static_cast<uint32_t>(mesh.positions.size());
       for (const Vec3& p : {a, b, c})
@@ -284,13 +213,13 @@ TEST(N20, AcceleratorsAgreeOnTrianglesSeenEdgeOn) {
     int wrong = 0;
     for (int i = 0; i < 1000; ++i) {
       // In the plane of a triangle, through two points of it, often close to a corner.
-      const auto t = random.below(static_cast<uint32_t>(shared->triangles.size()));
+      const auto t = random.below(shared->triangles.size());
       const auto [a, b, c] = shared->corners(t);
-      const double corner = random.below(2) ? 1 : std::pow(10, random.between(-4, 0));
-      const Point3 p = a + (b - a) * (corner * random.unit());
-      const Point3 q = a + (c - a) * (corner * random.unit());
-      const double back = random.between(0, 5) / corner;
-      const Ray ray{p + (p - q) * back, (q - p) * std::pow(10, random.between(-3, 3))};
+      const double corner = random.below(2) ? 1 : std::pow(10, random.uniform(-4, 0));
+      const Point3 p = a + (b - a) * (corner * random.uniform());
+      const Point3 q = a + (c - a) * (corner * random.uniform());
+      const double back = random.uniform(0, 5) / corner;
+      const Ray ray{p + (p - q) * back, (q - p) * std::pow(10, random.uniform(-3, 3))};
       wrong += disagreements(all, ray);
       Hit hit;
       TraversalCounters counters;

@@ -7,23 +7,23 @@
 #include "renderer/shapes/box.h"
 #include "renderer/shapes/plane.h"
 #include "renderer/shapes/sphere.h"
-#include "tests/numerics/support.h"
+#include "tests/numerics/spawned.h"
 
 namespace tessera::numerics {
 namespace {
 
 TEST(N06, SphereRootsAreThoseOfQuadPrecision) {
-  for (uint64_t seed = 1; seed <= 4; ++seed) {
-    Pcg32 random(seed, 6);
-    for (int i = 0; i < 40000; ++i) {
-      const double r = std::pow(10, random.between(-6, 6));
-      const double far = r * std::pow(10, random.between(0.005, 8));
+  for (uint64_t seed = 1; seed <= 8; ++seed) {
+    Random random(6, seed);
+    for (int64_t i = 0; i < ray_count(1'000'000); ++i) {
+      const double r = std::pow(10, random.uniform(-6, 6));
+      const double far = r * std::pow(10, random.uniform(0.005, 8));
       const Vec3 from = random.direction();
       Vec3 side = cross(from, random.direction());
       if (!(length(side) > 0.01)) continue;
       side = normalize(side);
       const double share =
-          random.below(2) ? random.between(0, 1.001) : random.between(0.999, 1.001);
+          random.below(2) ? random.uniform(0, 1.001) : random.uniform(0.999, 1.001);
       const Ray ray{Point3{} + from * far, (side * (share * r)) - from * far};
       const Sphere sphere({0, 0, 0}, r);
       // The oracle.
@@ -55,60 +55,16 @@ TEST(N06, SphereRootsAreThoseOfQuadPrecision) {
   }
 }
 
-Transform random_affine(Pcg32& random, double exponent) {
-  const double scale = std::pow(10, random.between(-exponent, exponent));
-  Affine a;
-  do {
-    for (auto& row : a.m)
-      for (int c = 0; c < 3; ++c) row[static_cast<size_t>(c)] = random.between(-1, 1);
-  } while (std::abs(a.determinant()) < 0.05);
-  for (auto& row : a.m) {
-    for (double& entry : row) entry *= scale;
-    row[3] = random.between(-1, 1) * scale * std::pow(10, random.between(-1, 3));
-  }
-  return Transform(a);
-}
-
-struct Spawned {
-  size_t rays = 0, self_hits = 0;
-  std::string first;
-};
-
-/// Hits the instance with `ray`, then leaves the hit on either side (or, for a solid, outward) and
-/// counts rays that meet it again.
-void leave(const std::vector<Instance>& scene, const Ray& ray, bool solid, Pcg32& random,
-           Spawned& count) {
-  Hit hit;
-  TraversalCounters counters;
-  if (!closest_hit_of(scene[0], 0, ray, hit, counters)) return;
-  const SurfaceInteraction s = surface_at(scene, ray, hit);
-  for (int i = 0; i < 4; ++i) {
-    Vec3 d = random.direction();
-    // Grazing directions are the dangerous ones.
-    const Vec3 n = static_cast<Vec3>(s.geometric_normal);
-    if (i >= 2) d = d - n * (dot(n, d) * (1 - std::pow(10, random.between(-12, 0))));
-    if (solid && dot(d, n) < 0) d = -d;
-    if (dot(d, n) == 0) continue;
-    const Ray spawned = spawn_ray(s, d);
-    Hit again;
-    ++count.rays;
-    if (!closest_hit_of(scene[0], 0, spawned, again, counters) &&
-        !any_hit_of(scene[0], spawned, counters))
-      continue;
-    if (count.self_hits++ == 0) count.first = describe(spawned);
-  }
-}
-
 TEST(N10, RaysLeaveTrianglesForGood) {
   for (const double e : {0.5, 2.0, 4.0, 6.0, 8.0}) {
-    for (uint64_t seed = 1; seed <= 4; ++seed) {
-      Pcg32 random(seed, 10);
+    for (uint64_t seed = 1; seed <= 8; ++seed) {
+      Random random(10, seed);
       const auto coordinate = [&] {
-        const double v = std::pow(10, random.between(-e, e));
+        const double v = std::pow(10, random.uniform(-e, e));
         return static_cast<float>(random.below(2) ? v : -v);
       };
       Spawned count;
-      for (int i = 0; i < 3000; ++i) {
+      for (int64_t i = 0; i < ray_count(100'000); ++i) {
         auto mesh = std::make_shared<TriangleMesh>();
         for (int k = 0; k < 3; ++k)
           mesh->positions.push_back({coordinate(), coordinate(), coordinate()});
@@ -118,58 +74,84 @@ TEST(N10, RaysLeaveTrianglesForGood) {
         std::vector<Instance> scene{
             {std::make_shared<MeshShape>(mesh, std::make_unique<MeshLinearScan>(mesh))}};
         if (i % 2) scene[0].world_from_object = random_affine(random, 4);
-        double u = random.unit(), v = random.unit();
+        double u = random.uniform(), v = random.uniform();
         if (u + v > 1) u = 1 - u, v = 1 - v;
         const Point3 target = scene[0].world_from_object.point(
             corner[0] + (corner[1] - corner[0]) * u + (corner[2] - corner[0]) * v);
         const Point3 origin{coordinate(), coordinate(), coordinate()};
         leave(scene, {origin, target - origin}, false, random, count);
       }
-      EXPECT_GT(count.rays, 5000u);
-      EXPECT_EQ(count.self_hits, 0u)
+      EXPECT_GT(count.rays, ray_count(150'000));
+      EXPECT_EQ(count.self_hits, 0)
           << "e " << e << " of " << count.rays << " seed " << seed << " stream 10: " << count.first;
     }
   }
 }
 
+TEST(N10, PointsOfTrianglesAreAsNearAsTheirErrorBoundsSay) {
+  // The gate on t hides a bound that is too small; other shapes and CSG rely on it all the same.
+  for (uint64_t seed = 1; seed <= 8; ++seed) {
+    Random random(210, seed);
+    for (int64_t i = 0; i < ray_count(10'000'000 / 8); ++i) {
+      const double e = random.uniform(0, 4);
+      TriangleMesh mesh;
+      for (int k = 0; k < 3; ++k)
+        mesh.positions.push_back({static_cast<float>(random.power(-e, e)),
+                                  static_cast<float>(random.power(-e, e)),
+                                  static_cast<float>(random.power(-e, e))});
+      mesh.triangles = {{0, 1, 2}};
+      const double u = random.uniform(), v = (1 - u) * random.uniform();
+      const LocalSurface s = triangle_surface(mesh, 0, u, v);
+      const auto c = mesh.corners(0);
+      const QuadVec a(c[0]), n = cross(QuadVec(c[1]) - a, QuadVec(c[2]) - a);
+      if (!(length(n) > 0)) continue;
+      const Quad off = dot(n, QuadVec(s.point) - a) / length(n);
+      const Quad bound = (fabsq(n.x) * s.point_error.x + fabsq(n.y) * s.point_error.y +
+                          fabsq(n.z) * s.point_error.z) /
+                         length(n);
+      ASSERT_LE(fabsq(off), bound) << "seed " << seed << " at " << i;
+    }
+  }
+}
+
 TEST(N10, RaysLeavePlanesAndBoxesForGood) {
-  for (uint64_t seed = 1; seed <= 4; ++seed) {
-    Pcg32 random(seed, 110);
+  for (uint64_t seed = 1; seed <= 8; ++seed) {
+    Random random(110, seed);
     Spawned planes, boxes;
-    for (int i = 0; i < 20000; ++i) {
-      const double size = std::pow(10, random.between(-4, 4));
+    for (int64_t i = 0; i < ray_count(600'000); ++i) {
+      const double size = std::pow(10, random.uniform(-4, 4));
       const Transform placed = i % 3 ? random_affine(random, 4) : Transform{};
       const Point3 origin = placed.point(Point3{} + random.in_cube(4) * size);
       const Vec3 d = random.direction();
-      leave({{std::make_shared<Plane>(random.direction(), random.between(-3, 3) * size), placed}},
+      leave({{std::make_shared<Plane>(random.direction(), random.uniform(-3, 3) * size), placed}},
             {origin, d}, false, random, planes);
       const Point3 corner = Point3{} + random.in_cube(2) * size;
-      const Vec3 sides{random.unit(), random.unit(), random.unit()};
+      const Vec3 sides{random.uniform(), random.uniform(), random.uniform()};
       const Bounds3 extent{corner, corner + sides * size};
       leave({{std::make_shared<Box>(extent), placed}},
             {origin, placed.point(extent.center()) - origin}, true, random, boxes);
     }
-    EXPECT_GT(planes.rays, 10000u);
-    EXPECT_GT(boxes.rays, 10000u);
-    EXPECT_EQ(planes.self_hits, 0u) << "of " << planes.rays << " seed " << seed << planes.first;
-    EXPECT_EQ(boxes.self_hits, 0u) << "of " << boxes.rays << " seed " << seed << boxes.first;
+    EXPECT_GT(planes.rays, ray_count(300'000));
+    EXPECT_GT(boxes.rays, ray_count(300'000));
+    EXPECT_EQ(planes.self_hits, 0) << "of " << planes.rays << " seed " << seed << planes.first;
+    EXPECT_EQ(boxes.self_hits, 0) << "of " << boxes.rays << " seed " << seed << boxes.first;
   }
 }
 
 TEST(N11, RaysLeaveSpheresOutwardAndFindTheFarWallInward) {
-  for (uint64_t seed = 1; seed <= 4; ++seed) {
-    Pcg32 random(seed, 11);
+  for (uint64_t seed = 1; seed <= 8; ++seed) {
+    Random random(11, seed);
     Spawned outward;
     size_t lost = 0, inward = 0;
-    for (int i = 0; i < 20000; ++i) {
-      const double r = std::pow(10, random.between(-3, 3));
+    for (int64_t i = 0; i < ray_count(600'000); ++i) {
+      const double r = std::pow(10, random.uniform(-3, 3));
       const Point3 center =
-          Point3{} + random.direction() * (r * std::pow(10, random.between(-1, 6)));
+          Point3{} + random.direction() * (r * std::pow(10, random.uniform(-1, 6)));
       const Transform placed = i % 2 ? random_affine(random, 2) : Transform{};
       const std::vector<Instance> scene{{std::make_shared<Sphere>(center, r), placed}};
       const Point3 origin =
-          placed.point(center + random.direction() * (r * random.between(1.5, 50)));
-      const Point3 target = placed.point(center + random.direction() * (r * random.unit()));
+          placed.point(center + random.direction() * (r * random.uniform(1.5, 50)));
+      const Point3 target = placed.point(center + random.direction() * (r * random.uniform()));
       const Ray ray{origin, target - origin};
       leave(scene, ray, true, random, outward);
       Hit hit;
@@ -183,8 +165,8 @@ TEST(N11, RaysLeaveSpheresOutwardAndFindTheFarWallInward) {
       ++inward;
       if (!closest_hit_of(scene[0], 0, inside, wall, counters) || !(wall.t > 1)) ++lost;
     }
-    EXPECT_GT(outward.rays, 10000u);
-    EXPECT_EQ(outward.self_hits, 0u) << "of " << outward.rays << " seed " << seed << outward.first;
+    EXPECT_GT(outward.rays, ray_count(300'000));
+    EXPECT_EQ(outward.self_hits, 0) << "of " << outward.rays << " seed " << seed << outward.first;
     EXPECT_EQ(lost, 0u) << "of " << inward << " seed " << seed;
   }
 }

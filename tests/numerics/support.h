@@ -1,144 +1,117 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <quadmath.h>
 
 #include <cmath>
-#include <memory>
-#include <vector>
+#include <concepts>
+#include <cstdint>
+#include <cstdlib>
 
-#include "renderer/accel/bvh.h"
-#include "renderer/accel/embree_mesh.h"
-#include "renderer/accel/linear_scan.h"
-#include "renderer/accel/octree.h"
-#include "renderer/accel/tree_boxes.h"
-#include "renderer/math/rounding.h"
-#include "renderer/shapes/triangle_mesh.h"
+#include "renderer/math/elementary.h"
+#include "renderer/math/transform.h"
 
 namespace tessera::numerics {
 
-/// PCG32 (O'Neill 2014). The stream is the test's number in docs, so that a failure that names seed
-/// and stream can be replayed alone.
-class Pcg32 {
+// What all tests of numerics share: random numbers, ray counts, arithmetic in quad precision.
+
+/// Rays, scenes or the like to try where the full test tries `full`: all of them with
+/// TESSERA_NUMERICS_FULL=1 in the environment, else one hundredth.
+inline int64_t ray_count(int64_t full) {
+  static const bool all = [] {
+    const char* text = std::getenv("TESSERA_NUMERICS_FULL");
+    return text && text[0] == '1';
+  }();
+  return all ? full : (full + 99) / 100;
+}
+
+/// A test in shards of one seed each, which CTest runs in parallel: with
+///   using N01 = Shard;
+///   TEST_P(N01, Name) { ... seed() ... }
+///   INSTANTIATE_TEST_SUITE_P(Seed, N01, kSeeds);
+/// each shard does `ray_count(full / kShards)`.
+class Shard : public testing::TestWithParam<uint64_t> {
+ protected:
+  uint64_t seed() const { return GetParam(); }
+};
+inline constexpr int64_t kShards = 8;
+inline const auto kSeeds = testing::Range<uint64_t>(1, kShards + 1);
+
+/// PCG32 (O'Neill 2014): stream = test id, seed 1 to 8; a failure that names both can be replayed.
+class Random {
  public:
-  Pcg32(uint64_t seed, uint64_t stream) : step_(stream << 1 | 1) {
+  explicit Random(uint64_t stream, uint64_t seed = 1) : increment_(2 * stream + 1) {
     next();
     state_ += seed;
     next();
   }
   uint32_t next() {
     const uint64_t old = state_;
-    state_ = old * 6364136223846793005ULL + step_;
-    const auto mixed = static_cast<uint32_t>(((old >> 18) ^ old) >> 27);
+    state_ = old * 6364136223846793005u + increment_;
+    const auto shifted = static_cast<uint32_t>(((old >> 18) ^ old) >> 27);
     const auto turn = static_cast<uint32_t>(old >> 59);
-    return mixed >> turn | mixed << (-turn & 31);
+    return (shifted >> turn) | (shifted << ((32 - turn) & 31));
   }
-  uint32_t below(uint32_t bound) { return static_cast<uint32_t>(uint64_t{next()} * bound >> 32); }
-  /// In [0, 1).
-  double unit() { return (uint64_t{next()} << 21 ^ next() >> 11) * 0x1p-53; }
-  double between(double low, double high) { return low + (high - low) * unit(); }
-  Vec3 in_cube(double half) {
-    return {between(-half, half), between(-half, half), between(-half, half)};
+  /// In [0, 1), 53 bits.
+  double uniform() {
+    const uint64_t high = next();
+    return static_cast<double>((high << 21) ^ (next() >> 11)) * 0x1p-53;
+  }
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  /// +-10^[low, high].
+  double power(double low, double high) {
+    const double size = std::pow(10.0, uniform(low, high));
+    return next() & 1 ? size : -size;
+  }
+  template <std::integral T>
+  T below(T n) {
+    return static_cast<T>(next() % static_cast<uint32_t>(n));
   }
   Vec3 direction() {
-    for (;;) {
-      const Vec3 v = in_cube(1);
-      if (const double l = length(v); l > 0.01 && l < 1) return v / l;
-    }
+    const double z = uniform(-1, 1), turn = uniform(0, 2 * portable::kPi);
+    const double r = std::sqrt(1 - z * z);
+    return normalize(Vec3{r * std::cos(turn), r * std::sin(turn), z});
   }
+  Vec3 in_cube(double half) {
+    const double x = uniform(-half, half), y = uniform(-half, half);
+    return {x, y, uniform(-half, half)};
+  }
+  Affine turn() { return rotation(direction(), uniform(0, 6.28)); }
 
  private:
-  uint64_t state_ = 0, step_;
+  uint64_t state_ = 0;
+  uint64_t increment_;
 };
 
-/// The linear scan, the BVH compiled for every instruction set of this machine, both octrees, and,
-/// where it is there, Embree.
-struct Accelerators {
-  std::vector<std::unique_ptr<const Accelerator>> all;  ///< the oracle first
+using Quad = __float128;
 
-  static Accelerators over(const std::shared_ptr<const TriangleMesh>& mesh, bool with_scan = true) {
-    Accelerators a;
-    if (with_scan) a.all.push_back(std::make_unique<MeshLinearScan>(mesh));
-    for (const BvhKernels& code : all_kernels())
-      a.all.push_back(std::make_unique<MeshBvh>(*mesh, 2, code));
-    a.all.push_back(std::make_unique<MeshBvh>(*mesh, 2, kernels(), BvhQuality::spatial_splits));
-    for (const OctreeKind kind : {OctreeKind::uniform, OctreeKind::nonuniform})
-      a.all.push_back(std::make_unique<MeshOctree>(*mesh, kind, 2));
-    if (auto embree = EmbreeMesh::make(mesh, 2)) a.all.push_back(std::move(embree));
-    return a;
-  }
-  static Accelerators over(const std::vector<Instance>& instances) {
-    Accelerators a;
-    a.all.push_back(std::make_unique<InstanceLinearScan>(instances));
-    bool any_bounded = false;
-    for (const Instance& i : instances) any_bounded |= is_bounded(bounds_of(i));
-    if (!any_bounded) return a;
-    for (const BvhKernels& code : all_kernels())
-      a.all.push_back(std::make_unique<InstanceBvh>(instances, 2, code));
-    for (const OctreeKind kind : {OctreeKind::uniform, OctreeKind::nonuniform})
-      a.all.push_back(std::make_unique<InstanceOctree>(instances, kind, 2));
-    return a;
-  }
+struct QuadVec {
+  Quad x = 0, y = 0, z = 0;
+  QuadVec() = default;
+  QuadVec(Quad x_, Quad y_, Quad z_) : x(x_), y(y_), z(z_) {}
+  QuadVec(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
+  QuadVec(const Point3& p) : x(p.x), y(p.y), z(p.z) {}
 };
-
-/// How many accelerators give an answer other than the first, bit for bit.
-inline int disagreements(const Accelerators& accelerators, const Ray& ray) {
-  TraversalCounters counters;
-  int count = 0;
-  Hit expected;
-  const bool expected_found = accelerators.all[0]->closest_hit(ray, expected, counters);
-  const bool expected_any = accelerators.all[0]->any_hit(ray, counters);
-  for (size_t i = 1; i < accelerators.all.size(); ++i) {
-    Hit hit;
-    const bool found = accelerators.all[i]->closest_hit(ray, hit, counters);
-    const bool any = accelerators.all[i]->any_hit(ray, counters);
-    if (found != expected_found || any != expected_any || !(hit == expected)) ++count;
-  }
-  return count;
+inline QuadVec operator+(const QuadVec& a, const QuadVec& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
-
-inline std::string describe(const Ray& r) {
-  char text[400];
-  std::snprintf(text, sizeof text, "origin {%a, %a, %a} direction {%a, %a, %a}", r.origin.x,
-                r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z);
-  return text;
+inline QuadVec operator-(const QuadVec& a, const QuadVec& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-
-/// Sphere of radius 2 as an n x n grid of quads in which each vertex but the poles and the seam
-/// stands off by its own random factor: PBRT's watertightness mesh.
-inline TriangleMesh bumpy_sphere(uint32_t n, Pcg32& random) {
-  TriangleMesh mesh;
-  const double pi = 3.14159265358979323846;
-  const auto place = [&](double theta, double phi, double r) {
-    mesh.positions.push_back({static_cast<float>(r * std::sin(theta) * std::cos(phi)),
-                              static_cast<float>(r * std::cos(theta)),
-                              static_cast<float>(r * std::sin(theta) * std::sin(phi))});
-  };
-  place(0, 0, 2);
-  place(pi, 0, 2);
-  for (uint32_t row = 1; row < n; ++row)
-    for (uint32_t column = 0; column < n; ++column)
-      place(pi * row / n, 2 * pi * column / n, 2 + 5 * random.unit());
-  const auto at = [n](uint32_t row, uint32_t column) {
-    return row == 0 ? 0u : row == n ? 1u : 2 + (row - 1) * n + column % n;
-  };
-  for (uint32_t row = 0; row < n; ++row) {
-    for (uint32_t column = 0; column < n; ++column) {
-      const uint32_t a = at(row, column), b = at(row, column + 1);
-      const uint32_t c = at(row + 1, column), d = at(row + 1, column + 1);
-      if (a != b) mesh.triangles.push_back({a, b, d});
-      if (c != d) mesh.triangles.push_back({a, d, c});
-    }
-  }
-  return mesh;
+inline QuadVec operator*(const QuadVec& a, Quad s) { return {a.x * s, a.y * s, a.z * s}; }
+inline Quad dot(const QuadVec& a, const QuadVec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline QuadVec cross(const QuadVec& a, const QuadVec& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+inline Quad length(const QuadVec& v) { return sqrtq(dot(v, v)); }
 
-inline TriangleMesh moved(TriangleMesh mesh, double scale, const Vec3& by) {
-  for (Float3& p : mesh.positions) {
-    p = {static_cast<float>(p.x * scale + by.x), static_cast<float>(p.y * scale + by.y),
-         static_cast<float>(p.z * scale + by.z)};
-  }
-  drop_degenerate(mesh);
-  return mesh;
+inline double size_of(const Point3& p) { return tessera::length(p - Point3{}); }
+/// Some vector across `v`.
+inline Vec3 across(const Vec3& v, Random& random) {
+  Vec3 a;
+  do a = tessera::cross(v, random.direction());
+  while (tessera::length(a) < 0.1 * tessera::length(v));
+  return normalize(a);
 }
 
 }  // namespace tessera::numerics

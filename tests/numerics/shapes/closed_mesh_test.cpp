@@ -9,9 +9,9 @@
 #include "renderer/shapes/sphere.h"
 #include "renderer/shapes/surface_interaction.h"
 #include "renderer/shapes/triangle.h"
-#include "tests/numerics/stress.h"
+#include "tests/numerics/support.h"
 
-namespace tessera::stress {
+namespace tessera::numerics {
 namespace {
 
 std::shared_ptr<TriangleMesh> box_mesh(const Bounds3& b) {
@@ -55,13 +55,13 @@ std::shared_ptr<TriangleMesh> bumpy_ball(int levels, double bump, Random& random
       }
   }
   for (size_t i = mesh->triangles.size(); i-- > 1;)
-    std::swap(mesh->triangles[i], mesh->triangles[size_t(random.below(int(i + 1)))]);
+    std::swap(mesh->triangles[i], mesh->triangles[random.below(i + 1)]);
   return mesh;
 }
 
 /// A ray from near the centre, or from outside, through a vertex or a point of an edge.
 Ray through_edges(const TriangleMesh& mesh, const Point3& from, Random& random) {
-  const auto c = mesh.corners(size_t(random.below(int(mesh.triangles.size()))));
+  const auto c = mesh.corners(random.below(mesh.triangles.size()));
   const double steps[] = {0, 0.25, 0.5, 0.75, 1, random.uniform()};
   const Point3 at = c[0] + (c[1] - c[0]) * steps[random.below(6)];
   return {from, at - from};
@@ -76,7 +76,7 @@ TEST(N02, ClosedMeshesAreCrossedEvenlyThroughEdgesAndVertices) {
       CsgTree tree;
       const auto root = tree.add(std::make_shared<ClosedMesh>(mesh));
       const CsgShape csg(tree, root);
-      for (int64_t i = 0; i < count(400000); ++i) {
+      for (int64_t i = 0; i < ray_count(400000); ++i) {
         const bool inside = i % 2;
         const Point3 from = Point3{} + random.direction() * (inside ? random.uniform(0, 0.2)
                                                                     : random.uniform(7, 20));
@@ -106,7 +106,7 @@ TEST(N13, MeshAndSolidThatCoincide) {
   const auto box = std::make_shared<Box>(extent);
   Random random(26);
   TraversalCounters counters;
-  for (int64_t i = 0; i < count(40000); ++i) {
+  for (int64_t i = 0; i < ray_count(40000); ++i) {
     const Affine turn = translation(random.direction()) * random.turn();
     const auto combine = [&](CsgOperation operation, bool mesh_first) {
       CsgTree tree;
@@ -149,7 +149,7 @@ TEST(N10, SliversInCombinationsDoNotHitThemselves) {
   int64_t tested = 0, self_hits = 0;
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     Random random(27, seed);
-    for (int64_t i = 0; i < count(200000); ++i) {
+    for (int64_t i = 0; i < ray_count(200000); ++i) {
       const double exponents[] = {0.5, 2, 4, 6};
       const double e = exponents[random.below(4)];
       auto mesh = std::make_shared<TriangleMesh>();
@@ -187,7 +187,7 @@ TEST(N10, SliversInCombinationsDoNotHitThemselves) {
     }
   }
   EXPECT_EQ(self_hits, 0);
-  EXPECT_GT(tested, count(200000));
+  EXPECT_GT(tested, ray_count(200000));
 }
 
 TEST(ClosedMesh, RefusesWhatIsOpenAndTurnsWhatIsInsideOut) {
@@ -239,4 +239,4 @@ TEST(ClosedMesh, ItsTreeLosesNothing) {
 }
 
 }  // namespace
-}  // namespace tessera::stress
+}  // namespace tessera::numerics

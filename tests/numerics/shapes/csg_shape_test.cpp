@@ -9,14 +9,14 @@
 #include "renderer/shapes/torus.h"
 #include "tests/numerics/shapes/csg_support.h"
 
-namespace tessera::stress {
+namespace tessera::numerics {
 namespace {
 
 TEST(N11, CombinationsDoNotHitThemselvesNorLoseTheFarWall) {
   int64_t tested = 0;
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     Random random(19, seed);
-    for (int64_t i = 0; i < count(100000); ++i) {
+    for (int64_t i = 0; i < ray_count(100000); ++i) {
       // A convex whole, each operand twice through different transforms: all faces coincide.
       CsgTree tree;
       std::vector<CsgTree::Node> nodes;
@@ -66,14 +66,14 @@ TEST(N11, CombinationsDoNotHitThemselvesNorLoseTheFarWall) {
       }
     }
   }
-  EXPECT_GT(tested, count(4000000));
+  EXPECT_GT(tested, ray_count(4000000));
 }
 
 TEST(N11, GrazingRaysOffCoincidingFacesSeeTheWall) {
   // A floor of two boxes with a common top, one of them far off in its own frame and so less exact,
   // and a wall that stands on it.
   Random random(25);
-  for (int64_t i = 0; i < count(400000); ++i) {
+  for (int64_t i = 0; i < ray_count(400000); ++i) {
     CsgTree tree;
     const double off = std::abs(random.power(0, 5));
     const Affine turn = rotation({0, 1, 0}, random.uniform(0, 6.28));
@@ -254,4 +254,4 @@ TEST(Csg, CombinationsOfCombinations) {
 }
 
 }  // namespace
-}  // namespace tessera::stress
+}  // namespace tessera::numerics

@@ -8,9 +8,9 @@
 #include "renderer/shapes/csg_shape.h"
 #include "renderer/shapes/frustum.h"
 #include "renderer/shapes/sphere.h"
-#include "tests/numerics/stress.h"
+#include "tests/numerics/support.h"
 
-namespace tessera::stress {
+namespace tessera::numerics {
 
 /// A solid with its quad-precision twin. Coordinates are small multiples of 1/2, so that faces of
 /// several solids coincide often and exactly.
@@ -166,4 +166,4 @@ inline Ray random_ray(Random& random, bool from_inside) {
   return {from, to - from};
 }
 
-}  // namespace tessera::stress
+}  // namespace tessera::numerics

@@ -5,8 +5,13 @@
 #include "renderer/math/rounding.h"
 #include "tests/numerics/shapes/csg_support.h"
 
-namespace tessera::stress {
+namespace tessera::numerics {
 namespace {
+
+using N13 = Shard;
+INSTANTIATE_TEST_SUITE_P(Seed, N13, kSeeds);
+using N14 = Shard;
+INSTANTIATE_TEST_SUITE_P(Seed, N14, kSeeds);
 
 /// All changes ahead, by asking again beyond each.
 std::vector<Hit> all_hits(const Shape& shape, Ray ray) {
@@ -40,70 +45,64 @@ bool compare(const Expression& e, const CsgShape& shape, const Ray& local, const
   return true;
 }
 
-TEST(N13, RandomCombinationsWithCoincidingFaces) {
+TEST_P(N13, RandomCombinationsWithCoincidingFaces) {
   int64_t compared = 0, doubtful = 0;
-  for (uint64_t seed = 1; seed <= 8; ++seed) {
-    Random random(13, seed);
-    for (int64_t i = 0; i < count(40000); ++i) {
-      const bool boxes_only = i % 2 == 0;
-      const Expression e = random_expression(random, random.below(6), boxes_only);
-      const CsgShape shape = e.shape();
-      for (int k = 0; k < 30; ++k) {
-        const Ray ray = random_ray(random, k % 3 == 0);
-        (compare(e, shape, ray, ray, 1e-12) ? compared : doubtful)++;
-        ASSERT_FALSE(HasFailure()) << "seed " << seed << " at " << i << " ray " << k;
-      }
+  Random random(13, seed());
+  for (int64_t i = 0; i < ray_count(40000); ++i) {
+    const bool boxes_only = i % 2 == 0;
+    const Expression e = random_expression(random, random.below(6), boxes_only);
+    const CsgShape shape = e.shape();
+    for (int k = 0; k < 30; ++k) {
+      const Ray ray = random_ray(random, k % 3 == 0);
+      (compare(e, shape, ray, ray, 1e-12) ? compared : doubtful)++;
+      ASSERT_FALSE(HasFailure()) << "seed " << seed() << " at " << i << " ray " << k;
     }
   }
   EXPECT_GT(compared, 50 * doubtful);
-  EXPECT_GT(compared, count(9000000));
+  EXPECT_GT(compared, ray_count(9000000 / kShards));
 }
 
-TEST(N13, ExactlyThroughEdgesAndCorners) {
+TEST_P(N13, ExactlyThroughEdgesAndCorners) {
   // Rays through points and along directions of the grid meet edges and corners exactly; quads tell
   // equal places from different ones, as these are fractions of small integers.
-  for (uint64_t seed = 1; seed <= 8; ++seed) {
-    Random random(14, seed);
-    for (int64_t i = 0; i < count(40000); ++i) {
-      const Expression e = random_expression(random, random.below(5), true);
-      const CsgShape shape = e.shape();
-      for (int k = 0; k < 30; ++k) {
-        // Off the grid of faces, lest the ray runs inside a face.
-        Ray ray{{half_steps(random, -12, 12) + 0.125, half_steps(random, -12, 12) + 0.125,
-                 half_steps(random, -12, 12) + 0.125},
-                {}};
-        ray.direction = Point3{half_steps(random, -3, 3), half_steps(random, -3, 3),
-                               half_steps(random, -3, 3)} -
-                        ray.origin;
-        compare(e, shape, ray, ray, 1e-20);
-        ASSERT_FALSE(HasFailure()) << "seed " << seed << " at " << i << " ray " << k;
-      }
+  Random random(14, seed());
+  for (int64_t i = 0; i < ray_count(40000); ++i) {
+    const Expression e = random_expression(random, random.below(5), true);
+    const CsgShape shape = e.shape();
+    for (int k = 0; k < 30; ++k) {
+      // Off the grid of faces, lest the ray runs inside a face.
+      Ray ray{{half_steps(random, -12, 12) + 0.125, half_steps(random, -12, 12) + 0.125,
+               half_steps(random, -12, 12) + 0.125},
+              {}};
+      ray.direction =
+          Point3{half_steps(random, -3, 3), half_steps(random, -3, 3), half_steps(random, -3, 3)} -
+          ray.origin;
+      compare(e, shape, ray, ray, 1e-20);
+      ASSERT_FALSE(HasFailure()) << "seed " << seed() << " at " << i << " ray " << k;
     }
   }
 }
 
-TEST(N13, NestedThirtyTwoDeepAndTurned) {
+TEST_P(N13, NestedThirtyTwoDeepAndTurned) {
   const Affine turn = rotation({1, 2, 3}, portable::radians(37));
   int64_t compared = 0;
-  for (uint64_t seed = 1; seed <= 8; ++seed) {
-    Random random(15, seed);
-    for (int64_t i = 0; i < count(2000); ++i) {
-      const int depth = 1 + random.below(32);
-      const Expression e = random_expression(random, depth, i % 2 == 0);
-      const Transform world(translation({random.uniform(-9, 9), 3, -2}) * turn);
-      const CsgShape shape = e.shape(world);
-      for (int k = 0; k < 30; ++k) {
-        const Ray local = random_ray(random, k % 3 == 0);
-        const Ray ray{world.point(local.origin), world.vector(local.direction)};
-        if (compare(e, shape, local, ray, 1e-12)) ++compared;
-        ASSERT_FALSE(HasFailure()) << "seed " << seed << " at " << i << " ray " << k;
-      }
+  Random random(15, seed());
+  for (int64_t i = 0; i < ray_count(2000); ++i) {
+    const int depth = 1 + random.below(32);
+    const Expression e = random_expression(random, depth, i % 2 == 0);
+    const Transform world(translation({random.uniform(-9, 9), 3, -2}) * turn);
+    const CsgShape shape = e.shape(world);
+    for (int k = 0; k < 30; ++k) {
+      const Ray local = random_ray(random, k % 3 == 0);
+      const Ray ray{world.point(local.origin), world.vector(local.direction)};
+      if (compare(e, shape, local, ray, 1e-12)) ++compared;
+      ASSERT_FALSE(HasFailure()) << "seed " << seed() << " at " << i << " ray " << k;
     }
   }
-  EXPECT_GT(compared, count(400000));
+  EXPECT_GT(compared, ray_count(400000 / kShards));
 }
 
-TEST(N13, CylinderThroughBoxWithEqualCaps) {
+TEST_P(N13, CylinderThroughBoxWithEqualCaps) {
   Expression a, b, difference;
   a.solid.extent = {{-1, -1, -1}, {1, 1, 1}};
   b.solid.kind = OracleSolid::cylinder;
@@ -111,17 +110,15 @@ TEST(N13, CylinderThroughBoxWithEqualCaps) {
   difference.leaf = false;
   difference.operation = CsgOperation::subtract;
   difference.operands = {a, b};
-  for (uint64_t seed = 1; seed <= 8; ++seed) {
-    Random random(16, seed);
-    for (const bool turned : {false, true}) {
-      const Transform world(turned ? rotation({1, 2, 3}, portable::radians(37)) : Affine{});
-      const CsgShape shape = difference.shape(world);
-      for (int64_t i = 0; i < count(600000); ++i) {
-        const Ray local = random_ray(random, false);
-        const Ray ray{world.point(local.origin), world.vector(local.direction)};
-        compare(difference, shape, local, ray, 1e-12);
-        ASSERT_FALSE(HasFailure()) << "seed " << seed << " at " << i;
-      }
+  Random random(16, seed());
+  for (const bool turned : {false, true}) {
+    const Transform world(turned ? rotation({1, 2, 3}, portable::radians(37)) : Affine{});
+    const CsgShape shape = difference.shape(world);
+    for (int64_t i = 0; i < ray_count(600000); ++i) {
+      const Ray local = random_ray(random, false);
+      const Ray ray{world.point(local.origin), world.vector(local.direction)};
+      compare(difference, shape, local, ray, 1e-12);
+      ASSERT_FALSE(HasFailure()) << "seed " << seed() << " at " << i;
     }
   }
 }
@@ -129,7 +126,7 @@ TEST(N13, CylinderThroughBoxWithEqualCaps) {
 TEST(N13, IdentitiesOfSets) {
   Random random(17);
   TraversalCounters counters;
-  for (int64_t i = 0; i < count(40000); ++i) {
+  for (int64_t i = 0; i < ray_count(40000); ++i) {
     const OracleSolid sa = random_solid(random, false), sb = random_solid(random, false);
     const auto make = [&](CsgOperation op, std::vector<Expression> operands) {
       Expression e;
@@ -177,7 +174,7 @@ Expression shuffled(Expression e, Random& random) {
   if (e.leaf) return e;
   const size_t first = e.operation == CsgOperation::subtract ? 1 : 0;
   for (size_t i = e.operands.size(); i-- > first + 1;)
-    std::swap(e.operands[i], e.operands[first + size_t(random.below(int(i - first + 1)))]);
+    std::swap(e.operands[i], e.operands[first + random.below(i - first + 1)]);
   // Group the last operands anew; what is subtracted is united.
   if (e.operands.size() > first + 1 && random.next() & 1) {
     Expression group;
@@ -196,7 +193,7 @@ TEST(N22, OrderOfCoincidingFacesChangesNoBit) {
   TraversalCounters counters;
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     Random random(24, seed);
-    for (int64_t i = 0; i < count(40000); ++i) {
+    for (int64_t i = 0; i < ray_count(40000); ++i) {
       Expression e = random_expression(random, 2 + random.below(4), true);
       const OracleSolid solids[] = {random_solid(random, true), random_solid(random, true)};
       const std::function<void(Expression&)> replace = [&](Expression& x) {
@@ -227,7 +224,7 @@ TEST(N22, OrderAndGroupingChangeNoBit) {
   TraversalCounters counters;
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     Random random(22, seed);
-    for (int64_t i = 0; i < count(40000); ++i) {
+    for (int64_t i = 0; i < ray_count(40000); ++i) {
       const Expression e = random_expression(random, random.below(8), false);
       const Transform world(i % 2 ? rotation({1, 2, 3}, 0.6) : Affine{});
       const CsgShape one = e.shape(world), other = shuffled(e, random).shape(world);
@@ -241,33 +238,31 @@ TEST(N22, OrderAndGroupingChangeNoBit) {
   }
 }
 
-TEST(N14, RaysThatStartInsideOrOnSurfaces) {
+TEST_P(N14, RaysThatStartInsideOrOnSurfaces) {
   int64_t compared = 0;
-  for (uint64_t seed = 1; seed <= 8; ++seed) {
-    Random random(18, seed);
-    for (int64_t i = 0; i < count(40000); ++i) {
-      const Expression e = random_expression(random, random.below(4), true);
-      const CsgShape shape = e.shape();
-      for (int k = 0; k < 30; ++k) {
-        // On the grid: on faces, edges and corners, inside solids and holes, where solids overlap.
-        const Point3 o{half_steps(random, -3, 3), half_steps(random, -3, 3),
-                       half_steps(random, -3, 3)};
-        const Ray ray{o, random.direction()};
-        const Truth truth = truth_of(e, ray, 1e-12);
-        if (truth.doubtful) continue;
-        Hit hit;
-        TraversalCounters counters;
-        const bool found = shape.closest_hit(ray, hit, counters);
-        ASSERT_EQ(found, !truth.changes.empty()) << "seed " << seed << " at " << i;
-        if (found) {
-          ASSERT_LE(fabsq(hit.t - truth.changes[0]), 1e-13);
-        }
-        ++compared;
+  Random random(18, seed());
+  for (int64_t i = 0; i < ray_count(40000); ++i) {
+    const Expression e = random_expression(random, random.below(4), true);
+    const CsgShape shape = e.shape();
+    for (int k = 0; k < 30; ++k) {
+      // On the grid: on faces, edges and corners, inside solids and holes, where solids overlap.
+      const Point3 o{half_steps(random, -3, 3), half_steps(random, -3, 3),
+                     half_steps(random, -3, 3)};
+      const Ray ray{o, random.direction()};
+      const Truth truth = truth_of(e, ray, 1e-12);
+      if (truth.doubtful) continue;
+      Hit hit;
+      TraversalCounters counters;
+      const bool found = shape.closest_hit(ray, hit, counters);
+      ASSERT_EQ(found, !truth.changes.empty()) << "seed " << seed() << " at " << i;
+      if (found) {
+        ASSERT_LE(fabsq(hit.t - truth.changes[0]), 1e-13);
       }
+      ++compared;
     }
   }
-  EXPECT_GT(compared, count(7000000));
+  EXPECT_GT(compared, ray_count(7000000 / kShards));
 }
 
 }  // namespace
-}  // namespace tessera::stress
+}  // namespace tessera::numerics

@@ -1,15 +1,17 @@
-// N05 for flat shapes: rays that graze them and their edges, against quad precision.
+// N05 for flat shapes and boxes: rays that graze them and their edges, against quad precision.
 #include <gtest/gtest.h>
 
 #include <functional>
 
 #include "renderer/math/rounding.h"
+#include "renderer/shapes/box.h"
 #include "renderer/shapes/convex_polygon.h"
 #include "renderer/shapes/disc.h"
 #include "renderer/shapes/half_plane.h"
-#include "tests/numerics/stress.h"
+#include "renderer/shapes/plane.h"
+#include "tests/numerics/support.h"
 
-namespace tessera::stress {
+namespace tessera::numerics {
 namespace {
 
 struct Flat {
@@ -52,6 +54,13 @@ Flat make_flat(int kind, Random& random) {
     flat.inside = [=](const QuadVec& p) {
       return dot(p - QuadVec(c), in_plane) / length(in_plane);
     };
+  } else if (kind == 4) {
+    const Vec3 unit = normalize(normal);
+    const double offset = dot(unit, c - Point3{});
+    flat.shape = std::make_unique<Plane>(unit, offset);
+    flat.normal = unit;
+    flat.anchor = QuadVec(unit) * (offset / dot(QuadVec(unit), QuadVec(unit)));
+    flat.inside = [](const QuadVec&) { return Quad(1e300); };
   } else {
     const Vec3 u = across(normal, random), v = normalize(cross(normal, u));
     std::vector<Point3> points;
@@ -83,8 +92,8 @@ TEST(N05, FlatShapesAreHitWhereQuadPrecisionSaysSo) {
   int64_t hits = 0, misses = 0, in_band = 0;
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     Random random(5, seed);
-    for (int64_t i = 0; i < count(500000); ++i) {
-      const Flat flat = make_flat(static_cast<int>(i % 4), random);
+    for (int64_t i = 0; i < ray_count(500000); ++i) {
+      const Flat flat = make_flat(static_cast<int>(i % 5), random);
       const Vec3 n =
           normalize(Vec3{static_cast<double>(flat.normal.x), static_cast<double>(flat.normal.y),
                          static_cast<double>(flat.normal.z)});
@@ -119,7 +128,7 @@ TEST(N05, FlatShapesAreHitWhereQuadPrecisionSaysSo) {
         continue;
       }
       const bool expected = t > 0 && inside > 0;
-      ASSERT_EQ(found, expected) << "seed " << seed << " at " << i << " kind " << i % 4;
+      ASSERT_EQ(found, expected) << "seed " << seed << " at " << i << " kind " << i % 5;
       (expected ? hits : misses)++;
       if (!found) continue;
       ASSERT_LE(fabsq(hit.t - t) * length(qd) * cosine, band) << "seed " << seed << " at " << i;
@@ -140,5 +149,72 @@ TEST(N05, FlatShapesAreHitWhereQuadPrecisionSaysSo) {
   RecordProperty("in_band", static_cast<int>(in_band));
 }
 
+/// Where the line enters and leaves the box grown by `grow`; enters after it leaves for a miss.
+std::pair<Quad, Quad> box_stretch(const Bounds3& box, Quad grow, const Ray& ray) {
+  Quad enter = -HUGE_VALQ, leave = HUGE_VALQ;
+  for (int a = 0; a < 3; ++a) {
+    const Quad o = ray.origin[a], d = ray.direction[a];
+    const Quad low = Quad(box.min[a]) - grow, high = Quad(box.max[a]) + grow;
+    if (d == 0) {
+      if (o < low || o > high) return {1, 0};
+      continue;
+    }
+    const Quad t0 = (low - o) / d, t1 = (high - o) / d;
+    enter = std::max(enter, std::min(t0, t1)), leave = std::min(leave, std::max(t0, t1));
+  }
+  return {enter, leave};
+}
+
+TEST(N05, BoxesAreHitWhereQuadPrecisionSaysSo) {
+  int64_t hits = 0, misses = 0;
+  for (uint64_t seed = 1; seed <= 8; ++seed) {
+    Random random(105, seed);
+    for (int64_t i = 0; i < ray_count(500000); ++i) {
+      const double size = std::abs(random.power(-4, 4));
+      Bounds3 extent;
+      for (int a = 0; a < 3; ++a) {
+        extent.min[a] = size * random.uniform(-1, 1);
+        extent.max[a] = extent.min[a] + size * std::abs(random.power(-6, 0));
+      }
+      // Along a face or an edge, but for an angle, at a place that is on it but for a little.
+      Point3 target;
+      for (int a = 0; a < 3; ++a) {
+        const double share =
+            random.below(2) ? random.below(2) + random.power(-16, -1) : random.uniform(-0.2, 1.2);
+        target[a] = extent.min[a] + (extent.max[a] - extent.min[a]) * share;
+      }
+      Vec3 d{random.power(-12, 0), random.power(-12, 0), random.power(-12, 0)};
+      if (random.below(8) == 0) d[random.below(3)] = 0;
+      if (d == Vec3{}) continue;
+      d = normalize(d);
+      const Ray ray{target - d * (size * std::abs(random.power(-1, 6))), d};
+      Hit hit;
+      TraversalCounters counters;
+      const Box box(extent);
+      const bool found = box.closest_hit(ray, hit, counters);
+      ASSERT_EQ(found, box.any_hit(ray, counters));
+      const Quad band = 16 * kUnitRoundoff * (size_of(ray.origin) + 4 * size);
+      const auto inner = box_stretch(extent, -band, ray), outer = box_stretch(extent, band, ray);
+      const bool surely = inner.first < inner.second && inner.second > 0;
+      const bool never = outer.first > outer.second || outer.second <= 0;
+      if (surely) {
+        ASSERT_TRUE(found) << "seed " << seed << " at " << i;
+        ++hits;
+      }
+      if (never) {
+        ASSERT_FALSE(found) << "seed " << seed << " at " << i;
+        ++misses;
+      }
+      // The same side of the origin, or this is not the same crossing.
+      if (!surely || (inner.first > 0) != (outer.first > 0)) continue;
+      const bool enters = inner.first > 0;
+      const Quad a = enters ? outer.first : inner.second, b = enters ? inner.first : outer.second;
+      ASSERT_TRUE(hit.t >= a && hit.t <= b) << "seed " << seed << " at " << i;
+    }
+  }
+  EXPECT_GT(hits, 2000);
+  EXPECT_GT(misses, 2000);
+}
+
 }  // namespace
-}  // namespace tessera::stress
+}  // namespace tessera::numerics

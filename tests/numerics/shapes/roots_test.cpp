@@ -5,10 +5,13 @@
 
 #include "renderer/math/quadratic.h"
 #include "renderer/math/quartic.h"
-#include "tests/numerics/stress.h"
+#include "tests/numerics/support.h"
 
-namespace tessera::stress {
+namespace tessera::numerics {
 namespace {
+
+using N08 = Shard;
+INSTANTIATE_TEST_SUITE_P(Seed, N08, kSeeds);
 
 double ulp_of(double x) { return std::nextafter(std::abs(x), HUGE_VAL) - std::abs(x); }
 
@@ -48,7 +51,7 @@ TEST(N09, QuadraticsHaveTheRightNumberOfRoots) {
       return std::ldexp(random.next() & 1 ? random.uniform(1, 2) : -random.uniform(1, 2),
                         random.below(121) - 60);
     };
-    for (int64_t i = 0; i < count(1000000); ++i) {
+    for (int64_t i = 0; i < ray_count(1000000); ++i) {
       double a = number(), b = number(), c = number();
       check_quadratic(a, b, c);
       // Discriminant exactly 0: (2 k m x + l)^2 with few digits; then one ulp to either side.
@@ -138,53 +141,51 @@ int sturm_count(const Polynomial<4>& c) {
   return changes(true) - changes(false);
 }
 
-TEST(N08, RandomQuartics) {
-  for (uint64_t seed = 1; seed <= 8; ++seed) {
-    Random random(8, seed);
-    for (int64_t i = 0; i < count(1000000); ++i) {
-      Polynomial<4> c{1, 0, 0, 0, 0};
-      if (i % 2) {
-        for (double& x : c) x = random.power(-4, 4);
-      } else {
-        // Roots and pairs of widely different sizes.
-        for (int pair = 0; pair < 2; ++pair) {
-          const double x = random.power(-3, 3);
-          const double y = random.power(-3, 3);
-          const double b = random.next() & 1 ? -(x + y) : random.power(-3, 3);
-          const double q = random.next() & 1 ? x * y : random.power(-6, 6);
-          const Polynomial<4> old = c;
-          c = {};
-          for (int k = 0; k <= 4; ++k) {
-            c[k] += q * old[k];
-            if (k >= 1) c[k] += b * old[k - 1];
-            if (k >= 2) c[k] += old[k - 2];
-          }
-        }
-        if (c[4] == 0) continue;
-      }
-      std::array<double, 4> roots;
-      const int n = solve_quartic(c, roots);
-      for (int k = 0; k < n; ++k) {
-        ASSERT_FALSE(std::isnan(roots[k]));
-        ASSERT_LE(backward_error(c, roots[k]), 64 * 0x1p-53) << "seed " << seed << " at " << i;
-        if (k > 0) {
-          ASSERT_GT(roots[k], roots[k - 1]);
+TEST_P(N08, RandomQuartics) {
+  Random random(8, seed());
+  for (int64_t i = 0; i < ray_count(1000000); ++i) {
+    Polynomial<4> c{1, 0, 0, 0, 0};
+    if (i % 2) {
+      for (double& x : c) x = random.power(-4, 4);
+    } else {
+      // Roots and pairs of widely different sizes.
+      for (int pair = 0; pair < 2; ++pair) {
+        const double x = random.power(-3, 3);
+        const double y = random.power(-3, 3);
+        const double b = random.next() & 1 ? -(x + y) : random.power(-3, 3);
+        const double q = random.next() & 1 ? x * y : random.power(-6, 6);
+        const Polynomial<4> old = c;
+        c = {};
+        for (int k = 0; k <= 4; ++k) {
+          c[k] += q * old[k];
+          if (k >= 1) c[k] += b * old[k - 1];
+          if (k >= 2) c[k] += old[k - 2];
         }
       }
-      const int expected = sturm_count(c);
-      if (n == expected) continue;
-      // Only where the roots in doubt are as good as double: the polynomial all but touches 0 at a
-      // turning point.
-      std::array<double, 3> turns;
-      const Polynomial<3> slope = derivative<4>(c);
-      const int turn_count = roots_between<3>(slope, -1e30, 1e30, turns);
-      double nearest = 1;
-      for (int k = 0; k < turn_count; ++k) nearest = std::min(nearest, backward_error(c, turns[k]));
-      EXPECT_LE(nearest, 8 * 0x1p-53)
-          << "seed " << seed << " at " << i << ": " << n << " roots for " << expected;
+      if (c[4] == 0) continue;
     }
+    std::array<double, 4> roots;
+    const int n = solve_quartic(c, roots);
+    for (int k = 0; k < n; ++k) {
+      ASSERT_FALSE(std::isnan(roots[k]));
+      ASSERT_LE(backward_error(c, roots[k]), 64 * 0x1p-53) << "seed " << seed() << " at " << i;
+      if (k > 0) {
+        ASSERT_GT(roots[k], roots[k - 1]);
+      }
+    }
+    const int expected = sturm_count(c);
+    if (n == expected) continue;
+    // Only where the roots in doubt are as good as double: the polynomial all but touches 0 at a
+    // turning point.
+    std::array<double, 3> turns;
+    const Polynomial<3> slope = derivative<4>(c);
+    const int turn_count = roots_between<3>(slope, -1e30, 1e30, turns);
+    double nearest = 1;
+    for (int k = 0; k < turn_count; ++k) nearest = std::min(nearest, backward_error(c, turns[k]));
+    EXPECT_LE(nearest, 8 * 0x1p-53)
+        << "seed " << seed() << " at " << i << ": " << n << " roots for " << expected;
   }
 }
 
 }  // namespace
-}  // namespace tessera::stress
+}  // namespace tessera::numerics

@@ -3,9 +3,9 @@
 
 #include "renderer/math/rounding.h"
 #include "renderer/shapes/frustum.h"
-#include "tests/numerics/stress.h"
+#include "tests/numerics/support.h"
 
-namespace tessera::stress {
+namespace tessera::numerics {
 namespace {
 
 struct Stretch {
@@ -76,7 +76,7 @@ TEST(N06, FrustaAreHitWhereQuadPrecisionSaysSo) {
   double worst[3] = {};
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     Random random(6, seed);
-    for (int64_t i = 0; i < count(1000000); ++i) {
+    for (int64_t i = 0; i < ray_count(1000000); ++i) {
       const double r = std::abs(random.power(-6, 6));
       const double h = r * std::abs(random.power(-2, 2));
       const int kind = static_cast<int>(i % 3);
@@ -157,7 +157,7 @@ TEST(N06, FrustaAreHitWhereQuadPrecisionSaysSo) {
 
 TEST(N22, FrustaScaleByPowersOfTwoToTheBit) {
   Random random(22);
-  for (int64_t i = 0; i < count(1000000); ++i) {
+  for (int64_t i = 0; i < ray_count(1000000); ++i) {
     const double r = random.uniform(0.1, 2), h = random.uniform(0.1, 2), top = random.uniform(0, 2);
     const double k = std::ldexp(1, random.below(81) - 40);
     const Point3 o = Point3{} + random.direction() * random.uniform(0, 10);
@@ -181,4 +181,4 @@ TEST(N22, FrustaScaleByPowersOfTwoToTheBit) {
 }
 
 }  // namespace
-}  // namespace tessera::stress
+}  // namespace tessera::numerics

@@ -7,11 +7,15 @@
 #include "renderer/shapes/disc.h"
 #include "renderer/shapes/frustum.h"
 #include "renderer/shapes/half_plane.h"
+#include "renderer/shapes/sphere.h"
 #include "renderer/shapes/torus.h"
-#include "tests/numerics/stress.h"
+#include "tests/numerics/support.h"
 
-namespace tessera::stress {
+namespace tessera::numerics {
 namespace {
+
+using N11 = Shard;
+INSTANTIATE_TEST_SUITE_P(Seed, N11, kSeeds);
 
 Transform random_transform(Random& random, double exponent) {
   const double scale = std::abs(random.power(-exponent, exponent));
@@ -73,7 +77,7 @@ TEST(N10, FlatShapesDoNotHitThemselves) {
   int64_t tested = 0, self_hits = 0;
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     Random random(10, seed);
-    for (int64_t i = 0; i < count(1250000); ++i) {
+    for (int64_t i = 0; i < ray_count(1250000); ++i) {
       const double exponents[] = {0.5, 2, 4, 6, 8};
       const double e = exponents[random.below(5)];
       const Point3 a = sliver_scale(random, e), b = sliver_scale(random, e),
@@ -121,14 +125,14 @@ TEST(N10, FlatShapesDoNotHitThemselves) {
     }
   }
   EXPECT_EQ(self_hits, 0);
-  EXPECT_GT(tested, count(2000000));
+  EXPECT_GT(tested, ray_count(2000000));
 }
 
 TEST(N11, RoundSolidsDoNotHitThemselvesNorLoseTheFarWall) {
   int64_t outward_rays = 0, inward_rays = 0, self_hits = 0, lost = 0;
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     Random random(11, seed);
-    for (int64_t i = 0; i < count(1250000); ++i) {
+    for (int64_t i = 0; i < ray_count(1250000); ++i) {
       const double r = std::abs(random.power(-3, 3)), h = r * std::abs(random.power(-2, 2));
       Instance instance;
       const int kind = random.below(3);
@@ -159,7 +163,7 @@ TEST(N11, RoundSolidsDoNotHitThemselvesNorLoseTheFarWall) {
   }
   EXPECT_EQ(self_hits, 0);
   EXPECT_EQ(lost, 0);
-  EXPECT_GT(outward_rays, count(3000000));
+  EXPECT_GT(outward_rays, ray_count(3000000));
 }
 
 Quad torus_distance(double minor, const Ray& ray, Quad t) {
@@ -168,53 +172,52 @@ Quad torus_distance(double minor, const Ray& ray, Quad t) {
   return sqrtq(ring * ring + p.y * p.y) - minor;
 }
 
-TEST(N11, ToriDoNotHitThemselvesNorLoseTheFarWall) {
+TEST_P(N11, ToriDoNotHitThemselvesNorLoseTheFarWall) {
   const double minors[] = {1e-4, 0.01, 0.25, 0.9, 1, 1.5};
   int64_t tested = 0, self_hits = 0, lost = 0, wrong_side = 0;
-  for (uint64_t seed = 1; seed <= 8; ++seed) {
-    Random random(12, seed);
-    for (int64_t i = 0; i < count(1250000); ++i) {
-      const double minor = minors[random.below(6)];
-      Instance instance;
-      instance.shape = std::make_shared<Torus>(1, minor);
-      if (random.next() & 1) instance.world_from_object = random_transform(random, 4);
-      const double turn = random.uniform(0, 6.3);
-      const Point3 target = Point3{std::cos(turn), 0, std::sin(turn)} +
-                            random.direction() * (minor * random.uniform(0, 1));
-      const Ray ray = aimed(instance, target, random);
-      Hit hit;
-      if (!hit_of(instance, ray, hit)) continue;
-      const SurfaceInteraction s = surface_at({&instance, 1}, ray, hit);
-      const Vec3 n = static_cast<Vec3>(s.geometric_normal);
-      ++tested;
-      Hit again;
-      const Ray out = spawn_ray(s, leaving(n, true, random));
-      const Ray local = to_local(instance, out);
-      if (!(torus_distance(minor, local, 0) > 0)) ++wrong_side;
-      // A torus can be met again from outside; then the line is inside beyond the hit.
-      if (hit_of(instance, out, again)) {
-        bool inside = false;
-        for (const double beyond : {1 + 1e-9, 1.001, 2.0, 10.0})
-          inside |= torus_distance(minor, local, Quad(again.t) * beyond) < 0;
-        if (!inside) ++self_hits;
-      }
-      const Ray in = spawn_ray(s, leaving(n, false, random));
-      if (!(torus_distance(minor, to_local(instance, in), 0) < 0)) ++wrong_side;
-      if (!hit_of(instance, in, again)) ++lost;
+  Random random(12, seed());
+  for (int64_t i = 0; i < ray_count(1250000); ++i) {
+    const double minor = minors[random.below(6)];
+    Instance instance;
+    instance.shape = std::make_shared<Torus>(1, minor);
+    if (random.next() & 1) instance.world_from_object = random_transform(random, 4);
+    const double turn = random.uniform(0, 6.3);
+    const Point3 target = Point3{std::cos(turn), 0, std::sin(turn)} +
+                          random.direction() * (minor * random.uniform(0, 1));
+    const Ray ray = aimed(instance, target, random);
+    Hit hit;
+    if (!hit_of(instance, ray, hit)) continue;
+    const SurfaceInteraction s = surface_at({&instance, 1}, ray, hit);
+    const Vec3 n = static_cast<Vec3>(s.geometric_normal);
+    ++tested;
+    Hit again;
+    const Ray out = spawn_ray(s, leaving(n, true, random));
+    const Ray local = to_local(instance, out);
+    if (!(torus_distance(minor, local, 0) > 0)) ++wrong_side;
+    // A torus can be met again from outside; then the line is inside beyond the hit.
+    if (hit_of(instance, out, again)) {
+      bool inside = false;
+      for (const double beyond : {1 + 1e-9, 1.001, 2.0, 10.0})
+        inside |= torus_distance(minor, local, Quad(again.t) * beyond) < 0;
+      if (!inside) ++self_hits;
     }
+    const Ray in = spawn_ray(s, leaving(n, false, random));
+    if (!(torus_distance(minor, to_local(instance, in), 0) < 0)) ++wrong_side;
+    if (!hit_of(instance, in, again)) ++lost;
   }
   EXPECT_EQ(self_hits, 0);
   EXPECT_EQ(lost, 0);
   EXPECT_EQ(wrong_side, 0);
-  EXPECT_GT(tested, count(2000000));
+  EXPECT_GT(tested, ray_count(2000000 / kShards));
 }
 
 TEST(N12, BothSidesOfAThinGapAreSeenInOrder) {
   Random random(12);
-  for (int64_t i = 0; i < count(1000000); ++i) {
+  for (int64_t i = 0; i < ray_count(1000000); ++i) {
     const double scale = std::pow(10.0, 3 * (random.below(3) - 1));
     const double gap = std::pow(10.0, random.uniform(-13, -1));
-    // Two coaxial cylinders and two parallel discs.
+    // Two coaxial cylinders, two concentric spheres and two parallel discs.
+    const Sphere small({0, 0, 0}, scale), large({0, 0, 0}, (1 + gap) * scale);
     const Cylinder inner(scale, 4 * scale), outer((1 + gap) * scale, 4 * scale);
     const Disc low({0, 0, 0}, {0, 0, 1}, 4 * scale),
         high({0, 0, gap * scale}, {0, 0, 1}, 4 * scale);
@@ -223,7 +226,9 @@ TEST(N12, BothSidesOfAThinGapAreSeenInOrder) {
     const Vec3 e = normalize(Vec3{random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), -1});
     const Ray down{Point3{} - e * (random.uniform(1, 5) * scale), e};
     TraversalCounters counters;
-    Hit a, b, c, f;
+    Hit a, b, c, f, g, h;
+    ASSERT_TRUE(small.closest_hit(ray, g, counters) && large.closest_hit(ray, h, counters));
+    ASSERT_LE(h.t, g.t + 4 * kUnitRoundoff * g.t);
     ASSERT_TRUE(inner.closest_hit(ray, a, counters) && outer.closest_hit(ray, b, counters));
     ASSERT_TRUE(low.closest_hit(down, c, counters) && high.closest_hit(down, f, counters));
     const double resolved = 64 * kUnitRoundoff * 6;
@@ -232,6 +237,7 @@ TEST(N12, BothSidesOfAThinGapAreSeenInOrder) {
     if (gap >= resolved) {
       ASSERT_LT(b.t, a.t) << "gap " << gap;
       ASSERT_LT(f.t, c.t) << "gap " << gap;
+      ASSERT_LT(h.t, g.t) << "gap " << gap;
       // A ray that leaves the inner one outward meets the outer one from inside.
       const Instance instance{std::make_shared<Cylinder>(inner), {}};
       const SurfaceInteraction s = to_world(inner.surface(ray, a), {}, false, 0);
@@ -244,4 +250,4 @@ TEST(N12, BothSidesOfAThinGapAreSeenInOrder) {
 }
 
 }  // namespace
-}  // namespace tessera::stress
+}  // namespace tessera::numerics
