@@ -7,20 +7,22 @@ import time
 import scenes
 from tessera_process import SLOWER, TesseraTest, wait_until
 
-LOAD = ["--size", "320x240", "--tile", "16", "--spp", "8"]
+LOAD = ["--size", "320x240", "--tile", "16", "--spp"]
 TILES = 300
 
 
 class Resume(TesseraTest):
+    spp = 8
+
     def setUp(self):
         super().setUp()
         self.scene = self.write("scene.tessera", scenes.glass_scene())
-        self.reference = self.render(self.scene, "--workers", "0", *LOAD)
+        self.reference = self.render(self.scene, "--workers", "0", *LOAD, self.spp)
         self.kept = self.folder / "picture.png.tiles"
 
     def start_render(self, workers):
         return self.start("render", self.scene, "-o", "picture.png", "--stats", "stats.json",
-                          "--workers", workers, "--resume", *LOAD)
+                          "--workers", workers, "--resume", *LOAD, self.spp)
 
     def end_after(self, process, seconds, sent):
         """Sends the signal, after so long and once a tile is kept; the exit code."""
@@ -55,6 +57,8 @@ class Resume(TesseraTest):
         self.assertGreaterEqual(resumed, 3)
 
     def test_after_an_interrupt_it_tells_what_is_kept(self):
+        self.spp = 64
+        self.reference = self.render(self.scene, "--workers", "0", *LOAD, self.spp)
         process = self.start_render(2)
         wait_until(self.kept.exists, 10, "tiles are kept")
         time.sleep(0.2 * SLOWER)
@@ -67,11 +71,11 @@ class Resume(TesseraTest):
     def test_another_scene_starts_anew(self):
         self.end_after(self.start_render(2), 0.2, signal.SIGKILL)
         self.scene = self.write("scene.tessera", scenes.glass_scene().replace("0.9", "0.8"))
-        self.reference = self.render(self.scene, "--workers", "0", *LOAD)
+        self.reference = self.render(self.scene, "--workers", "0", *LOAD, self.spp)
         self.assertEqual(0, self.finish())
 
     def test_a_file_of_something_else_is_refused_and_kept(self):
         self.kept.write_bytes(b"diary " * 1000)
-        result = self.run_program("render", self.scene, *LOAD, "-o", "picture.png", "--resume")
+        result = self.run_program("render", self.scene, *LOAD, self.spp, "-o", "picture.png", "--resume")
         self.assert_error(result, 2, "file of finished tiles")
         self.assertEqual(6000, self.kept.stat().st_size)

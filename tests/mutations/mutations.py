@@ -35,12 +35,12 @@ MUTATIONS = [
              "(backward[a] < 0 ? 1 : 0)", "(ray.direction[a] < 0 ? 1 : 0)",
              "numerics_test", "N15.*"),
     # No radiometry here divides by pi or by a density: the nearest of that kind.
-    Mutation("Lambert's share larger by pi", "renderer/shading/material.cpp",
-             "return std::max(n_dot_l, 0.0);", "return std::max(n_dot_l, 0.0) * portable::kPi;",
+    Mutation("Lambert's share larger by pi", "renderer/shading/material.h",
+             "factor = std::max(n_dot_l, 0.0);", "factor = std::max(n_dot_l, 0.0) * portable::kPi;",
              "render_test", "*"),
-    Mutation("light falls off 2 % too fast", "renderer/shading/light.cpp",
-             "sample.factor = attenuation_factor(light.attenuation, way);",
-             "sample.factor = attenuation_factor(light.attenuation, way) * 0.98;",
+    Mutation("light falls off 2 % too fast", "renderer/shading/light.h",
+             "denominator > 0 ? a.scale / denominator : 0;",
+             "denominator > 0 ? 0.98 * a.scale / denominator : 0;",
              "render_test", "*"),
     # The rest of the techniques that the core relies on.
     Mutation("error of t in mixed units", TRIANGLE, "max_z * ray.depth", "max_z",
@@ -67,14 +67,14 @@ MUTATIONS = [
              "s.point = center_ + n * radius_;", "s.point = ray.at(hit.t);",
              "numerics_test", "N11.*"),
     Mutation("rays leave to the front only", "renderer/shapes/surface_interaction.cpp",
-             "(dot(n, direction) < 0 ? -reach : reach)", "reach", "numerics_test", "N10.*:N11.*",
+             "(behind ? -reach : reach)", "reach", "numerics_test", "N10.*:N11.*",
              quick=True),
     Mutation("spawned rays: the way into the frame and back is exact",
              "renderer/shapes/surface_interaction.cpp",
-             "s.point_error = world_from_object.point_error(surface.point, surface.point_error) +\n"
+             "s.point_error = world_from_object.point_error(local.point, local.point_error) +\n"
              "                  round_trip_error(world_from_object, s.point);",
              "(void)round_trip_error;\n  s.point_error = "
-             "world_from_object.point_error(surface.point, surface.point_error);",
+             "world_from_object.point_error(local.point, local.point_error);",
              "numerics_test", "N10.*:N11.*:*N23.*:*N24.*"),
     Mutation("instances: direction of unit length", "renderer/accel/instance.cpp",
              "local.direction = instance.world_from_object.inverse_vector(ray.direction);",

@@ -7,6 +7,7 @@
 #include <concepts>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 
 #include "renderer/math/elementary.h"
 #include "renderer/math/transform.h"
@@ -84,6 +85,7 @@ class Random {
 };
 
 using Quad = __float128;
+inline constexpr Quad kQuadInfinity = std::numeric_limits<double>::infinity();
 
 struct QuadVec {
   Quad x = 0, y = 0, z = 0;

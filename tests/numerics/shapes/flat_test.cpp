@@ -151,7 +151,7 @@ TEST(N05, FlatShapesAreHitWhereQuadPrecisionSaysSo) {
 
 /// Where the line enters and leaves the box grown by `grow`; enters after it leaves for a miss.
 std::pair<Quad, Quad> box_stretch(const Bounds3& box, Quad grow, const Ray& ray) {
-  Quad enter = -HUGE_VALQ, leave = HUGE_VALQ;
+  Quad enter = -kQuadInfinity, leave = kQuadInfinity;
   for (int a = 0; a < 3; ++a) {
     const Quad o = ray.origin[a], d = ray.direction[a];
     const Quad low = Quad(box.min[a]) - grow, high = Quad(box.max[a]) + grow;

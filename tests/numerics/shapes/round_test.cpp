@@ -17,7 +17,7 @@ struct Stretch {
 Stretch oracle(Quad bottom, Quad top, Quad height, Quad grow, const Ray& ray) {
   const QuadVec o(ray.origin), d(ray.direction);
   Stretch s;
-  Quad enter = -HUGE_VALQ, leave = HUGE_VALQ;
+  Quad enter = -kQuadInfinity, leave = kQuadInfinity;
   const Quad slope = (top - bottom) / height;
   const Quad mean = (top + bottom) / 2 + grow * sqrtq(1 + slope * slope);
   // Up to the apex of the grown cone, lest its other nappe comes in.
@@ -34,7 +34,7 @@ Stretch oracle(Quad bottom, Quad top, Quad height, Quad grow, const Ray& ray) {
   const Quad a = d.x * d.x + d.z * d.z - dr * dr, b = o.x * d.x + o.z * d.z - r * dr;
   const Quad c = o.x * o.x + o.z * o.z - r * r;
   const Quad disc = b * b - a * c;
-  Quad in = -HUGE_VALQ, out = HUGE_VALQ;
+  Quad in = -kQuadInfinity, out = kQuadInfinity;
   if (a == 0) {
     if (b == 0) {
       if (c > 0) return s;
@@ -60,7 +60,7 @@ Stretch oracle(Quad bottom, Quad top, Quad height, Quad grow, const Ray& ray) {
 }
 
 Quad first_ahead(const Stretch& s) {
-  return !s.found || s.leave <= 0 ? HUGE_VALQ : s.enter > 0 ? s.enter : s.leave;
+  return !s.found || s.leave <= 0 ? kQuadInfinity : s.enter > 0 ? s.enter : s.leave;
 }
 
 std::string describe(double r, double h, double top, const Ray& ray) {
@@ -118,8 +118,9 @@ TEST(N06, FrustaAreHitWhereQuadPrecisionSaysSo) {
       // Roots come out to a rounding of t, so that the band grows slowly with the distance.
       const Quad band = kUnitRoundoff * (16 * size + 2 * distance);
       const Stretch inner = oracle(r, top, h, -band, ray), outer = oracle(r, top, h, band, ray);
-      const bool surely = first_ahead(inner) < HUGE_VALQ && (inner.enter > 0) == (outer.enter > 0);
-      const bool never = first_ahead(outer) == HUGE_VALQ;
+      const bool surely =
+          first_ahead(inner) < kQuadInfinity && (inner.enter > 0) == (outer.enter > 0);
+      const bool never = first_ahead(outer) == kQuadInfinity;
       if (surely) {
         ASSERT_TRUE(found) << "seed " << seed << " at " << i << " kind " << kind
                            << describe(r, h, top, ray) << (double)inner.enter << " "

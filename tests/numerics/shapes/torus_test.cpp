@@ -75,7 +75,7 @@ Roots oracle(Quad major, Quad minor, const Ray& ray) {
 }
 
 struct First {
-  Quad t = HUGE_VALQ;
+  Quad t = kQuadInfinity;
   size_t number = 0;  ///< among all crossings, and their count
   size_t count = 0;
 };
@@ -83,7 +83,7 @@ struct First {
 First first_ahead(const Roots& roots) {
   for (size_t i = 0; i < roots.size(); ++i)
     if (roots[i] > 0) return {roots[i], i, roots.size()};
-  return {HUGE_VALQ, roots.size(), roots.size()};
+  return {kQuadInfinity, roots.size(), roots.size()};
 }
 
 struct Tally {
@@ -106,7 +106,7 @@ void check(double minor, const Ray& ray, Tally& tally) {
     ++tally.in_band;
     return;
   }
-  const bool expected = inner.t < HUGE_VALQ;
+  const bool expected = inner.t < kQuadInfinity;
   ASSERT_EQ(found, expected);
   (expected ? tally.hits : tally.misses)++;
   if (!found) return;

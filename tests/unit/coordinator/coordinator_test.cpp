@@ -322,7 +322,7 @@ TEST_F(CoordinatorTest, TakesPixelsOnlyUnderALeaseOfTheirWorker) {
 }
 
 TEST_F(CoordinatorTest, OneWorkerIsNotBelievedThatASceneIsBad) {
-  const auto failed = [this](uint64_t id, uint32_t code) {
+  const auto failed = [](uint64_t id, uint32_t code) {
     v1::Envelope message;
     message.mutable_scene_failed()->set_session(1);
     message.mutable_scene_failed()->set_job(id);

@@ -164,14 +164,15 @@ TEST(AnalyticShapes, TheStretchOfTheRayAndTheHitAtHandCount) {
 TEST(AnalyticShapes, NothingThatIsNotFiniteIsHit) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   for (const auto& shape : all_shapes()) {
+    const Shape& shown = *shape;
     for (const double bad : {kNan, Bounds3::kInfinity, -Bounds3::kInfinity}) {
       for (int axis = 0; axis < 3; ++axis) {
         Ray ray{{0.3, 0.4, 5}, {0.01, 0.02, -1}};
         ray.origin[axis] = bad;
-        EXPECT_FALSE(hits(*shape, ray)) << typeid(*shape).name() << " " << bad << " " << axis;
+        EXPECT_FALSE(hits(*shape, ray)) << typeid(shown).name() << " " << bad << " " << axis;
         ray = {{0.3, 0.4, 5}, {0.01, 0.02, -1}};
         ray.direction[axis] = bad;
-        EXPECT_FALSE(hits(*shape, ray)) << typeid(*shape).name() << " " << bad << " " << axis;
+        EXPECT_FALSE(hits(*shape, ray)) << typeid(shown).name() << " " << bad << " " << axis;
       }
     }
     EXPECT_FALSE(hits(*shape, {{0.3, 0.4, 5}, {0, 0, 0}}));
