@@ -115,7 +115,8 @@ LoadedScene forest(uint32_t trees) {
     node.set_instance_of(names[random.bits() % names.size()]);
     const Vec3 off = random.in_cube() * 0.3;
     auto& steps = *node.mutable_transform()->mutable_steps();
-    put(i % side + .5 - .5 * side + off.x, 0, i / side + .5 - .5 * side + off.z,
+    const uint32_t row = i / side, column = i % side;
+    put(column + .5 - .5 * side + off.x, 0, row + .5 - .5 * side + off.z,
         steps.Add()->mutable_translate());
     v1::AxisAngle& turn = *steps.Add()->mutable_rotate();
     put(0, 1, 0, turn.mutable_axis());
