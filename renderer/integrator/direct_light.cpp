@@ -7,14 +7,27 @@ namespace tessera {
 
 namespace {
 
+/// Whether the light is behind the facet but in front of the curved surface that it stands for:
+/// then the facets themselves must not stop it, lest they show where the shading turns dark.
+bool sees_over_facet(const SurfacePoint& point, const Vec3& wi) {
+  return dot(point.surface.smooth_shift, point.geometric_normal) > 0 && dot(point.normal, wi) > 0;
+}
+
 /// The stretch between a point and a light on which occluders count.
-[[gnu::always_inline]] inline Ray shadow_ray(RayOrigins& origins, const Light& light,
-                                             const LightSample& sample) {
+[[gnu::always_inline]] inline Ray shadow_ray(const SurfacePoint& point, RayOrigins& origins,
+                                             const Light& light, const LightSample& sample) {
   const bool placed = light.kind == LightKind::point || light.kind == LightKind::spot;
-  Ray ray = placed ? origins.spawn_to(light.position) : origins.spawn(sample.wi);
-  const double reach = placed ? ray.t_max : sample.distance;
   const double bound = placed ? light.shadow_distance / sample.distance : light.shadow_distance;
-  ray.t_max = std::min(reach, bound);
+  Ray ray;
+  if (sees_over_facet(point, sample.wi)) {
+    ray = origins.spawn(point.geometric_normal);
+    ray.origin = ray.origin + point.surface.smooth_shift;
+    ray.direction = placed ? light.position - ray.origin : sample.wi;
+    ray.t_max = 1;
+  } else {
+    ray = placed ? origins.spawn_to(light.position) : origins.spawn(sample.wi);
+  }
+  ray.t_max = std::min(placed ? ray.t_max : sample.distance, bound);
   return ray;
 }
 
@@ -58,13 +71,14 @@ template <bool kRich>
 Color visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                  const Color& medium, const Light& light, const LightSample& sample, double width,
                  TraceCounters& counters) {
-  const Ray ray = shadow_ray(origins, light, sample);
+  const Ray ray = shadow_ray(point, origins, light, sample);
   ++counters.rays_shadow;
   Color visible = kWhite;
   if (scene.opaque_occluders && scene.opaque_occluders->any_hit(ray, counters.traversal)) {
     visible = kBlack;
   } else if (scene.clear_occluders) {
-    const bool begins_beyond = dot(point.geometric_normal, ray.direction) < 0;
+    const bool begins_beyond =
+        dot(point.geometric_normal, ray.direction) < 0 && !sees_over_facet(point, sample.wi);
     visible = clear_transmittance<kRich>(
         scene, ray, begins_beyond ? medium_beyond(medium, point) : medium, width, counters);
   }

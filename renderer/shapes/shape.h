@@ -19,6 +19,7 @@ struct LocalSurface {
   Vec3 point_error;
   Normal3 geometric_normal;  ///< unit; out of a solid, or by counter-clockwise winding
   Normal3 shading_normal;    ///< unit; equals geometric_normal where nothing smooths it
+  Vec3 smooth_shift;         ///< outward, to the surface that vertex normals stand for; or zero
   Vec2 uv;
   Vec3 dpdu, dpdv;  ///< derivatives of the point by uv; zero where there is no uv
   Color vertex_color = kWhite;

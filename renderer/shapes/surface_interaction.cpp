@@ -29,6 +29,7 @@ void place_moved(const Transform& world_from_object, LocalSurface& s) {
   s.shading_normal = local.shading_normal == local.geometric_normal
                          ? s.geometric_normal
                          : normalize(world_from_object.normal(local.shading_normal));
+  s.smooth_shift = world_from_object.vector(local.smooth_shift);
   s.dpdu = world_from_object.vector(local.dpdu);
   s.dpdv = world_from_object.vector(local.dpdv);
 }

@@ -44,6 +44,20 @@ void add_uv(const TriangleMesh& mesh, const TriangleIndices& index,
   surface.dpdv = (e2 * du1 - e1 * du2) / det;
 }
 
+/// From the facet to the curved surface between the tangent planes of its vertices, where that is
+/// on the normals' side (Hanika, Ray Tracing Gems II, 4).
+Vec3 smooth_shift(const TriangleMesh& mesh, const TriangleIndices& index,
+                  const std::array<Point3, 3>& corner, const std::array<double, 3>& weight,
+                  const Point3& point) {
+  Vec3 shift;
+  for (size_t k = 0; k < 3; ++k) {
+    const Vec3 n = to_vec(mesh.normals[index[k]]);
+    const double below = -dot(point - corner[k], n), squared = dot(n, n);
+    if (below > 0 && squared > 0) shift = shift + n * (weight[k] * below / squared);
+  }
+  return shift;
+}
+
 }  // namespace
 
 Bounds3 TriangleMesh::bounds() const {
@@ -106,7 +120,11 @@ LocalSurface triangle_surface(const TriangleMesh& mesh, uint32_t triangle, doubl
     const Vec3 n = to_vec(mesh.normals[index[0]]) * weight[0] +
                    to_vec(mesh.normals[index[1]]) * weight[1] +
                    to_vec(mesh.normals[index[2]]) * weight[2];
-    if (is_finite(n) && dot(n, n) > 0) surface.shading_normal = to_normal(normalize(n));
+    if (is_finite(n) && dot(n, n) > 0) {
+      surface.shading_normal = to_normal(normalize(n));
+      const Vec3 shift = smooth_shift(mesh, index, corner, weight, surface.point);
+      if (is_finite(shift)) surface.smooth_shift = shift;
+    }
   }
   if (!mesh.uvs.empty()) add_uv(mesh, index, corner, weight, surface);
   if (!mesh.colors.empty()) {

@@ -76,6 +76,11 @@ MUTATIONS = [
              "(void)round_trip_error;\n  s.point_error = "
              "world_from_object.point_error(local.point, local.point_error);",
              "numerics_test", "N10.*:N11.*:*N23.*:*N24.*"),
+    Mutation("shadow rays leave the facets of smooth meshes",
+             "renderer/integrator/direct_light.cpp",
+             "return dot(point.surface.smooth_shift, point.geometric_normal) > 0 &&",
+             "return dot(point.surface.smooth_shift, point.geometric_normal) > 1e300 &&",
+             "numerics_render_test", "*N25*"),
     Mutation("instances: direction of unit length", "renderer/accel/instance.cpp",
              "local.direction = instance.world_from_object.inverse_vector(ray.direction);",
              "local.direction = normalize(instance.world_from_object.inverse_vector("
