@@ -100,7 +100,7 @@ class InProcessFarm : public TracingFarm {
         worker_([this, threads, client = network_.client()] {
           WorkerOptions options;
           options.threads = threads;
-          options.make_renderer = make_tile_renderer;
+          options.make_renderer = [](const auto&... scene) { return make_tile_renderer(scene...); };
           run_worker(*client, options, stop_);
         }) {}
   ~InProcessFarm() override {

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <csignal>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "base/log.h"
+#include "base/shared_arena.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
 #include "cli/option_values.h"
@@ -22,6 +24,7 @@ struct WorkerCommandOptions {
   int threads = 0;
   int parent = 0;
   bool quiet = false;
+  int arena = -1;  ///< a descriptor of SharedArena that was inherited
   unsigned protocol_major = 0;
 };
 
@@ -37,7 +40,12 @@ ExitCode work(const WorkerCommandOptions& options) {
   worker.threads = options.threads > 0
                        ? options.threads
                        : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  worker.make_renderer = make_tile_renderer;
+  std::optional<SharedArena> arena;
+  if (options.arena >= 0) arena.emplace(options.arena);
+  worker.make_renderer = [&arena](const v1::Scene& scene, const BlobStore& blobs,
+                                  const v1::FrameSettings& frame, int threads) {
+    return make_tile_renderer(scene, blobs, frame, threads, arena ? &*arena : nullptr);
+  };
   worker.protocol_major = options.protocol_major;
   const WorkerEnd end = run_worker(*transport, worker, interrupted());
   if (end.exit_code != ExitCode::done) throw Error(end.exit_code, end.reason);
@@ -73,6 +81,7 @@ void add_worker_command(CLI::App& app, Action& action) {
   command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   // Not for users: an empty group hides them from --help.
   command->add_option("--parent", options->parent)->group("");
+  command->add_option("--arena", options->arena)->group("");
   command->add_option("--protocol-major", options->protocol_major)->group("");
   command->callback([options, &action] { action = [options] { return work(*options); }; });
 }

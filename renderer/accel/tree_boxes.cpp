@@ -134,4 +134,12 @@ bool is_bounded(const Bounds3& b) {
   return true;
 }
 
+AcceleratorStatistics statistics_of(const WideTree& tree, size_t primitives, size_t references) {
+  return {.primitives = primitives,
+          .nodes = tree.nodes.size(),
+          .leaves = tree.leaves,
+          .references = references,
+          .depth = tree.depth};
+}
+
 }  // namespace tessera

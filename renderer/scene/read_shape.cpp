@@ -28,6 +28,11 @@ namespace {
   throw Error(error.code(), message.starts_with(path) ? message : path + ": " + message);
 }
 
+/// Of all that its triangles come from: blobs are named in it by their digests.
+Digest key_of(const v1::TriangleMesh& mesh, AcceleratorKind kind) {
+  return Digest::of(mesh.SerializeAsString() + static_cast<char>(kind));
+}
+
 BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSource& source) {
   auto mesh = std::make_shared<TriangleMesh>(
       read_mesh(where, shape.mesh(), source.blobs, static_cast<size_t>(shape.materials_size())));
@@ -43,10 +48,12 @@ BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSou
                                          [](const Float4& c) { return c.w < 1; });
   if (mesh->triangles.empty()) return built;
   built.is_deferred = source.deferred && source.accelerator != AcceleratorKind::embree;
+  SharedTree shared{source.arena, {}};
+  if (shared.arena != nullptr) shared.key = key_of(shape.mesh(), source.accelerator);
   built.shape = built.is_deferred
                     ? make_deferred_mesh_shape(std::move(mesh), source.accelerator, source.threads,
-                                               source.deferred)
-                    : make_mesh_shape(std::move(mesh), source.accelerator, source.threads);
+                                               source.deferred, shared)
+                    : make_mesh_shape(std::move(mesh), source.accelerator, source.threads, shared);
   return built;
 }
 

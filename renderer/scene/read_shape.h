@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "base/shared_arena.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
 #include "renderer/accel/accelerator.h"
@@ -18,6 +19,7 @@ struct ShapeSource {
   int threads;
   bool keep_uvs = false;  ///< some material of the shape looks at texture coordinates
   std::shared_ptr<BuildCount> deferred{};  ///< where set, trees are built when first needed
+  const SharedArena* arena = nullptr;      ///< where set, trees are shared in it
 };
 
 /// A built shape, and what building it left out.

@@ -96,10 +96,13 @@ PixelRect seen_rect(const Scene& scene) {
 class SceneBuilder {
  public:
   SceneBuilder(const v1::Scene& description, const BlobStore& blobs, const v1::FrameSettings& frame,
-               int threads)
+               int threads, const SharedArena* arena)
       : description_(description),
         frame_(frame),
-        source_{blobs, read_accelerator(description.settings(), frame), threads},
+        source_{.blobs = blobs,
+                .accelerator = read_accelerator(description.settings(), frame),
+                .threads = threads,
+                .arena = arena},
         textures_(description, blobs),
         materials_(description, textures_) {}
 
@@ -246,8 +249,10 @@ class SceneBuilder {
     const auto build_one = [&](size_t i, int threads) {
       const Where where{.kind = graph_.shapes[i].path.c_str()};
       const v1::Shape& shape = *graph_.shapes[i].shape;
-      const ShapeSource source{source_.blobs, source_.accelerator, threads,
-                               shape_materials_[i].keep_uvs, scene_->built_when_hit};
+      ShapeSource source = source_;
+      source.threads = threads;
+      source.keep_uvs = shape_materials_[i].keep_uvs;
+      source.deferred = scene_->built_when_hit;
       shapes_[i] =
           shape.has_csg() ? read_csg(csg_plans_[i], source) : read_shape(where, shape, source);
     };
@@ -379,8 +384,9 @@ class SceneBuilder {
 }  // namespace
 
 std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
-                                         const v1::FrameSettings& frame, int threads) {
-  return SceneBuilder(description, blobs, frame, threads).build();
+                                         const v1::FrameSettings& frame, int threads,
+                                         const SharedArena* arena) {
+  return SceneBuilder(description, blobs, frame, threads, arena).build();
 }
 
 }  // namespace tessera

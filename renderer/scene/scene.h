@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/shared_arena.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
@@ -96,8 +97,10 @@ inline constexpr size_t kMaxScopedLights = 10'000'000;  ///< summed over the sco
 inline constexpr size_t kMaxInstances = size_t{1} << 22;
 
 /// Builds the frame's scene. Throws a scene error where the description is wrong, or names an
-/// integrator, camera or accelerator that there is not. `threads` do not change the result.
+/// integrator, camera or accelerator that there is not. `threads` do not change the result, nor
+/// does `arena`, in which trees are shared if it is not null and which must outlive the scene.
 std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
-                                         const v1::FrameSettings& frame, int threads);
+                                         const v1::FrameSettings& frame, int threads,
+                                         const SharedArena* arena = nullptr);
 
 }  // namespace tessera
