@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,8 @@ using PeerId = std::string;
 struct ReceivedMessage {
   Channel channel = Channel::control;
   PeerId peer;  ///< empty at a client: there is only the server
-  MessageBytes bytes;
+  std::span<const std::byte> bytes;
+  std::shared_ptr<const void> owner;  ///< of the bytes, which are where they came in
 };
 
 enum class SendResult {

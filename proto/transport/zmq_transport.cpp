@@ -67,9 +67,9 @@ zmq::message_t wrap(MessageBytes bytes) {
       [](void*, void* hint) { delete static_cast<MessageBytes*>(hint); }, owner);
 }
 
-MessageBytes unwrap(const zmq::message_t& message) {
-  const auto* data = message.data<std::byte>();
-  return {data, data + message.size()};
+ReceivedMessage received(Channel channel, PeerId peer, zmq::message_t& part) {
+  const auto owner = std::make_shared<zmq::message_t>(std::move(part));
+  return {channel, std::move(peer), {owner->data<std::byte>(), owner->size()}, owner};
 }
 
 /// All parts of the next message, or none.
@@ -132,11 +132,11 @@ class ZmqServer final : public ServerTransport {
   std::optional<ReceivedMessage> receive() override {
     for (const Channel channel : {Channel::control, Channel::bulk}) {
       while (true) {
-        const auto parts = receive_parts(channel == Channel::control ? control_ : bulk_);
+        auto parts = receive_parts(channel == Channel::control ? control_ : bulk_);
         if (parts.empty()) break;
         // Our own clients send one part behind the name of their connection.
         if (parts.size() != 2) continue;
-        return ReceivedMessage{channel, parts[0].to_string(), unwrap(parts[1])};
+        return received(channel, parts[0].to_string(), parts[1]);
       }
     }
     return std::nullopt;
@@ -226,11 +226,10 @@ class ZmqClient final : public ClientTransport {
     for (Line* line : {&control_, &bulk_}) {
       if (!line->socket) continue;
       while (true) {
-        const auto parts = receive_parts(line->socket);
+        auto parts = receive_parts(line->socket);
         if (parts.empty()) break;
         if (parts.size() != 1) continue;
-        return ReceivedMessage{
-            line == &control_ ? Channel::control : Channel::bulk, {}, unwrap(parts[0])};
+        return received(line == &control_ ? Channel::control : Channel::bulk, {}, parts[0]);
       }
     }
     return std::nullopt;
