@@ -18,7 +18,7 @@
 #include "cli/say.h"
 #include "cli/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
-#include "renderer/scene/scene.h"
+#include "renderer/scene/scene_builder.h"
 #include "scenes/formats/read_scene.h"
 #include "scenes/formats/scene_summary.h"
 

@@ -10,6 +10,7 @@
 #include "cli/placement.h"
 #include "cli/read_option_flags.h"
 #include "renderer/accel/make_accelerator.h"
+#include "renderer/scene/read_camera.h"
 #include "renderer/scene/read_settings.h"
 
 namespace tessera {

@@ -1,16 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
-#include "renderer/camera/camera.h"
 #include "renderer/math/color.h"
 #include "renderer/sampler/sampler.h"
-#include "renderer/shading/light.h"
 
 namespace tessera {
 
@@ -37,22 +34,5 @@ inline constexpr uint32_t kMaxDepth = 10000;
 
 /// A width, height or sample count of 0 in `frame`, or an empty name, means the scene's.
 RenderSettings read_settings(const v1::Settings& settings, const v1::FrameSettings& frame);
-
-struct CameraChoice {
-  CameraSettings settings;
-  /// Sits in the camera's frame.
-  const v1::Light* headlight = nullptr;
-  bool frame_all = false;
-};
-
-/// The light that a camera at `world_from_camera` carries.
-Light read_headlight(const v1::Light& light, const Affine& world_from_camera);
-
-/// The camera called `name`, or described so, or of that number counting from 1; empty: the first.
-/// Null where there is none.
-const v1::Camera* find_camera(const v1::Scene& scene, const std::string& name);
-
-/// The camera that find_camera finds, at `time`. Throws a scene error for an unknown one.
-CameraChoice read_camera(const v1::Scene& scene, const std::string& name, double time);
 
 }  // namespace tessera

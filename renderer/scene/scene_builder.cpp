@@ -1,4 +1,4 @@
-#include "renderer/scene/scene.h"
+#include "renderer/scene/scene_builder.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -13,6 +13,7 @@
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/scene/csg_plan.h"
 #include "renderer/scene/material_table.h"
+#include "renderer/scene/read_camera.h"
 #include "renderer/scene/read_shading.h"
 #include "renderer/scene/read_shape.h"
 #include "renderer/scene/scene_graph.h"
