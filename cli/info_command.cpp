@@ -10,6 +10,7 @@
 #include "base/digest.h"
 #include "base/plural.h"
 #include "cli/command_line.h"
+#include "cli/located.h"
 #include "cli/output_settings.h"
 #include "cli/picture_warnings.h"
 #include "cli/placement.h"
@@ -50,7 +51,7 @@ std::shared_ptr<const Scene> build(const std::string& path, const LoadedScene& l
     const int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     return build_scene(loaded.scene, loaded.blobs, frame, threads);
   } catch (const Error& error) {
-    throw scene_error(place_in_scene_file(path, error.what()), error.what(), "");
+    throw located(path, error.what());
   }
 }
 

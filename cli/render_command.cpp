@@ -15,6 +15,7 @@
 #include "base/plural.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
+#include "cli/located.h"
 #include "cli/output_settings.h"
 #include "cli/picture_warnings.h"
 #include "cli/progress_display.h"
@@ -185,7 +186,7 @@ class RenderRun {
       throw Error(ExitCode::interrupted, fmt::format("interrupted; {}", what_was_written(report)));
     }
     if (report.exit_code == ExitCode::bad_scene) {
-      throw scene_error(place_in_scene_file(options_.scene, report.failure), report.failure, "");
+      throw located(options_.scene, report.failure);
     }
     if (report.end == JobReport::End::failed && report.tiles_done == 0) {
       throw Error(report.exit_code,

@@ -23,16 +23,6 @@ namespace tessera {
 
 namespace {
 
-AcceleratorKind read_accelerator(const v1::Settings& settings, const v1::FrameSettings& frame) {
-  const std::string& name =
-      frame.accelerator().empty() ? settings.accelerator() : frame.accelerator();
-  if (name.empty()) return AcceleratorKind::bvh;
-  if (const auto kind = parse_accelerator(name)) return *kind;
-  const std::vector<std::string>& known = available_accelerators();
-  throw scene_error(fmt::format("there is no accelerator '{}'; expected one of {}{}", name,
-                                fmt::join(known, ", "), suggestion(name, known)));
-}
-
 /// One shape's materials, and what follows for every instance of it.
 struct ShapeMaterials {
   uint32_t first = 0, count = 0;
@@ -100,7 +90,7 @@ class SceneBuilder {
                int threads)
       : description_(description),
         frame_(frame),
-        source_{blobs, read_accelerator(description.settings(), frame), threads},
+        source_{blobs, {}, threads},
         textures_(description, blobs),
         materials_(description, textures_) {}
 
@@ -110,6 +100,7 @@ class SceneBuilder {
     }
     scene_->settings = read_settings(description_.settings(), frame_);
     const RenderSettings& settings = scene_->settings;
+    source_.accelerator = settings.accelerator;
     CameraChoice choice = read_camera(description_, frame_.camera(), settings.time);
     scene_->sampler.emplace(settings.sampler);
     scene_->background = read_background(description_.background(), textures_);
