@@ -151,13 +151,13 @@ ExitCode run_command_line(int argc, const char* const* argv) {
   try {
     return parse_and_run(argc, argv);
   } catch (const Error& error) {
-    say(stderr, "tessera: {}\n", error.what());
+    say_error(error.what());
     return error.code();
   } catch (const std::bad_alloc&) {
-    say(stderr, "tessera: out of memory\n");
+    say_error("out of memory");
     return ExitCode::render_failed;
   } catch (const std::exception& error) {
-    say(stderr, "tessera: {}\n", error.what());
+    say_error(error.what());
     return ExitCode::render_failed;
   }
 }

@@ -122,11 +122,12 @@ void print_json(const SceneInfo& info) {
                               {"unused", info.summary.unused},
                               {"undefined", info.summary.undefined},
                               {"warnings", info.warnings}};
-  say("{}\n", result.dump(2));
+  // As ASCII, which no terminal takes for a command.
+  say("{}\n", result.dump(2, ' ', true, nlohmann::json::error_handler_t::replace));
 }
 
 void print_list(const char* title, const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) say("{:<20} {}\n", title, line);
+  for (const std::string& line : lines) say("{:<20} {}\n", title, printable(line));
 }
 
 void print_text(const SceneInfo& info) {
@@ -139,7 +140,7 @@ void print_text(const SceneInfo& info) {
     say("{:<20} none: from (0, 0, 10) along -z, 45 degrees\n", "camera");
   }
   for (size_t i = 0; i < info.cameras.size(); ++i) {
-    say("{:<20} '{}'{}\n", "camera", info.cameras[i], i == 0 ? " (the default)" : "");
+    say("{:<20} '{}'{}\n", "camera", printable(info.cameras[i]), i == 0 ? " (the default)" : "");
   }
   print_list("material", info.materials);
   print_list("texture", info.textures);

@@ -168,11 +168,9 @@ class RenderRun {
     parse_seconds_ = seconds_since(start);
     scene_digest_ = Digest::of(serialize_scene(loaded_.scene)).hex();
     if (options_.quiet) return;
-    for (const std::string& warning : loaded_.warnings) {
-      say(stderr, "tessera: warning: {}\n", warning);
-    }
+    for (const std::string& warning : loaded_.warnings) say_warning(warning);
     for (const std::string& warning : picture_warnings(options_, loaded_)) {
-      if (warned_.insert(warning).second) say(stderr, "tessera: warning: {}\n", warning);
+      if (warned_.insert(warning).second) say_warning(warning);
     }
   }
 

@@ -255,3 +255,27 @@ class Grammar(TesseraTest):
 
 if __name__ == "__main__":
     unittest.main()
+class HostileNames(TesseraTest):
+    NAME = "\x1b[2J\x07\u009b31m"
+
+    def assert_harmless(self, result):
+        for sign in self.NAME[0], self.NAME[4], self.NAME[5]:
+            self.assertNotIn(sign, result.out + result.err)
+        self.assertIn("[2J", result.out + result.err)
+
+    def test_no_terminal_is_told_what_to_do(self):
+        written = json.dumps(self.NAME)[1:-1].replace("\\u00", "\\x").replace(
+            "\\x9b", "\\302\\233")
+        camera = scenes.CAMERA.replace('"front"', f'"{written}"')
+        scene = self.write("scene.tessera", camera + scenes.material(written, "") +
+                           "nodes { shape { sphere { } } }\n")
+        self.assertEqual(self.NAME, json.loads(self.run_program("info", scene, "--json").out)["cameras"][0])
+        for options in (["info", scene], ["info", scene, "--json"],
+                        ["render", scene, "--camera", "no such"]):
+            with self.subTest(options=options):
+                self.assert_harmless(self.run_program(*options))
+        scene = self.write("scene.tessera", f'nodes {{ shape {{ materials: "{written}" sphere {{ }} }} }}')
+        for command in ("info", "render"):
+            self.assert_harmless(self.run_program(command, scene))
+
+
