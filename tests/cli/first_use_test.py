@@ -218,7 +218,31 @@ class Compare(TesseraTest):
         self.assertRegex(shown.out, r"differing pixels +2 of 30\n")
         self.assertRegex(shown.out, r"all of them in +2,1,5,4\n")
         self.assertRegex(shown.out, r"worst pixel +4,3: \(0, 0, 0\) and \(0\.3529\d+, 0, 0\)\n")
+        self.assertRegex(shown.out, r"at most +R by 0\.3529\d+\n")
         self.assertNotIn("worst", self.run_program("compare", "a.ppm", "a.ppm").out)
+
+    def tga(self, name, *pixels):
+        """One row of blue, green, red and, if they have it, alpha."""
+        depth = len(pixels[0])
+        header = struct.pack("<BBBHHBHHHHBB", 0, 0, 2, 0, 0, 0, 0, 0, len(pixels), 1, 8 * depth,
+                             8 * (depth - 3) | 0x20)
+        self.write(name, header + b"".join(map(bytes, pixels)))
+
+    def test_alpha(self):
+        self.tga("a.tga", (9, 8, 7, 255), (9, 8, 7, 0))
+        self.tga("alpha.tga", (9, 8, 7, 255), (9, 8, 7, 51))
+        self.tga("both.tga", (9, 8, 7, 204), (9, 8, 58, 0))
+        self.tga("rgb.tga", (9, 8, 7), (9, 8, 7))
+        self.assertEqual(0, self.run_program("compare", "a.tga", "a.tga").code)
+        shown = self.run_program("compare", "a.tga", "alpha.tga")
+        self.assertEqual(1, shown.code)
+        self.assertRegex(shown.out, r"max difference +0\.2\d*\n")
+        self.assertRegex(shown.out, r"at most +A by 0\.2\d*\n")
+        # What nobody sees, behind an alpha of 0, is in the file all the same.
+        self.assertRegex(self.run_program("compare", "a.tga", "both.tga").out,
+                         r"at most +(R|A) by 0\.2\d*, (R|A) by 0\.(2|19)\d*\n")
+        self.assert_error(self.run_program("compare", "a.tga", "rgb.tga"), 1, "channels differ",
+                          "a.tga has R, G, B, A; rgb.tga has R, G, B")
 
     def test_missing(self):
         self.write("a.ppm", b"P6\n1 1\n255\n\0\0\0")
