@@ -35,6 +35,7 @@ ExitCode convert(const ConvertOptions& options) {
                     options.output));
   }
   check_output_file(options.output, "OUT");
+  check_not_input(options.output, options.input, "OUT");
   const LoadedScene loaded = is_generated(options.input)
                                  ? generate_scene(options.input)
                                  : read_scene(options.input, options.reading);

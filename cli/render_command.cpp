@@ -126,10 +126,16 @@ class RenderRun {
 
   /// What cannot be written in the end is better known before.
   void check_outputs() const {
-    const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
-    for (const auto& path : picture_paths(options_)) check_writable(path_for(path, first));
+    const auto first = [this](const std::filesystem::path& path) {
+      return options_.frames ? numbered_path(path, options_.frames->first) : path;
+    };
+    for (const auto& path : picture_paths(options_)) {
+      check_writable(first(path));
+      check_not_input(first(path), options_.scene, "--output");
+    }
     if (options_.stats && !stats_to_standard_output(options_)) {
-      check_output_file(path_for(*options_.stats, first), "--stats");
+      check_output_file(first(*options_.stats), "--stats");
+      check_not_input(first(*options_.stats), options_.scene, "--stats");
     }
     check_distinct();
     check_input_file(options_.scene, UINT64_MAX);

@@ -94,6 +94,18 @@ class OutputFiles(TesseraTest):
             with self.subTest(files=files):
                 self.assert_error(self.run_program("render", self.scene, *SMALL, *files), 2, "twice")
 
+    def test_what_is_read_is_never_written(self):
+        self.assertEqual(0, self.run_program("convert", self.scene, "scene.json").code)
+        scene = self.folder / "scene.json"
+        before = scene.read_bytes()
+        os.symlink("scene.json", self.folder / "link.json")
+        os.link(scene, self.folder / "hard.json")
+        for place in ("scene.json", "./tmp/../scene.json", "link.json", "hard.json"):
+            for command in (("convert", scene, place), ("render", scene, *SMALL, "--stats", place)):
+                with self.subTest(command=command):
+                    self.assert_error(self.run_program(*command), 2, place, "the file that is read")
+                    self.assertEqual(before, scene.read_bytes())
+
     def test_an_interrupted_animation_tells_how_far_it_came(self):
         process = self.start("render", self.scene, "--size", "64x64", "--spp", "64", "--frames",
                              "1-5000", "-o", "anim.png", "--workers", "1")
