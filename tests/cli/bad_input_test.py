@@ -5,7 +5,7 @@ import socket
 import unittest
 
 import scenes
-from tessera_process import TesseraTest
+from tessera_process import PATIENCE, TesseraTest
 
 
 class BadCommandLine(TesseraTest):
@@ -197,7 +197,7 @@ class BadWorkers(TesseraTest):
         self.assertIn("99", worker.err)
         self.assertIsNone(serve.poll(), "the coordinator goes on")
         serve.terminate()
-        self.assertEqual(0, serve.wait(10))
+        self.assertEqual(0, serve.wait(PATIENCE))
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ import termios
 import unittest
 
 import scenes
-from tessera_process import PROGRAM, TesseraTest
+from tessera_process import PATIENCE, PROGRAM, TesseraTest
 
 SMALL = ["--size", "48x32", "--workers", "0", "--threads", "1"]
 MOVING = """
@@ -158,10 +158,10 @@ class Farm(TesseraTest):
         logs = {}
         for name, options in (("loud", []), ("quiet", ["--quiet"])):
             logs[name] = self.start("worker", "--connect", endpoint, "--threads", 1, *options)
-        self.assertEqual(0, render.wait(30))
+        self.assertEqual(0, render.wait(PATIENCE))
         serve.terminate()
-        self.assertEqual(0, serve.wait(10))
-        told = {name: worker.communicate(timeout=10)[1] for name, worker in logs.items()}
+        self.assertEqual(0, serve.wait(PATIENCE))
+        told = {name: worker.communicate(timeout=PATIENCE)[1] for name, worker in logs.items()}
         self.assertEqual("", told["quiet"])
         self.assertRegex(told["loud"], rf"(?s)connecting to {endpoint}\n.*connected, with 1 thread\n"
                          ".*the coordinator has ended: ")
@@ -267,18 +267,6 @@ class Info(TesseraTest):
         self.assertEqual(0, shown.count("bytes of blobs"))
 
 
-class Grammar(TesseraTest):
-    def test_one_of_a_kind(self):
-        scene = self.write("scene.tessera", "cameras { name: 'a' }\n" + scenes.SUN +
-                           "nodes { shape { sphere { } } }\n")
-        shown = self.run_program("render", scene, "--size", "8x8", "--workers", "1").out
-        self.assertRegex(shown, r"1 tile by 1 worker, 0 retries")
-        self.assertIn("1 sample per pixel", self.run_program("info", scene).out)
-        self.assertIn("1 camera:", self.run_program("render", scene, "--camera", "b").err)
-
-
-if __name__ == "__main__":
-    unittest.main()
 class HostileNames(TesseraTest):
     NAME = "\x1b[2J\x07\u009b31m"
 
@@ -303,3 +291,15 @@ class HostileNames(TesseraTest):
             self.assert_harmless(self.run_program(command, scene))
 
 
+class Grammar(TesseraTest):
+    def test_one_of_a_kind(self):
+        scene = self.write("scene.tessera", "cameras { name: 'a' }\n" + scenes.SUN +
+                           "nodes { shape { sphere { } } }\n")
+        shown = self.run_program("render", scene, "--size", "8x8", "--workers", "1").out
+        self.assertRegex(shown, r"1 tile by 1 worker, 0 retries")
+        self.assertIn("1 sample per pixel", self.run_program("info", scene).out)
+        self.assertIn("1 camera:", self.run_program("render", scene, "--camera", "b").err)
+
+
+if __name__ == "__main__":
+    unittest.main()
