@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 """Wrong files, names, sizes and places: one clear line, the right exit code, nothing half-written."""
-import os
 import socket
 import unittest
 
 import scenes
-from tessera_process import PATIENCE, TesseraTest
+from tessera_process import PATIENCE, TesseraTest, heed_permissions
 
 
 class BadCommandLine(TesseraTest):
@@ -13,8 +12,8 @@ class BadCommandLine(TesseraTest):
         super().setUp()
         self.scene = self.write("scene.tessera", scenes.ONE_SPHERE)
 
-    def refused(self, *arguments, says):
-        result = self.run_program(*arguments)
+    def refused(self, *arguments, says, **options):
+        result = self.run_program(*arguments, **options)
         self.assert_error(result, 2, *says)
         self.assertEqual("", result.out)
         self.assertEqual(["scene.tessera", "tmp"], sorted(p.name for p in self.folder.iterdir()))
@@ -71,6 +70,15 @@ class BadCommandLine(TesseraTest):
         self.refused("convert", self.scene, "nowhere/s.json", says=["nowhere"])
         self.refused("convert", self.scene, "s.jsn", says=["s.jsn", ".json"])
 
+    def test_a_folder_that_cannot_be_written(self):
+        self.addCleanup(self.folder.chmod, 0o700)
+        self.folder.chmod(0o500)
+        for arguments in [("render", self.scene, "-o", "x.png"), ("convert", self.scene, "x.json"),
+                          ("render", self.scene, "-o", "tmp/x.png", "--stats", "x.json")]:
+            with self.subTest(arguments=arguments):
+                self.refused(*arguments, says=["'x.", "Permission denied"],
+                             preexec_fn=heed_permissions)
+
     def test_endpoints(self):
         for endpoint in ["", "nonsense", "tcp://", "http://127.0.0.1:80", "tcp://127.0.0.1:99999"]:
             with self.subTest(endpoint=endpoint):
@@ -89,13 +97,13 @@ class BadCommandLine(TesseraTest):
 
 
 class BadScenes(TesseraTest):
-    def refused(self, name, content, *parts):
+    def refused(self, name, content, *parts, **options):
         """`render` and `info` refuse this file, and nothing else is made."""
         path = self.write(name, content) if content is not None else self.folder / name
         before = sorted(p.name for p in self.folder.iterdir())
         for command in [("render", path, "--size", "16x16", "--workers", "2"), ("info", path)]:
             with self.subTest(command=command[0]):
-                result = self.run_program(*command)
+                result = self.run_program(*command, **options)
                 self.assert_error(result, 1, name, *parts)
                 self.assertEqual(before, sorted(p.name for p in self.folder.iterdir()))
 
@@ -180,11 +188,9 @@ class BadScenes(TesseraTest):
         self.refused("scene.tessera", 'includes { file: "/etc/passwd" format: "obj" }\n')
         self.refused("dots.tessera", 'includes { file: "../../etc/passwd" format: "obj" }\n')
 
-    @unittest.skipIf(os.geteuid() == 0, "root may read everything")
     def test_unreadable(self):
-        path = self.write("secret.obj", "v 0 0 0\n")
-        path.chmod(0)
-        self.refused("secret.obj", None)
+        self.write("secret.obj", "v 0 0 0\n").chmod(0)
+        self.refused("secret.obj", None, "Permission denied", preexec_fn=heed_permissions)
 
 
 class BadWorkers(TesseraTest):

@@ -1,4 +1,5 @@
 """Runs the real program for the end-to-end tests of this folder."""
+import ctypes
 import json
 import os
 import pathlib
@@ -45,6 +46,13 @@ def catches(process, sent):
     """Whether the process has a handler for that signal by now."""
     status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
     return int(status.split("SigCgt:")[1].split()[0], 16) >> (sent - 1) & 1 == 1
+
+
+def heed_permissions():
+    """Between fork and exec: the program will find unreadable what others would, though run by root."""
+    PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2
+    for capability in (CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH):
+        ctypes.CDLL(None).prctl(PR_CAPBSET_DROP, capability)
 
 
 def wait_until(condition, what):
