@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "base/process.h"
 #include "cli/interrupt.h"
 #include "coordinator/local_workers.h"
 #include "coordinator/render_loop.h"
@@ -139,14 +140,17 @@ class RemoteFarm : public TracingFarm {
 }  // namespace
 
 std::unique_ptr<TracingFarm> start_local_workers(int workers, int threads, bool quiet) {
+  check_room_for_threads(kTransportThreads);
   return std::make_unique<LocalFarm>(workers, threads, quiet);
 }
 
 std::unique_ptr<TracingFarm> start_in_process(int threads) {
+  check_room_for_threads(threads + 1);
   return std::make_unique<InProcessFarm>(threads);
 }
 
 std::unique_ptr<TracingFarm> connect_to_farm(const std::string& endpoint) {
+  check_room_for_threads(kTransportThreads);
   return std::make_unique<RemoteFarm>(endpoint);
 }
 

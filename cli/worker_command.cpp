@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "base/log.h"
+#include "base/process.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
 #include "cli/option_values.h"
@@ -31,12 +32,13 @@ ExitCode work(const WorkerCommandOptions& options) {
   // The terminal's Ctrl-C reaches the whole family; a local worker ends when its parent tells it.
   if (options.parent > 0) std::signal(SIGINT, SIG_IGN);
   configure_logging(options.quiet ? "off" : options.parent > 0 ? "warn" : "info", "worker");
-  const auto transport = connect_client(options.endpoint);
-  spdlog::info("connecting to {}", options.endpoint);
   WorkerOptions worker;
   worker.threads = options.threads > 0
                        ? options.threads
                        : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  check_room_for_threads(worker.threads + kTransportThreads);
+  const auto transport = connect_client(options.endpoint);
+  spdlog::info("connecting to {}", options.endpoint);
   worker.make_renderer = make_tile_renderer;
   worker.protocol_major = options.protocol_major;
   const WorkerEnd end = run_worker(*transport, worker, interrupted());

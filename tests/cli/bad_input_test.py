@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Wrong files, names, sizes and places: one clear line, the right exit code, nothing half-written."""
+import resource
 import socket
 import unittest
 
 import scenes
-from tessera_process import PATIENCE, TesseraTest, heed_permissions
+from tessera_process import PATIENCE, SLOWER, TesseraTest, heed_permissions
 
 
 class BadCommandLine(TesseraTest):
@@ -191,6 +192,24 @@ class BadScenes(TesseraTest):
     def test_unreadable(self):
         self.write("secret.obj", "v 0 0 0\n").chmod(0)
         self.refused("secret.obj", None, "Permission denied", preexec_fn=heed_permissions)
+
+
+class LittleMemory(TesseraTest):
+    @unittest.skipIf(SLOWER > 1, "sanitizers need the addresses themselves")
+    def test_is_one_clear_error(self):
+        path = self.write("scene.tessera", scenes.mesh_scene(60, 80))
+        codes = set()
+        for megabytes in range(30, 200, 10):
+            for workers in (0, 1):
+                with self.subTest(megabytes=megabytes, workers=workers):
+                    limit = (megabytes << 20, resource.RLIM_INFINITY)
+                    result = self.run_program(
+                        "render", path, "-o", "x.pfm", "--size", "32x32", "--quiet", "--workers", workers,
+                        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, limit))
+                    codes.add(result.code)
+                    self.assertIn(result.code, (0, 3), result.err)
+                    self.assertEqual(0, result.err.count("terminate"), result.err)
+        self.assertEqual({0, 3}, codes)
 
 
 class BadWorkers(TesseraTest):

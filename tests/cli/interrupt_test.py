@@ -73,6 +73,17 @@ class Interrupt(TesseraTest):
             self.assertEqual([], list(self.temporary.iterdir()), i)
             self.assertEqual([], list(self.folder.glob(".tessera*")), i)
 
+    def test_a_command_that_has_nothing_to_finish_ends_at_once(self):
+        for arguments in [("convert", "forest:300000", "forest.json"), ("info", self.scene),
+                          ("bench", "precision")]:
+            with self.subTest(arguments=arguments):
+                process = self.start(*arguments)
+                wait_until(lambda: process.poll() is not None or catches(process, signal.SIGINT),
+                           "signals are caught")
+                process.send_signal(signal.SIGINT)
+                process.communicate(timeout=PATIENCE)
+                self.assertIn(process.returncode, (4, 0) if arguments[0] == "info" else (4,))
+
     def test_while_it_waits_for_workers(self):
         serve = self.start("serve", "--bind", "tcp://127.0.0.1:*")
         endpoint = serve.stdout.readline().split()[-1]
