@@ -47,22 +47,22 @@ Difference difference_of(const FloatImage& a, const FloatImage& b, double allowe
   const size_t channels = a.channels.size();
   Difference result;
   result.greatest_of.resize(channels);
-  for (size_t first = 0; first < a.values.size(); first += channels) {
+  const size_t width = static_cast<size_t>(a.width), pixels = width * static_cast<size_t>(a.height);
+  for (size_t pixel = 0; pixel < pixels; ++pixel) {
     double worst = 0;
     for (size_t i = 0; i < channels; ++i) {
-      const double d = channel_difference(a.values[first + i], b.values[first + i]);
+      const double d =
+          channel_difference(a.values[pixel * channels + i], b.values[pixel * channels + i]);
       result.greatest_of[i] = std::max(result.greatest_of[i], d);
       worst = std::max(worst, d);
       result.sum += d;
       result.sum_of_squares += d * d;
     }
-    const size_t pixel = first / channels;
     if (worst > result.greatest) {
       result.greatest = worst;
       result.worst_pixel = pixel;
     }
     if (worst > 0) {
-      const auto width = static_cast<size_t>(a.width);
       include(static_cast<int>(pixel % width), static_cast<int>(pixel / width),
               result.pixels_unequal++ == 0, result.unequal);
     }
@@ -126,7 +126,7 @@ ExitCode compare(const CompareOptions& options) {
   say("max difference    {:.9g}\n", d.greatest);
   say("mean difference   {:.9g}\n", d.sum / values);
   say("rmse              {:.9g}\n", std::sqrt(d.sum_of_squares / values));
-  say("differing pixels  {} of {}\n", d.pixels_unequal, a.values.size() / a.channels.size());
+  say("differing pixels  {} of {}\n", d.pixels_unequal, int64_t{a.width} * a.height);
   if (d.pixels_unequal > 0) {
     print_where(a, b, d);
     print_channels(a.channels, d.greatest_of);
