@@ -1,5 +1,6 @@
 #include "cli/tracing_farm.h"
 
+#include <fmt/format.h>
 #include <signal.h>
 
 #include <algorithm>
@@ -46,7 +47,7 @@ CoordinatorOptions coordinator_options(int expected_workers) {
 
 /// The high-water mark of a process's resident set; 0 if it has ended.
 uint64_t peak_bytes_of(pid_t process) {
-  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  std::ifstream status(fmt::format("/proc/{}/status", process));
   for (std::string line; std::getline(status, line);) {
     unsigned long long kibibytes = 0;
     if (std::sscanf(line.c_str(), "VmHWM: %llu kB", &kibibytes) == 1) return kibibytes * 1024;

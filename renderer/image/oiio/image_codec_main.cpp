@@ -45,7 +45,7 @@ class MemoryFile {
   MemoryFile& operator=(const MemoryFile&) = delete;
   ~MemoryFile() { close(file_); }
 
-  std::string path() const { return "/proc/self/fd/" + std::to_string(file_); }
+  std::string path() const { return OIIO::Strutil::sprintf("/proc/self/fd/%d", file_); }
 
   /// A limit on file sizes, which holds here too, shows now.
   void check_room(uint64_t bytes) const {
@@ -104,7 +104,7 @@ OIIO::ImageSpec make_spec(const ImageRequest& request) {
   std::string description;
   for (const auto& [name, text] : texts) {
     spec.attribute(name, text);
-    description += (description.empty() ? "" : " ") + std::string(name) + "=" + text;
+    description += OIIO::Strutil::sprintf("%s%s=%s", description.empty() ? "" : " ", name, text);
   }
   spec.attribute("Software", attributes.software);
   spec.attribute("ImageDescription", description);
