@@ -10,8 +10,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <thread>
 
 #include "base/error.h"
 
@@ -70,6 +72,8 @@ pid_t start_process(const std::string& program, std::vector<std::string> argumen
   }
   return process;
 }
+
+int core_count() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
 
 void check_room_for_threads(int count) {
   constexpr size_t kHeap = size_t{1} << 20;  // of each, for what it works with

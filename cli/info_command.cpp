@@ -1,14 +1,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "base/digest.h"
 #include "base/plural.h"
+#include "base/process.h"
 #include "cli/command_line.h"
 #include "cli/located.h"
 #include "cli/output_settings.h"
@@ -48,8 +47,7 @@ std::shared_ptr<const Scene> build(const std::string& path, const LoadedScene& l
                                    const v1::FrameSettings& frame) {
   output_settings(path, loaded.scene.settings().output());
   try {
-    const int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    return build_scene(loaded.scene, loaded.blobs, frame, threads);
+    return build_scene(loaded.scene, loaded.blobs, frame, core_count());
   } catch (const Error& error) {
     throw located(path, error.what());
   }

@@ -6,13 +6,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <thread>
 #include <utility>
 
 #include "base/digest.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "base/plural.h"
+#include "base/process.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
 #include "cli/located.h"
@@ -154,7 +154,7 @@ class RenderRun {
 
   std::unique_ptr<TracingFarm> start_farm() const {
     if (options_.connect) return connect_to_farm(*options_.connect);
-    const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    const int cores = core_count();
     const int workers = options_.workers.value_or(cores);
     if (workers == 0) return start_in_process(options_.threads.value_or(cores));
     return start_local_workers(workers, options_.threads.value_or(1), options_.quiet);

@@ -1,10 +1,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <csignal>
 #include <memory>
-#include <thread>
 
 #include "base/log.h"
 #include "base/process.h"
@@ -33,9 +31,7 @@ ExitCode work(const WorkerCommandOptions& options) {
   if (options.parent > 0) std::signal(SIGINT, SIG_IGN);
   configure_logging(options.quiet ? "off" : options.parent > 0 ? "warn" : "info", "worker");
   WorkerOptions worker;
-  worker.threads = options.threads > 0
-                       ? options.threads
-                       : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  worker.threads = options.threads > 0 ? options.threads : core_count();
   check_room_for_threads(worker.threads + kTransportThreads);
   const auto transport = connect_client(options.endpoint);
   spdlog::info("connecting to {}", options.endpoint);
@@ -64,14 +60,7 @@ void add_worker_command(CLI::App& app, Action& action) {
       ->add_option("--connect", options->endpoint, "The coordinator, tcp://HOST:PORT or ipc://PATH")
       ->required()
       ->type_name("ENDPOINT");
-  command
-      ->add_option_function<std::string>(
-          "--threads",
-          [options](const std::string& text) {
-            options->threads = static_cast<int>(parse_whole("--threads", text, 1, 1024));
-          },
-          "Threads that trace [one a core]")
-      ->type_name("N");
+  add_whole(*command, "--threads", 1, 1024, "Threads that trace [one a core]", options->threads);
   command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   // Not for users: an empty group hides them from --help.
   command->add_option("--parent", options->parent)->group("");
