@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -102,6 +104,15 @@ std::string parse_choice(std::string_view option, const std::string& text,
   }
   throw usage_error(fmt::format("{}: '{}'; expected one of {}{}", option, text,
                                 fmt::join(names, ", "), suggestion(text, names)));
+}
+
+void add_whole(CLI::App& command, const std::string& name, int64_t least, int64_t most,
+               const std::string& text, std::function<void(int64_t)> assign) {
+  command
+      .add_option_function<std::string>(
+          name, [=](const std::string& typed) { assign(parse_whole(name, typed, least, most)); },
+          text)
+      ->type_name("N");
 }
 
 }  // namespace tessera

@@ -6,15 +6,16 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <thread>
 #include <utility>
 
 #include "base/digest.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "base/plural.h"
+#include "base/process.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
+#include "cli/located.h"
 #include "cli/output_settings.h"
 #include "cli/picture_warnings.h"
 #include "cli/progress_display.h"
@@ -125,10 +126,16 @@ class RenderRun {
 
   /// What cannot be written in the end is better known before.
   void check_outputs() const {
-    const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
-    for (const auto& path : picture_paths(options_)) check_writable(path_for(path, first));
+    const auto first = [this](const std::filesystem::path& path) {
+      return options_.frames ? numbered_path(path, options_.frames->first) : path;
+    };
+    for (const auto& path : picture_paths(options_)) {
+      check_writable(first(path));
+      check_not_input(first(path), options_.scene, "--output");
+    }
     if (options_.stats && !stats_to_standard_output(options_)) {
-      check_output_file(path_for(*options_.stats, first), "--stats");
+      check_output_file(first(*options_.stats), "--stats");
+      check_not_input(first(*options_.stats), options_.scene, "--stats");
     }
     check_distinct();
     check_input_file(options_.scene, UINT64_MAX);
@@ -147,7 +154,7 @@ class RenderRun {
 
   std::unique_ptr<TracingFarm> start_farm() const {
     if (options_.connect) return connect_to_farm(*options_.connect);
-    const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    const int cores = core_count();
     const int workers = options_.workers.value_or(cores);
     if (workers == 0) return start_in_process(options_.threads.value_or(cores));
     return start_local_workers(workers, options_.threads.value_or(1), options_.quiet);
@@ -167,11 +174,9 @@ class RenderRun {
     parse_seconds_ = seconds_since(start);
     scene_digest_ = Digest::of(serialize_scene(loaded_.scene)).hex();
     if (options_.quiet) return;
-    for (const std::string& warning : loaded_.warnings) {
-      say(stderr, "tessera: warning: {}\n", warning);
-    }
+    for (const std::string& warning : loaded_.warnings) say_warning(warning);
     for (const std::string& warning : picture_warnings(options_, loaded_)) {
-      if (warned_.insert(warning).second) say(stderr, "tessera: warning: {}\n", warning);
+      if (warned_.insert(warning).second) say_warning(warning);
     }
   }
 
@@ -185,7 +190,7 @@ class RenderRun {
       throw Error(ExitCode::interrupted, fmt::format("interrupted; {}", what_was_written(report)));
     }
     if (report.exit_code == ExitCode::bad_scene) {
-      throw scene_error(place_in_scene_file(options_.scene, report.failure), report.failure, "");
+      throw located(options_.scene, report.failure);
     }
     if (report.end == JobReport::End::failed && report.tiles_done == 0) {
       throw Error(report.exit_code,

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/log.h"
+#include "base/process.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
@@ -26,6 +27,7 @@ ExitCode serve(const ServeOptions& options) {
   if (!options.store.empty()) throw usage_error("--store: does not exist yet in this version");
   catch_interrupts();
   configure_logging("info", "serve");
+  check_room_for_threads(kTransportThreads);
   RenderLoop loop(bind_server(options.endpoint), CoordinatorOptions{});
   say("serving at {}\n", loop.endpoint());
   std::fflush(stdout);

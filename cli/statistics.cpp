@@ -1,5 +1,6 @@
 #include "cli/statistics.h"
 
+#include <fmt/format.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -30,7 +31,7 @@ json rays_json(const CounterMap& counters) {
   json rays;
   uint64_t total = 0;
   for (const char* kind : {"primary", "shadow", "reflection", "refraction"}) {
-    const uint64_t count = counter(counters, ("rays_" + std::string(kind)).c_str());
+    const uint64_t count = counter(counters, fmt::format("rays_{}", kind).c_str());
     rays[kind] = count;
     total += count;
   }

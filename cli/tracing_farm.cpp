@@ -1,5 +1,6 @@
 #include "cli/tracing_farm.h"
 
+#include <fmt/format.h>
 #include <signal.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "base/process.h"
 #include "cli/interrupt.h"
 #include "coordinator/local_workers.h"
 #include "coordinator/render_loop.h"
@@ -45,7 +47,7 @@ CoordinatorOptions coordinator_options(int expected_workers) {
 
 /// The high-water mark of a process's resident set; 0 if it has ended.
 uint64_t peak_bytes_of(pid_t process) {
-  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  std::ifstream status(fmt::format("/proc/{}/status", process));
   for (std::string line; std::getline(status, line);) {
     unsigned long long kibibytes = 0;
     if (std::sscanf(line.c_str(), "VmHWM: %llu kB", &kibibytes) == 1) return kibibytes * 1024;
@@ -139,14 +141,17 @@ class RemoteFarm : public TracingFarm {
 }  // namespace
 
 std::unique_ptr<TracingFarm> start_local_workers(int workers, int threads, bool quiet) {
+  check_room_for_threads(kTransportThreads);
   return std::make_unique<LocalFarm>(workers, threads, quiet);
 }
 
 std::unique_ptr<TracingFarm> start_in_process(int threads) {
+  check_room_for_threads(threads + 1);
   return std::make_unique<InProcessFarm>(threads);
 }
 
 std::unique_ptr<TracingFarm> connect_to_farm(const std::string& endpoint) {
+  check_room_for_threads(kTransportThreads);
   return std::make_unique<RemoteFarm>(endpoint);
 }
 

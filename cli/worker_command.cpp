@@ -1,13 +1,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <csignal>
 #include <memory>
 #include <optional>
-#include <thread>
 
 #include "base/log.h"
+#include "base/process.h"
 #include "base/shared_arena.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
@@ -34,12 +33,11 @@ ExitCode work(const WorkerCommandOptions& options) {
   // The terminal's Ctrl-C reaches the whole family; a local worker ends when its parent tells it.
   if (options.parent > 0) std::signal(SIGINT, SIG_IGN);
   configure_logging(options.quiet ? "off" : options.parent > 0 ? "warn" : "info", "worker");
+  WorkerOptions worker;
+  worker.threads = options.threads > 0 ? options.threads : core_count();
+  check_room_for_threads(worker.threads + kTransportThreads);
   const auto transport = connect_client(options.endpoint);
   spdlog::info("connecting to {}", options.endpoint);
-  WorkerOptions worker;
-  worker.threads = options.threads > 0
-                       ? options.threads
-                       : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   std::optional<SharedArena> arena;
   if (options.arena >= 0) arena.emplace(options.arena);
   worker.make_renderer = [&arena](const v1::Scene& scene, const BlobStore& blobs,
@@ -70,14 +68,7 @@ void add_worker_command(CLI::App& app, Action& action) {
       ->add_option("--connect", options->endpoint, "The coordinator, tcp://HOST:PORT or ipc://PATH")
       ->required()
       ->type_name("ENDPOINT");
-  command
-      ->add_option_function<std::string>(
-          "--threads",
-          [options](const std::string& text) {
-            options->threads = static_cast<int>(parse_whole("--threads", text, 1, 1024));
-          },
-          "Threads that trace [one a core]")
-      ->type_name("N");
+  add_whole(*command, "--threads", 1, 1024, "Threads that trace [one a core]", options->threads);
   command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   // Not for users: an empty group hides them from --help.
   command->add_option("--parent", options->parent)->group("");

@@ -4,9 +4,9 @@
 #include <array>
 #include <chrono>
 #include <optional>
-#include <thread>
 #include <type_traits>
 
+#include "base/process.h"
 #include "renderer/accel/spatial_splits.h"
 #include "renderer/accel/tree_boxes.h"
 
@@ -89,8 +89,7 @@ BuiltMeshTree shared_mesh_tree(const TriangleMesh& mesh, int threads, BvhQuality
   }
   SharedArena::Claim claim = shared.arena->claim(shared.key);
   if (auto loaded = load(claim)) return std::move(*loaded);
-  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  BuiltMeshTree built = build_mesh_tree(mesh, std::max(threads, cores), quality);
+  BuiltMeshTree built = build_mesh_tree(mesh, std::max(threads, core_count()), quality);
   publish(claim, built);
   return built;
 }

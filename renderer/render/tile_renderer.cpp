@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "renderer/integrator/integrator.h"
-#include "renderer/scene/scene.h"
+#include "renderer/scene/scene_builder.h"
 
 namespace tessera {
 

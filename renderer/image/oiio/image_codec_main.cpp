@@ -14,7 +14,7 @@
 #include <csignal>
 #include <cstring>
 #include <exception>
-#include <limits>
+#include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -45,7 +45,7 @@ class MemoryFile {
   MemoryFile& operator=(const MemoryFile&) = delete;
   ~MemoryFile() { close(file_); }
 
-  std::string path() const { return "/proc/self/fd/" + std::to_string(file_); }
+  std::string path() const { return OIIO::Strutil::sprintf("/proc/self/fd/%d", file_); }
 
   /// A limit on file sizes, which holds here too, shows now.
   void check_room(uint64_t bytes) const {
@@ -104,7 +104,7 @@ OIIO::ImageSpec make_spec(const ImageRequest& request) {
   std::string description;
   for (const auto& [name, text] : texts) {
     spec.attribute(name, text);
-    description += (description.empty() ? "" : " ") + std::string(name) + "=" + text;
+    description += OIIO::Strutil::sprintf("%s%s=%s", description.empty() ? "" : " ", name, text);
   }
   spec.attribute("Software", attributes.software);
   spec.attribute("ImageDescription", description);
@@ -131,38 +131,44 @@ Answer encode(const ImageRequest& request, const std::vector<char>& pixels) {
 }
 
 /// Room for a picture of the layout in `answer`, whose size is checked first.
-void* make_room(Answer& answer) {
-  if (!answer.layout.is_legal()) fail("its size is out of range");
+void* make_room(Answer& answer, int most_channels) {
+  if (!answer.layout.is_legal(most_channels)) fail("its size is out of range");
   answer.payload.resize(answer.layout.bytes());
   return answer.payload.data();
 }
 
-Answer decode_rgb(const std::string& path) {
-  const auto input = OIIO::ImageInput::open(path);
+/// A reader that leaves colours as the file has them.
+std::unique_ptr<OIIO::ImageInput> open(const std::string& path) {
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  auto input = OIIO::ImageInput::open(path, &config);
   if (!input) fail(OIIO::geterror());
+  return input;
+}
+
+/// The first channels, as many as the layout has, which it checks.
+void read_pixels(OIIO::ImageInput& input, OIIO::TypeDesc type, int most_channels, Answer& answer) {
+  void* const pixels = make_room(answer, most_channels);
+  // Some readers fill in what a truncated file lacks, and merely say so.
+  if (!input.read_image(0, 0, 0, answer.layout.channels, type, pixels) || input.has_error()) {
+    fail(input.geterror());
+  }
+}
+
+Answer decode_all(const std::string& path) {
+  const auto input = open(path);
   const OIIO::ImageSpec& spec = input->spec();
-  if (spec.nchannels < 1) fail("it has no channels");
-  Answer answer{{spec.width, spec.height, 3, 32}, {}};
-  auto* const values = static_cast<float*>(make_room(answer));
-  // One call reads a tiled or a scanline file alike; fewer channels are spread out in place after
-  // it.
-  const bool three = spec.nchannels >= 3;
-  const OIIO::stride_t pixel = 3 * sizeof(float);
-  if (!input->read_image(0, 0, 0, three ? 3 : 1, OIIO::TypeDesc::FLOAT, values, pixel)) {
-    fail(input->geterror());
-  }
-  if (!three) {
-    const size_t count = answer.payload.size() / pixel;
-    for (size_t i = 0; i < count; ++i) values[3 * i + 1] = values[3 * i + 2] = values[3 * i];
-  }
+  Answer answer{{spec.width, spec.height, spec.nchannels, 32}, {}};
+  read_pixels(*input, OIIO::TypeDesc::FLOAT, PixelLayout::kMostChannels, answer);
+  std::string names;
+  for (int i = 0; i < spec.nchannels; ++i) names.append(spec.channel_name(i)).push_back('\0');
+  if (names.size() > PixelLayout::kLongestNames) fail("its channels have too long names");
+  answer.payload.insert(answer.payload.end(), names.begin(), names.end());
   return answer;
 }
 
 Answer decode(const std::string& path) {
-  OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  const auto input = OIIO::ImageInput::open(path, &config);
-  if (!input) fail(OIIO::geterror());
+  const auto input = open(path);
   const OIIO::ImageSpec& spec = input->spec();
   // Integers of 16 bits are more than half floats hold.
   const OIIO::TypeDesc type = spec.format == OIIO::TypeDesc::UINT8  ? OIIO::TypeDesc::UINT8
@@ -170,11 +176,7 @@ Answer decode(const std::string& path) {
                                                                     : OIIO::TypeDesc::FLOAT;
   const int channels = std::min(spec.nchannels, 4);
   Answer answer{{spec.width, spec.height, channels, static_cast<int>(type.basesize()) * 8}, {}};
-  void* const texels = make_room(answer);
-  // Some readers fill in what a truncated file lacks, and merely say so.
-  if (!input->read_image(0, 0, 0, channels, type, texels) || input->has_error()) {
-    fail(input->geterror());
-  }
+  read_pixels(*input, type, channels, answer);
   return answer;
 }
 
@@ -184,8 +186,8 @@ Answer answer_to(const ImageRequest& request, const std::vector<char>& payload) 
   switch (request.call) {
     case ImageRequest::encode:
       return encode(request, payload);
-    case ImageRequest::decode_rgb:
-      return decode_rgb(path());
+    case ImageRequest::decode_all:
+      return decode_all(path());
     case ImageRequest::decode_file:
       return decode(path());
     case ImageRequest::decode_bytes: {

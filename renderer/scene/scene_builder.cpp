@@ -1,4 +1,4 @@
-#include "renderer/scene/scene.h"
+#include "renderer/scene/scene_builder.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -13,6 +13,7 @@
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/scene/csg_plan.h"
 #include "renderer/scene/material_table.h"
+#include "renderer/scene/read_camera.h"
 #include "renderer/scene/read_shading.h"
 #include "renderer/scene/read_shape.h"
 #include "renderer/scene/scene_graph.h"
@@ -21,16 +22,6 @@
 namespace tessera {
 
 namespace {
-
-AcceleratorKind read_accelerator(const v1::Settings& settings, const v1::FrameSettings& frame) {
-  const std::string& name =
-      frame.accelerator().empty() ? settings.accelerator() : frame.accelerator();
-  if (name.empty()) return AcceleratorKind::bvh;
-  if (const auto kind = parse_accelerator(name)) return *kind;
-  const std::vector<std::string>& known = available_accelerators();
-  throw scene_error(fmt::format("there is no accelerator '{}'; expected one of {}{}", name,
-                                fmt::join(known, ", "), suggestion(name, known)));
-}
 
 /// One shape's materials, and what follows for every instance of it.
 struct ShapeMaterials {
@@ -99,10 +90,7 @@ class SceneBuilder {
                int threads, const SharedArena* arena)
       : description_(description),
         frame_(frame),
-        source_{.blobs = blobs,
-                .accelerator = read_accelerator(description.settings(), frame),
-                .threads = threads,
-                .arena = arena},
+        source_{.blobs = blobs, .accelerator = {}, .threads = threads, .arena = arena},
         textures_(description, blobs),
         materials_(description, textures_) {}
 
@@ -112,6 +100,7 @@ class SceneBuilder {
     }
     scene_->settings = read_settings(description_.settings(), frame_);
     const RenderSettings& settings = scene_->settings;
+    source_.accelerator = settings.accelerator;
     CameraChoice choice = read_camera(description_, frame_.camera(), settings.time);
     scene_->sampler.emplace(settings.sampler);
     scene_->background = read_background(description_.background(), textures_);
