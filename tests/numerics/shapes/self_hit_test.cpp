@@ -7,6 +7,7 @@
 #include "renderer/shapes/disc.h"
 #include "renderer/shapes/frustum.h"
 #include "renderer/shapes/half_plane.h"
+#include "renderer/shapes/plane.h"
 #include "renderer/shapes/sphere.h"
 #include "renderer/shapes/torus.h"
 #include "tests/numerics/support.h"
@@ -126,6 +127,37 @@ TEST(N10, FlatShapesDoNotHitThemselves) {
   }
   EXPECT_EQ(self_hits, 0);
   EXPECT_GT(tested, ray_count(2000000));
+}
+
+/// No bound on a hit's error has moved these origins: they are the points of a plane as nearly as
+/// double precision has them.
+TEST(N10, OriginsOnAPlaneDoNotMeetIt) {
+  int64_t tested = 0, hits = 0;
+  Random random(110, 1);
+  for (int64_t i = 0; i < ray_count(2000000); ++i) {
+    // Of small whole numbers, so that the normal is exact.
+    const auto corner = [&] {
+      return Vec3{random.below(21) - 10.0, random.below(21) - 10.0, random.below(21) - 10.0};
+    };
+    const Vec3 a = corner(), b = corner(), n = cross(a, b);
+    if (n == Vec3{}) continue;
+    const Point3 zero;
+    const std::unique_ptr<Shape> shapes[] = {
+        std::make_unique<Rectangle>(zero, a, b), std::make_unique<Disc>(zero, n, 100),
+        std::make_unique<HalfPlane>(zero, n, cross(n, a)), std::make_unique<Plane>(n, 0),
+        std::make_unique<ConvexPolygon>(
+            std::vector<Point3>{zero, zero + a, zero + (a + b), zero + b})};
+    const QuadVec p = QuadVec(a) * random.uniform() + QuadVec(b) * random.uniform();
+    const Ray ray{{static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)},
+                  leaving(n, random.next() & 1, random)};
+    TraversalCounters counters;
+    for (const auto& shape : shapes) {
+      ++tested;
+      hits += shape->any_hit(ray, counters);
+    }
+  }
+  EXPECT_EQ(hits, 0);
+  EXPECT_GT(tested, ray_count(9000000));
 }
 
 TEST(N11, RoundSolidsDoNotHitThemselvesNorLoseTheFarWall) {
