@@ -129,18 +129,15 @@ void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to) {
 
 namespace {
 
+double condition_of(const Instance& instance) {
+  const Transform& t = instance.world_from_object;
+  return t.is_identity() ? 1 : condition(t.matrix(), t.inverse_matrix());
+}
+
 /// Whether rounding on the way into every instance and back stays far below 2^-30 of the extent.
 bool all_well_conditioned(const std::vector<Instance>& instances) {
-  const auto largest_sum = [](const Affine& map) {
-    double largest = 0;
-    for (const auto& row : map.m)
-      largest = std::max(largest, std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2]));
-    return largest;
-  };
-  return std::all_of(instances.begin(), instances.end(), [&](const Instance& instance) {
-    const Transform& t = instance.world_from_object;
-    return largest_sum(t.matrix()) * largest_sum(t.inverse_matrix()) <= 0x1p16;
-  });
+  return std::all_of(instances.begin(), instances.end(),
+                     [](const Instance& i) { return condition_of(i) <= 0x1p16; });
 }
 
 }  // namespace
@@ -166,7 +163,7 @@ std::vector<BuildBox> instance_boxes(InstanceTree& tree, Bounds3& bounds) {
     const Bounds3 b = bounds_of(tree.instances[i]);
     if (b.empty()) continue;
     bounds.extend(b);
-    if (is_bounded(b)) {
+    if (can_be_held(tree.instances[i], b)) {
       boxes.emplace_back(b, static_cast<uint32_t>(i));
       tree.tree_bounds.extend(b);
     } else {
@@ -176,12 +173,12 @@ std::vector<BuildBox> instance_boxes(InstanceTree& tree, Bounds3& bounds) {
   return boxes;
 }
 
-bool is_bounded(const Bounds3& b) {
+bool can_be_held(const Instance& instance, const Bounds3& b) {
   // Within single precision, with room for sums.
   constexpr double kLimit = 1e38;
   for (int a = 0; a < 3; ++a)
     if (!(b.min[a] > -kLimit && b.max[a] < kLimit)) return false;
-  return true;
+  return condition_of(instance) <= 0x1p26;
 }
 
 }  // namespace tessera

@@ -36,7 +36,7 @@ MUTATIONS = [
              "numerics_test", "N15.*"),
     # No radiometry here divides by pi or by a density: the nearest of that kind.
     Mutation("Lambert's share larger by pi", "renderer/shading/material.h",
-             "factor = std::max(n_dot_l, 0.0);", "factor = std::max(n_dot_l, 0.0) * portable::kPi;",
+             "factor = std::max(n_dot_l, 0.0);", "factor = std::max(n_dot_l, 0.0) * 3.141592653589793;",
              "render_test", "*"),
     Mutation("light falls off 2 % too fast", "renderer/shading/light.h",
              "denominator > 0 ? a.scale / denominator : 0;",

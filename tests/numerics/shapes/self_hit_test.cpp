@@ -53,16 +53,6 @@ bool hit_of(const Instance& instance, const Ray& ray, Hit& hit) {
   return found;
 }
 
-/// Leaves the surface in the shape's own frame: nothing but the shape's own error bound moves the
-/// origin.
-Ray leave_locally(const LocalSurface& at, const Vec3& d) {
-  SurfaceInteraction s;
-  s.point = at.point;
-  s.point_error = at.point_error;
-  s.geometric_normal = at.geometric_normal;
-  return spawn_ray(s, d);
-}
-
 /// A direction to the side of the normal, often grazing.
 Vec3 leaving(const Vec3& n, bool outward, Random& random) {
   Vec3 d = random.direction();
@@ -119,7 +109,7 @@ TEST(N10, FlatShapesDoNotHitThemselves) {
         const LocalSurface at = instance.shape->surface(local, hit);
         TraversalCounters counters;
         if (instance.shape->any_hit(
-                leave_locally(at, leaving(static_cast<Vec3>(at.geometric_normal), outward, random)),
+                spawn_ray(at, leaving(static_cast<Vec3>(at.geometric_normal), outward, random)),
                 counters))
           ++self_hits;
       }
@@ -187,9 +177,9 @@ TEST(N11, RoundSolidsDoNotHitThemselvesNorLoseTheFarWall) {
       const LocalSurface at = instance.shape->surface(to_local(instance, ray), hit);
       const Vec3 local_n = static_cast<Vec3>(at.geometric_normal);
       TraversalCounters counters;
-      if (instance.shape->any_hit(leave_locally(at, leaving(local_n, true, random)), counters))
+      if (instance.shape->any_hit(spawn_ray(at, leaving(local_n, true, random)), counters))
         ++self_hits;
-      if (!instance.shape->any_hit(leave_locally(at, leaving(local_n, false, random)), counters))
+      if (!instance.shape->any_hit(spawn_ray(at, leaving(local_n, false, random)), counters))
         ++lost;
     }
   }
