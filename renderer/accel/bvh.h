@@ -38,10 +38,10 @@ class MeshBvh final : public Accelerator {
   AcceleratorStatistics statistics_;
 };
 
-/// The same over instances. Endless ones are kept outside of the tree and always tested.
+/// The same over instances. What cannot be held is kept outside of the tree and always tested.
 class InstanceBvh final : public Accelerator {
  public:
-  /// At least one instance of finite bounds.
+  /// At least one instance that can_be_held().
   InstanceBvh(std::vector<Instance> instances, int threads, const BvhKernels& code = kernels());
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override {

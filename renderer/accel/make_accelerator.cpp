@@ -72,7 +72,7 @@ std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instanc
                                                              AcceleratorKind kind, int threads) {
   size_t bounded = 0;
   for (const Instance& instance : instances)
-    if (const Bounds3 b = bounds_of(instance); is_bounded(b) && !b.empty()) ++bounded;
+    if (const Bounds3 b = bounds_of(instance); can_be_held(instance, b) && !b.empty()) ++bounded;
   if (kind == AcceleratorKind::linear || bounded <= kFewInstances)
     return std::make_unique<InstanceLinearScan>(std::move(instances));
   if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::bvh_splits ||

@@ -24,9 +24,13 @@ struct Facts {
   CutPlanes cut_planes;
   uint32_t root = 0;
   float extent = 0;
+  float usual_extent = 0;
+  BoxMargin margin;
   AcceleratorStatistics statistics;
 };
 static_assert(std::is_trivially_copyable_v<Facts>);
+static_assert(sizeof(TraversalTree) == sizeof(AlignedArray<TreeUnit>) + 12 + 4 + sizeof(BoxMargin),
+              "a new member belongs into Facts");
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -46,6 +50,8 @@ std::optional<BuiltMeshTree> load(const SharedArena::Claim& claim) {
   }
   tree.root = facts.root;
   tree.extent = facts.extent;
+  tree.usual_extent = facts.usual_extent;
+  tree.margin = facts.margin;
   built.tree.bounds = facts.bounds;
   built.tree.cut_planes = facts.cut_planes;
   built.statistics = facts.statistics;
@@ -54,8 +60,8 @@ std::optional<BuiltMeshTree> load(const SharedArena::Claim& claim) {
 
 void publish(SharedArena::Claim& claim, const BuiltMeshTree& built) {
   const TraversalTree& tree = built.tree.tree;
-  const Facts facts{built.tree.bounds, built.tree.cut_planes, tree.root, tree.extent,
-                    built.statistics};
+  const Facts facts{built.tree.bounds, built.tree.cut_planes, tree.root,       tree.extent,
+                    tree.usual_extent, tree.margin,           built.statistics};
   const std::array parts{std::as_bytes(std::span(&facts, 1)),
                          std::as_bytes(std::span(tree.units.data(), tree.units.size()))};
   claim.publish(parts);

@@ -22,7 +22,8 @@ AcceleratorStatistics statistics_of(const WideTree& tree, size_t primitives, siz
 /// `bounds` becomes that of all.
 std::vector<BuildBox> instance_boxes(InstanceTree& tree, Bounds3& bounds);
 
-/// Whether a tree can hold these bounds.
-bool is_bounded(const Bounds3& bounds);
+/// Whether a tree can hold an instance: its bounds are finite, and rounding on the way into its
+/// frame cannot make it seem to be hit outside of them.
+bool can_be_held(const Instance& instance, const Bounds3& bounds);
 
 }  // namespace tessera

@@ -28,7 +28,7 @@ struct ShapeMaterials {
   uint32_t first = 0, count = 0;
   bool is_clear = false;       ///< may let shadow rays through
   bool has_secondary = false;  ///< may send a ray on
-  bool keep_uvs = false;       ///< some texture looks at texture coordinates
+  KeptAttributes keep;
   Cull cull = Cull::none;
 };
 
@@ -208,6 +208,17 @@ class SceneBuilder {
     if (shape.materials().empty()) scene_->material_slots.push_back(materials_.use(where, ""));
   }
 
+  bool shows_normals(const Material& material) const {
+    const IntegratorKind view = scene_->settings.integrator;
+    if (view == IntegratorKind::depth) return material.inputs != kNoMaterialInputs;
+    return view == IntegratorKind::normals || material.uses_shading_normal();
+  }
+  bool shows_colors(const Material& material) const {
+    return scene_->settings.integrator == IntegratorKind::whitted
+               ? material.uses_vertex_color()
+               : material.inputs != kNoMaterialInputs;
+  }
+
   void classify(ShapeMaterials& entry) const {
     uint32_t one_sided = 0;
     for (uint32_t i = 0; i < entry.count; ++i) {
@@ -219,7 +230,9 @@ class SceneBuilder {
       for (size_t side = 0; side < count; ++side) {
         if (!sides[side]->is_opaque()) entry.is_clear = entry.has_secondary = true;
         if (sides[side]->is_mirror()) entry.has_secondary = true;
-        entry.keep_uvs |= materials_.needs_uv(side == 0 ? index : material->back);
+        entry.keep.uvs |= materials_.needs_uv(side == 0 ? index : material->back);
+        entry.keep.normals |= shows_normals(*sides[side]);
+        entry.keep.colors |= shows_colors(*sides[side]);
       }
     }
     if (one_sided == entry.count) {
@@ -240,7 +253,7 @@ class SceneBuilder {
       const v1::Shape& shape = *graph_.shapes[i].shape;
       ShapeSource source = source_;
       source.threads = threads;
-      source.keep_uvs = shape_materials_[i].keep_uvs;
+      source.keep = shape_materials_[i].keep;
       source.deferred = scene_->built_when_hit;
       shapes_[i] =
           shape.has_csg() ? read_csg(csg_plans_[i], source) : read_shape(where, shape, source);
@@ -348,7 +361,7 @@ class SceneBuilder {
       if (built.is_deferred) ++deferred;
       mesh_bytes += built.bytes;
       mesh_bytes_dropped += built.bytes_dropped;
-      if (built.bytes_dropped > 0) ++attributes_dropped;
+      attributes_dropped += built.attributes_dropped;
     }
     if (graph_.flat_nodes > 0) {
       spdlog::warn("{} nodes are scaled to nothing or out of range: left out", graph_.flat_nodes);
