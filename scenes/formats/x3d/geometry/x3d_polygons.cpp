@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "renderer/math/bounds.h"
-#include "renderer/math/elementary.h"
+#include "renderer/math/encodings.h"
 #include "scenes/formats/x3d/geometry/x3d_faces.h"
 #include "scenes/mesh/mesh_data.h"
 #include "scenes/mesh/triangulate.h"
@@ -137,7 +137,7 @@ class MeshBuilder {
         const float c = std::clamp(values[i + k], 0.f, 1.f);
         if (c != values[i + k])
           values_.warnings().add(fmt::format("color of {} outside 0 to 1 is clamped", node->type));
-        colors_.push_back(options_.linear ? static_cast<float>(linear_from_srgb(c)) : c);
+        colors_.push_back(options_.linear ? static_cast<float>(srgb_to_linear(c)) : c);
       }
       colors_.push_back(alpha ? std::clamp(values[i + 3], 0.f, 1.f) : 1.f);
     }
@@ -270,10 +270,6 @@ bool is_x3d_lines(std::string_view type) {
 X3dMesh build_x3d_mesh(const X3dNode& node, const X3dValues& values, const X3dMeshOptions& options,
                        BlobStore& blobs) {
   return MeshBuilder(node, values, options).build(blobs);
-}
-
-double linear_from_srgb(double value) {
-  return value <= 0.04045 ? value / 12.92 : portable::pow((value + 0.055) / 1.055, 2.4);
 }
 
 }  // namespace tessera

@@ -32,7 +32,4 @@ struct X3dMeshOptions {
 X3dMesh build_x3d_mesh(const X3dNode& node, const X3dValues& values, const X3dMeshOptions& options,
                        BlobStore& blobs);
 
-/// The linear value of an sRGB-encoded one (IEC 61966-2-1).
-double linear_from_srgb(double value);
-
 }  // namespace tessera
