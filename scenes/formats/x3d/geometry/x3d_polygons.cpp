@@ -13,6 +13,7 @@
 #include "scenes/mesh/mesh_data.h"
 #include "scenes/mesh/triangulate.h"
 #include "scenes/mesh/vertex_table.h"
+#include "scenes/mesh/weld.h"
 
 namespace tessera {
 namespace {
@@ -165,13 +166,23 @@ class MeshBuilder {
       throw values_.document().error(node_.field("creaseAngle")->offset, "a negative creaseAngle",
                                      "0 or more");
     if (angle == 0 || corners_.empty()) return;
-    GeneratedNormals made = crease_normals(faces_.polygons, areas_, points_.size() / 3, angle);
+    GeneratedNormals made = crease_normals(welded(), areas_, points_.size() / 3, angle);
     if (made.corner_normal.empty())
       throw values_.document().error(
           node_.offset, fmt::format("too many faces at a point of {}", describe(node_)),
           fmt::format("at most {} where creaseAngle is between 0 and pi", kMaxCreaseFaces));
     normals_ = std::move(made.normals);
     for (size_t c = 0; c < corners_.size(); ++c) corners_[c].normal = made.corner_normal[c];
+  }
+
+  /// The faces over points that stand for those near them.
+  Polygons welded() const {
+    Polygons polygons = faces_.polygons;
+    if (options_.weld > 0) {
+      const std::vector<uint32_t> stands_for = weld(points_, options_.weld);
+      for (uint32_t& corner : polygons.corners) corner = stands_for[corner];
+    }
+    return polygons;
   }
 
   void normalize_all() {
