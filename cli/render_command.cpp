@@ -44,8 +44,8 @@ constexpr char kFooter[] =
 
 using Clock = std::chrono::steady_clock;
 
-/// A frame of fewer samples is done before its remaining time could be told.
-constexpr uint64_t kFewSamples = uint64_t{1} << 19;
+/// A frame of fewer samples may be done before its remaining time could be told.
+constexpr uint64_t kFewSamples = uint64_t{1} << 24;
 constexpr double kSecondsToPrepare = 1;
 
 bool is_short_file(const std::filesystem::path& path) {

@@ -259,29 +259,43 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace tessera {
+namespace {
 
-HWY_EXPORT(kernels_of_target);
-
-const BvhKernels& kernels() {
-  static const BvhKernels best = HWY_DYNAMIC_DISPATCH(kernels_of_target)();
-  return best;
+// Highway's own dispatch lies in a library whose loading measures the clock for 3 ms, as long as
+// all else that a worker does before it is ready. So only its headers are used.
+std::vector<BvhKernels> kernels_of_machine() {
+  std::vector<BvhKernels> list;
+#if HWY_ARCH_X86
+  __builtin_cpu_init();
+#if HWY_TARGETS & HWY_AVX3
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+      __builtin_cpu_supports("avx512cd")) {
+    list.push_back(N_AVX3::kernels_of_target());
+  }
+#endif
+#if HWY_TARGETS & HWY_AVX2
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+      __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2")) {
+    list.push_back(N_AVX2::kernels_of_target());
+  }
+#endif
+#if HWY_TARGETS & HWY_SSE4
+  if (__builtin_cpu_supports("sse4.2")) list.push_back(N_SSE4::kernels_of_target());
+#endif
+#endif
+  list.push_back(HWY_STATIC_DISPATCH(kernels_of_target)());
+  return list;
 }
+
+}  // namespace
 
 std::span<const BvhKernels> all_kernels() {
-  static const std::vector<BvhKernels> all = [] {
-    kernels();  // chosen before the choice is tampered with
-    std::vector<BvhKernels> list;
-    for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-      hwy::SetSupportedTargetsForTest(target);
-      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-      list.push_back(HWY_DYNAMIC_DISPATCH(kernels_of_target)());
-    }
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    return list;
-  }();
+  static const std::vector<BvhKernels> all = kernels_of_machine();
   return all;
 }
+
+const BvhKernels& kernels() { return all_kernels().front(); }
 
 }  // namespace tessera
 #endif  // HWY_ONCE

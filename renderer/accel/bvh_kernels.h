@@ -54,7 +54,7 @@ struct BvhKernels {
 };
 
 const BvhKernels& kernels();
-/// One entry for each instruction set that this machine has: for tests.
+/// One entry for each instruction set that this machine has, the best first.
 std::span<const BvhKernels> all_kernels();
 
 }  // namespace tessera

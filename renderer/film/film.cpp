@@ -1,9 +1,12 @@
 #include "renderer/film/film.h"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
+#include <new>
 
 #include "base/digest.h"
 #include "base/error.h"
@@ -12,8 +15,27 @@ namespace tessera {
 
 static_assert(std::endian::native == std::endian::little, "pixels are hashed as they lie");
 
+namespace {
+
+/// Black, but not yet there: a page comes with its first pixel, so that no tile waits for memory to
+/// be cleared. Where there can be huge pages they are asked for.
+float* black(size_t size) {
+  auto* const values = static_cast<float*>(std::calloc(size, sizeof(float)));
+  if (values == nullptr) throw std::bad_alloc();
+  constexpr uintptr_t kHugePage = uintptr_t{2} << 20;
+  const auto from = reinterpret_cast<uintptr_t>(values);
+  const uintptr_t first = (from + kHugePage - 1) / kHugePage * kHugePage;
+  const uintptr_t end = (from + size * sizeof(float)) / kHugePage * kHugePage;
+  if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
+  return values;
+}
+
+}  // namespace
+
 Film::Film(const PixelRect& rect)
-    : rect_(rect), values_(static_cast<size_t>(rect.area()) * kFilmChannels) {}
+    : rect_(rect),
+      size_(static_cast<size_t>(rect.area()) * kFilmChannels),
+      values_(black(std::max<size_t>(size_, 1))) {}
 
 void Film::write(const PixelRect& tile, int first_row, int rows, std::span<const float> values) {
   const auto row_size = static_cast<size_t>(tile.width()) * kFilmChannels;
@@ -26,7 +48,7 @@ void Film::write(const PixelRect& tile, int first_row, int rows, std::span<const
                            static_cast<size_t>(tile.x0 - rect_.x0)) *
                           kFilmChannels;
     std::copy_n(values.begin() + static_cast<ptrdiff_t>(row_size) * row, row_size,
-                values_.begin() + static_cast<ptrdiff_t>(offset));
+                values_.get() + offset);
   }
 }
 
@@ -45,6 +67,6 @@ void Film::mark_hole(const PixelRect& tile) {
   }
 }
 
-std::string Film::pixels_sha256() const { return sha256_hex(std::as_bytes(std::span(values_))); }
+std::string Film::pixels_sha256() const { return sha256_hex(std::as_bytes(values())); }
 
 }  // namespace tessera

@@ -1,8 +1,9 @@
 #pragma once
 
+#include <cstdlib>
+#include <memory>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "renderer/film/tile.h"
 
@@ -23,14 +24,19 @@ class Film {
   void mark_hole(const PixelRect& tile);
 
   /// width x height x kFilmChannels values, rows from the top.
-  std::span<const float> values() const { return values_; }
-  std::span<float> values() { return values_; }
+  std::span<const float> values() const { return {values_.get(), size_}; }
+  std::span<float> values() { return {values_.get(), size_}; }
   /// SHA-256 of values() as little-endian bytes.
   std::string pixels_sha256() const;
 
  private:
+  struct Free {
+    void operator()(float* values) const { std::free(values); }
+  };
+
   PixelRect rect_;
-  std::vector<float> values_;
+  size_t size_;
+  std::unique_ptr<float[], Free> values_;
 };
 
 }  // namespace tessera
