@@ -9,10 +9,12 @@
 #include <bit>
 
 #include "base/error.h"
+#include "bench/scene_mesh.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/accel/octree.h"
 #include "renderer/math/elementary.h"
 #include "renderer/shapes/sphere.h"
+#include "scenes/generate/generate_scene.h"
 
 namespace tessera {
 namespace {
@@ -70,17 +72,6 @@ class CountingShape final : public Shape {
   uint64_t* count_;
 };
 
-std::shared_ptr<const TriangleMesh> to_triangles(const PlainMesh& plain) {
-  auto mesh = std::make_shared<TriangleMesh>();
-  for (const Point3& p : plain.positions)
-    mesh->positions.push_back(
-        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-  for (size_t i = 0; i + 2 < plain.triangles.size(); i += 3)
-    mesh->triangles.push_back({plain.triangles[i], plain.triangles[i + 1], plain.triangles[i + 2]});
-  drop_degenerate(*mesh);
-  return mesh;
-}
-
 /// A scene with one accelerator over its objects and one over each mesh.
 struct BuiltScene {
   std::vector<Instance> instances;  ///< the accelerator has its own; these are for surface_at
@@ -90,8 +81,8 @@ struct BuiltScene {
 };
 
 BuiltScene build(const OctreeScene& scene, const Maker& maker, uint64_t* object_tests) {
-  const auto diamond = to_triangles(diamond_mesh());
-  const auto mesh = to_triangles(scene.mesh);
+  const auto octahedron = std::make_shared<const TriangleMesh>(to_triangles(diamond()));
+  const auto mesh = std::make_shared<const TriangleMesh>(to_triangles(scene.mesh));
   BuiltScene built;
   const double start = thread_seconds();
   const auto mesh_shape = [&](const std::shared_ptr<const TriangleMesh>& triangles) {
@@ -107,7 +98,7 @@ BuiltScene build(const OctreeScene& scene, const Maker& maker, uint64_t* object_
   for (const auto& [center, radius] : scene.spheres)
     place(std::make_shared<Sphere>(Point3{}, radius), translation(center - Point3{}));
   if (!scene.diamonds.empty()) {
-    const auto shape = mesh_shape(diamond);
+    const auto shape = mesh_shape(octahedron);
     for (const auto& [center, radius] : scene.diamonds)
       place(shape, translation(center - Point3{}) * scaling({radius, radius, radius}));
   }

@@ -24,6 +24,16 @@ void append(const TriangleMesh& mesh, const Affine& world_from_mesh, TriangleMes
 
 }  // namespace
 
+TriangleMesh to_triangles(const MeshData& mesh) {
+  TriangleMesh out;
+  const auto& p = mesh.positions;
+  for (size_t i = 0; i < p.size(); i += 3) out.positions.push_back({p[i], p[i + 1], p[i + 2]});
+  const auto& t = mesh.triangles;
+  for (size_t i = 0; i < t.size(); i += 3) out.triangles.push_back({t[i], t[i + 1], t[i + 2]});
+  drop_degenerate(out);
+  return out;
+}
+
 TriangleMesh mesh_of_scene(const v1::Scene& scene, const BlobStore& blobs) {
   const SceneGraph graph = unfold_graph(scene, scene.settings().time(), Affine{});
   TriangleMesh whole;

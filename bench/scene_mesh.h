@@ -3,8 +3,12 @@
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
 #include "renderer/shapes/triangle_mesh.h"
+#include "scenes/mesh/mesh_data.h"
 
 namespace tessera {
+
+/// The mesh's triangles, without degenerate ones.
+TriangleMesh to_triangles(const MeshData& mesh);
 
 /// Every triangle of the scene's meshes in world space, without degenerate ones. Throws a scene
 /// error where the scene is wrong or has no triangles.

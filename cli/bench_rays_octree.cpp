@@ -58,14 +58,7 @@ BenchMesh ray_scene(const std::string& name) {
     scene.view = view_inside(scene.mesh.bounds());
     if (name == "turned-room") turn(scene);
   } else if (name == "teapot") {
-    const PlainMesh pot = pot_mesh();
-    for (const Point3& p : pot.positions)
-      scene.mesh.positions.push_back(
-          {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-    for (size_t i = 0; i < pot.triangles.size(); i += 3)
-      scene.mesh.triangles.push_back(
-          {pot.triangles[i], pot.triangles[i + 1], pot.triangles[i + 2]});
-    drop_degenerate(scene.mesh);
+    scene.mesh = to_triangles(pot_mesh());
   } else if (name.starts_with(kSoup)) {
     scene.mesh = triangle_soup(
         static_cast<size_t>(parse_whole(name, name.substr(kSoup.size()), 1, 50'000'000)), 1);
@@ -119,8 +112,8 @@ OctreeScene octree_scene(const std::string& name) {
   const TriangleMesh mesh = mesh_named(name);
   OctreeScene scene;
   scene.name = name;
-  for (uint32_t i = 0; i < mesh.positions.size(); ++i)
-    scene.mesh.positions.push_back(mesh.vertex(i));
+  for (const Float3& p : mesh.positions)
+    scene.mesh.positions.insert(scene.mesh.positions.end(), {p.x, p.y, p.z});
   for (const TriangleIndices& t : mesh.triangles)
     scene.mesh.triangles.insert(scene.mesh.triangles.end(), t.begin(), t.end());
   look_at_box(mesh.bounds(), scene);

@@ -40,6 +40,30 @@ size_t index_of(const std::vector<std::string>& names, const std::string& name) 
   return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
+std::optional<ColorManagement> color_management(const OutputOptions& options) {
+  const bool is_view = options.ocio_view || options.ocio_display;
+  if (!is_view && !options.ocio_space) {
+    if (options.ocio_input) {
+      throw usage_error("--ocio-input by itself; expected --ocio-view or --ocio-space beside it");
+    }
+    return std::nullopt;
+  }
+  if (is_view && options.ocio_space) {
+    throw usage_error("--ocio-space beside a view; expected one of them");
+  }
+  if (options.tone_map || options.transfer || options.gamma) {
+    throw usage_error(
+        "--tone-map, --transfer or --gamma beside OpenColorIO, which takes their place; expected "
+        "one of them");
+  }
+  ColorManagement names;
+  if (options.ocio_input) names.input = *options.ocio_input;
+  names.display = options.ocio_display.value_or("");
+  if (options.ocio_view && *options.ocio_view != "default") names.view = *options.ocio_view;
+  names.color_space = options.ocio_space.value_or("");
+  return names;
+}
+
 void lay_over(const OutputOptions& options, OutputSettings& settings) {
   static constexpr ToneCurve kCurves[] = {ToneCurve::clamp, ToneCurve::reinhard,
                                           ToneCurve::reinhard_luminance, ToneCurve::filmic,
@@ -57,6 +81,7 @@ void lay_over(const OutputOptions& options, OutputSettings& settings) {
     settings.transfer = kTransfers[index_of(transfer_names(), *options.transfer)];
   }
   if (options.exposure) settings.exposure = *options.exposure;
+  settings.color_management = color_management(options);
 }
 
 }  // namespace

@@ -15,6 +15,8 @@ struct OutputOptions {
   std::optional<std::string> tone_map{}, transfer{};
   std::optional<double> gamma{};  ///< > 0; asks for the gamma curve too, unless `transfer` is there
   std::optional<double> exposure{};  ///< stops
+  /// OpenColorIO in place of tone map and transfer curve. The view may be "default".
+  std::optional<std::string> ocio_view{}, ocio_display{}, ocio_space{}, ocio_input{};
 };
 
 const std::vector<std::string>& tone_map_names();

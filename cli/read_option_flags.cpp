@@ -1,8 +1,11 @@
 #include "cli/read_option_flags.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <array>
 
+#include "base/error.h"
 #include "cli/option_values.h"
 
 namespace tessera {
@@ -50,6 +53,21 @@ void add_read_options(CLI::App& command, ReadOptions& options) {
              std::array<std::pair<const char*, Texture>, 3>{{{"version", Texture::by_version},
                                                              {"replace", Texture::replace},
                                                              {"modulate", Texture::modulate}}});
+  command
+      .add_option_function<std::string>(
+          "--x3d-weld",
+          [&options](const std::string& text) {
+            options.x3d_weld = parse_number("--x3d-weld", text);
+            if (!(options.x3d_weld > 0))
+              throw usage_error(fmt::format("--x3d-weld: {}; expected above 0", text));
+          },
+          "Points of a node this near share smooth normals as if they were one [only the same do]")
+      ->type_name("DISTANCE")
+      ->group("Reading X3D");
+  command
+      .add_flag("--x3d-strict", options.x3d_strict,
+                "A picture or an Inline that is missing is an error, not a warning")
+      ->group("Reading X3D");
   command
       .add_flag("--x3d-two-sided", options.x3d_two_sided,
                 "Show back faces, which files that leave 'solid' out hide")

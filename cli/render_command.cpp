@@ -138,6 +138,9 @@ class RenderRun {
       check_not_input(first(*options_.stats), options_.scene, "--stats");
     }
     check_distinct();
+    // The scene has no say in these.
+    const OutputSettings output = output_settings(options_.scene, {}, options_.output);
+    if (output.color_management) check_color_management(*output.color_management);
     check_input_file(options_.scene, UINT64_MAX);
   }
 
@@ -246,6 +249,10 @@ class RenderRun {
     for (const auto& path : picture_paths(options_)) prepare_to_write(path);
   }
 
+  bool is_display_referred() const {
+    return loaded_.scene.settings().output().transfer() == v1::Output::DISPLAY;
+  }
+
   void write(const JobResult& result, const v1::FrameSettings& settings,
              const OutputSettings& output, std::optional<int> frame) {
     const auto start = Clock::now();
@@ -253,6 +260,7 @@ class RenderRun {
                                  .seed = settings.seed(),
                                  .samples_per_pixel = settings.samples_per_pixel(),
                                  .render_seconds = result.report.trace_seconds,
+                                 .colors = is_display_referred() ? "display" : "scene-linear",
                                  .frame_width = static_cast<int>(settings.width()),
                                  .frame_height = static_cast<int>(settings.height())};
     // A disk that is full for one may have room for another: nothing finished is thrown away.

@@ -102,6 +102,24 @@ void add_output_options(CLI::App& command, OutputOptions& options) {
         if (!(gamma > 0)) throw usage_error(fmt::format("--gamma: {}; expected above 0", text));
         options.gamma = gamma;
       });
+  const auto add_name = [&](const char* name, const char* type, const std::string& text,
+                            std::optional<std::string>& out) {
+    add(name, type, text, [name, &out](const std::string& given) {
+      if (given.empty()) throw usage_error(fmt::format("{}: no name; expected one", name));
+      out = given;
+    });
+  };
+  add_name(
+      "--ocio-view", "VIEW",
+      "In place of tone map and transfer: a view of the OpenColorIO configuration in $OCIO, or "
+      "'default'",
+      options.ocio_view);
+  add_name("--ocio-display", "NAME", "The display whose view it is [the configuration's default]",
+           options.ocio_display);
+  add_name("--ocio-space", "NAME", "A colour space of that configuration, in place of a view",
+           options.ocio_space);
+  add_name("--ocio-input", "NAME", "The colour space or role of the picture's light [scene_linear]",
+           options.ocio_input);
 }
 
 void add_tracing_options(CLI::App& command, RenderOptions& options) {

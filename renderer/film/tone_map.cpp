@@ -128,6 +128,11 @@ std::array<double, 255> byte_thresholds(const OutputSettings& settings) {
 
 }  // namespace
 
+void expose(Film& film, const OutputSettings& settings) {
+  const double scale = exposure_scale(settings);
+  for (float& v : film.values()) v = static_cast<float>(finite(scale * finite(double{v})));
+}
+
 std::vector<uint8_t> to_8_bit(const Film& film, const OutputSettings& settings) {
   if (settings.transfer == TransferCurve::display) {
     return convert(film, settings, [&](double v) { return quantize(v, settings.quantization); });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <cstring>
 #include <span>
 
@@ -77,6 +78,40 @@ std::string_view as_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+void copy_name(const char* option, std::string_view text, char (&out)[128]) {
+  if (text.size() >= sizeof out) {
+    throw usage_error(fmt::format("the name of the {} is too long; expected at most {} bytes",
+                                  option, sizeof out - 1));
+  }
+  copy_text(text, out);
+}
+
+/// The film as the names ask for it.
+void convert_colors(const ColorManagement& names, Film& film) {
+  ImageRequest request;
+  request.call = ImageRequest::convert_colors;
+  request.layout = {film.width(), film.height(), kFilmChannels, 32};
+  copy_name("input colour space", names.input, request.colors.input);
+  copy_name("display", names.display, request.colors.display);
+  copy_name("view", names.view, request.colors.view);
+  copy_name("colour space", names.color_space, request.colors.color_space);
+  const auto answer =
+      ImageCodec::shared().call(request, as_text(std::as_bytes(std::span(film.values()))));
+  const auto values = std::as_writable_bytes(film.values());
+  if (answer.payload.size() != values.size()) throw render_error("colours are missing");
+  std::copy(answer.payload.begin(), answer.payload.end(), values.begin());
+}
+
+/// 8 bits of every channel.
+std::vector<uint8_t> shown_bytes(const Film& film, const OutputSettings& settings) {
+  if (!settings.color_management) return to_8_bit(film, settings);
+  Film shown = film;
+  expose(shown, settings);
+  convert_colors(*settings.color_management, shown);
+  return to_8_bit(shown,
+                  {.transfer = TransferCurve::display, .quantization = settings.quantization});
+}
+
 std::vector<std::byte> encode(const Format& format, const Film& film,
                               const OutputSettings& settings, const ImageMetadata& metadata) {
   ImageRequest request;
@@ -86,13 +121,14 @@ std::vector<std::byte> encode(const Format& format, const Film& film,
   request.window = {film.rect().x0, film.rect().y0, metadata.frame_width, metadata.frame_height};
   copy_text(fmt::format("tessera {}", kVersion), request.attributes.software);
   copy_text(metadata.scene_digest, request.attributes.scene_digest);
+  copy_text(metadata.colors, request.attributes.colors);
   request.attributes.seed = metadata.seed;
   request.attributes.samples_per_pixel = metadata.samples_per_pixel;
   request.attributes.render_seconds = metadata.render_seconds;
   if (format.is_float) {
     return ImageCodec::shared().call(request, as_text(std::as_bytes(film.values()))).payload;
   }
-  const std::vector<uint8_t> bytes = to_8_bit(film, settings);
+  const std::vector<uint8_t> bytes = shown_bytes(film, settings);
   return ImageCodec::shared().call(request, as_text(std::as_bytes(std::span(bytes)))).payload;
 }
 
@@ -125,6 +161,20 @@ void prepare_to_write(const fs::path& path) {
 void check_writable(const fs::path& path) {
   if (format_of(path).name) ImageCodec::check_installed();
   check_output_file(path.string());
+}
+
+void check_color_management(const ColorManagement& names) {
+  const char* const file = std::getenv("OCIO");
+  if (!file || !*file) {
+    throw usage_error(
+        "--ocio: $OCIO is not set; expected the path of an OpenColorIO configuration");
+  }
+  Film film({0, 0, 1, 1});
+  try {
+    convert_colors(names, film);
+  } catch (const Error& error) {
+    throw usage_error(fmt::format("$OCIO, '{}': {}", file, error.what()));
+  }
 }
 
 void write_image(const fs::path& path, const Film& film, const OutputSettings& settings,

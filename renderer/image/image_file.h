@@ -17,6 +17,7 @@ struct ImageMetadata {
   uint32_t seed = 0;
   uint32_t samples_per_pixel = 0;
   double render_seconds = 0;
+  std::string colors{};  ///< what the scene's numbers stand for: "scene-linear" or "display"
   /// Of the whole frame, where the film may be a crop of it; 0: it is not. EXR and TIFF tell it.
   int frame_width = 0, frame_height = 0;
 };
@@ -47,8 +48,12 @@ void prepare_to_write(const std::filesystem::path& path);
 /// folder that is missing or not writable, a path that is no regular file. Leaves nothing behind.
 void check_writable(const std::filesystem::path& path);
 
+/// Throws a usage error where $OCIO names no configuration that can be read, or none that knows the
+/// names.
+void check_color_management(const ColorManagement& names);
+
 /// Writes the format that the ending names: exr, hdr and pfm take the linear values, every other
-/// one is tone-mapped to 8 bits by `settings`. It is encoded in memory, then goes through
+/// one is made 8 bits by `settings`. It is encoded in memory, then goes through
 /// write_output_file. Throws a render error where either fails.
 void write_image(const std::filesystem::path& path, const Film& film,
                  const OutputSettings& settings, const ImageMetadata& metadata);

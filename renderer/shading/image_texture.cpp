@@ -5,25 +5,11 @@
 #include <cstring>
 
 #include "renderer/math/elementary.h"
+#include "renderer/math/encodings.h"
 
 namespace tessera {
 
 namespace {
-
-/// IEC 61966-2-1.
-double srgb_to_linear(double v) {
-  return v <= 0.04045 ? v / 12.92 : portable::pow((v + 0.055) / 1.055, 2.4);
-}
-
-/// IEEE 754 binary16.
-double half_to_double(uint16_t half) {
-  const int exponent = (half >> 10) & 31;
-  const int mantissa = half & 1023;
-  const double size = exponent == 0    ? std::ldexp(mantissa, -24)
-                      : exponent == 31 ? 0  // infinity and NaN are refused when a scene is built
-                                       : std::ldexp(mantissa + 1024, exponent - 25);
-  return half & 0x8000 ? -size : size;
-}
 
 /// The texel that stands at `i`; below 0 where there is none.
 int64_t wrapped(int64_t i, int64_t size, ImageTextureSettings::Wrap wrap) {
@@ -85,7 +71,7 @@ double ImageTexture::channel(size_t offset) const {
   if (settings_.bits == 16) {
     uint16_t value;
     std::memcpy(&value, at, sizeof value);
-    return half_to_double(value);
+    return half_to_float(value);
   }
   float value;
   std::memcpy(&value, at, sizeof value);

@@ -71,17 +71,17 @@ OctreeScene teapot() {
   return scene;
 }
 
-// ------------------------------------------------------------------------------------------ the
-// pot
-
 /// Adds rows of points as a surface; each row closes on itself. Points run counter-clockwise seen
 /// against the direction in which the rows advance.
-void add_rows(const std::vector<std::vector<Point3>>& rows, PlainMesh& mesh) {
+void add_rows(const std::vector<std::vector<Point3>>& rows, MeshData& mesh) {
   for (size_t r = 0; r + 1 < rows.size(); ++r) {
-    const auto base = static_cast<uint32_t>(mesh.positions.size());
+    const auto base = static_cast<uint32_t>(mesh.vertex_count());
     const auto n = static_cast<uint32_t>(rows[r].size());
-    mesh.positions.insert(mesh.positions.end(), rows[r].begin(), rows[r].end());
-    mesh.positions.insert(mesh.positions.end(), rows[r + 1].begin(), rows[r + 1].end());
+    for (const auto* row : {&rows[r], &rows[r + 1]}) {
+      for (const Point3& p : *row) {
+        for (int a = 0; a < 3; ++a) mesh.positions.push_back(static_cast<float>(p[a]));
+      }
+    }
     for (uint32_t i = 0; i < n; ++i) {
       const uint32_t j = (i + 1) % n;
       const std::array<uint32_t, 6> quad{base + i,     base + j, base + n + i,
@@ -96,7 +96,7 @@ struct Profile {
 };
 
 /// Turns a profile about the y axis; `steps` rows between neighbouring points, on a smooth curve.
-void revolve(const std::vector<Profile>& points, int steps, int segments, PlainMesh& mesh) {
+void revolve(const std::vector<Profile>& points, int steps, int segments, MeshData& mesh) {
   std::vector<std::vector<Point3>> rows;
   const auto at = [&points](long i) {
     return points[static_cast<size_t>(
@@ -125,7 +125,7 @@ void revolve(const std::vector<Profile>& points, int steps, int segments, PlainM
 
 /// A tube in the plane z = 0 along `curve`, which gives centre (x, y) and radius for t in [0, 1].
 template <typename Curve>
-void sweep(const Curve& curve, int rows_count, int segments, PlainMesh& mesh) {
+void sweep(const Curve& curve, int rows_count, int segments, MeshData& mesh) {
   std::vector<std::vector<Point3>> rows;
   for (int r = 0; r <= rows_count; ++r) {
     const double t = double(r) / rows_count, h = 1e-3;
@@ -144,15 +144,8 @@ void sweep(const Curve& curve, int rows_count, int segments, PlainMesh& mesh) {
 
 }  // namespace
 
-PlainMesh diamond_mesh() {
-  PlainMesh mesh;
-  mesh.positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  mesh.triangles = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
-  return mesh;
-}
-
-PlainMesh pot_mesh() {
-  PlainMesh mesh;
+MeshData pot_mesh() {
+  MeshData mesh;
   revolve({{0, 0}, {.6, .01}, {.75, .08}, {.95, .4}, {1, .75}, {.9, 1.1}, {.72, 1.35}, {.68, 1.4}},
           8, 128, mesh);
   revolve({{.7, 1.36}, {.55, 1.47}, {.2, 1.55}, {.09, 1.62}, {.16, 1.74}, {.1, 1.83}, {0, 1.85}}, 4,
@@ -201,7 +194,8 @@ OctreeScene make_octree_scene(std::string_view name) {
         box.extend(center + Vec3{radius, radius, radius});
       }
     }
-    for (const Point3& p : scene.mesh.positions) box.extend(p);
+    const auto& p = scene.mesh.positions;
+    for (size_t v = 0; v < p.size(); v += 3) box.extend(Point3{p[v], p[v + 1], p[v + 2]});
     look_at_box(box, scene);
     if (scene.mesh.triangles.empty()) scene.point_light = box.center();
     return scene;

@@ -7,13 +7,9 @@
 #include <vector>
 
 #include "renderer/math/bounds.h"
+#include "scenes/mesh/mesh_data.h"
 
 namespace tessera {
-
-struct PlainMesh {
-  std::vector<Point3> positions;
-  std::vector<uint32_t> triangles;  ///< three indices each, counter-clockwise from outside
-};
 
 /// A scene of the octree study (Hiller 2018) in plain numbers, the same on every machine.
 struct OctreeScene {
@@ -23,8 +19,8 @@ struct OctreeScene {
   };
   std::string name;
   std::vector<Placed> spheres;
-  std::vector<Placed> diamonds;  ///< octahedra: corners on the axes at `radius` from the centre
-  PlainMesh mesh;                ///< one object; empty but for the teapot
+  std::vector<Placed> diamonds;  ///< diamond()s: corners on the axes at `radius` from the centre
+  MeshData mesh;                 ///< one object; empty but for the teapot
   Point3 eye, target;            ///< +y is up
   double field_of_view = 45;     ///< degrees, of the picture's height
   std::optional<Point3> point_light;  ///< with it goes a directional light along the camera's view
@@ -35,11 +31,9 @@ const std::vector<std::string>& octree_scene_names();
 /// Throws a usage Error for an unknown name.
 OctreeScene make_octree_scene(std::string_view name);
 
-/// The octahedron of 8 triangles with its corners 1 from the origin.
-PlainMesh diamond_mesh();
 /// A pot with lid, spout and handle in about 25,000 triangles, made of revolved and swept curves of
 /// our own; about 3 wide, standing on y = 0.
-PlainMesh pot_mesh();
+MeshData pot_mesh();
 /// Puts the camera where `box` fills the picture's height.
 void look_at_box(const Bounds3& box, OctreeScene& scene);
 

@@ -2,41 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstring>
 
-#include "renderer/math/elementary.h"
+#include "renderer/math/encodings.h"
 
 namespace tessera {
 namespace {
-
-/// IEC 61966-2-1.
-double srgb_to_linear(double v) {
-  return v <= 0.04045 ? v / 12.92 : portable::pow((v + 0.055) / 1.055, 2.4);
-}
-
-float half_to_float(uint16_t half) {
-  const int exponent = (half >> 10) & 31;
-  const auto mantissa = static_cast<float>(half & 1023);
-  if (exponent == 31) return (half & 1023) ? NAN : (half & 0x8000) ? -INFINITY : INFINITY;
-  const float size =
-      exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(mantissa + 1024, exponent - 25);
-  return half & 0x8000 ? -size : size;
-}
-
-/// The nearest half of a number that is no larger than the largest one.
-uint16_t float_to_half(float value) {
-  const uint32_t sign = (std::bit_cast<uint32_t>(value) >> 16) & 0x8000;
-  const float size = std::abs(value);
-  if (!(size < 65520)) return static_cast<uint16_t>(sign | 0x7c00);
-  int exponent;
-  std::frexp(size, &exponent);  // size = m 2^exponent, m in [.5, 1)
-  const int step = std::max(exponent - 11, -24);
-  const auto steps = static_cast<uint32_t>(std::nearbyint(std::ldexp(size, -step)));
-  // A carry out of the mantissa goes on into the exponent, as it should.
-  return static_cast<uint16_t>(sign | (static_cast<uint32_t>(step + 24) * 1024 + steps));
-}
 
 /// A picture's numbers as linear light.
 class Texels {

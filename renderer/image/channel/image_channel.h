@@ -39,28 +39,39 @@ struct ImageWindow {
 struct ImageAttributes {
   char software[32] = {};
   char scene_digest[72] = {};
+  char colors[24] = {};  ///< what the scene's numbers stand for
   uint32_t seed = 0;
   uint32_t samples_per_pixel = 0;
   double render_seconds = 0;
+};
+
+/// Names of the OpenColorIO configuration in $OCIO. Texts end with a zero.
+struct ColorNames {
+  char input[128] = {};        ///< the colour space of the pixels, or its role
+  char display[128] = {};      ///< empty: the configuration's default
+  char view[128] = {};         ///< empty: the display's default
+  char color_space[128] = {};  ///< if not empty, what is asked for in place of a view
 };
 
 /// Asks the image codec, a process of its own, for one thing. Both ends are of one build and of one
 /// machine, so messages are structs as they lie in memory, each followed by its payload.
 struct ImageRequest {
   enum Call : uint32_t {
-    encode,       ///< payload: pixels, 3 channels; the reply: the file's bytes
-    decode_all,   ///< payload: a path; the reply: all channels as floats, alpha not multiplied in,
-                  ///< then the channels' names, each ended by a zero
-    decode_file,  ///< payload: a path; the reply: pixels as the file has them, at most 4 channels,
-                  ///< in the fewest bits that hold them, alpha not multiplied in
-    decode_bytes  ///< the same of a payload that is the file itself
+    encode,        ///< payload: pixels, 3 channels; the reply: the file's bytes
+    decode_all,    ///< payload: a path; the reply: all channels as floats, alpha not multiplied in,
+                   ///< then the channels' names, each ended by a zero
+    decode_file,   ///< payload: a path; the reply: pixels as the file has them, at most 4 channels,
+                   ///< in the fewest bits that hold them, alpha not multiplied in
+    decode_bytes,  ///< the same of a payload that is the file itself
+    convert_colors  ///< payload: pixels of 3 floats; the reply: the same by OpenColorIO
   };
   uint32_t version = kVersion;
   Call call = encode;
   char format[16] = {};  ///< encode: as OpenImageIO calls it
-  PixelLayout layout;    ///< encode
+  PixelLayout layout;    ///< encode, convert_colors
   ImageWindow window;    ///< encode
   ImageAttributes attributes;
+  ColorNames colors;  ///< convert_colors
   uint64_t payload_bytes = 0;
 
   static constexpr uint32_t kVersion = 5;

@@ -2,6 +2,9 @@
 // socket that is its standard input, until that is closed. The only code that links OpenImageIO:
 // whose hundreds of libraries load beside the rendering here, in an address space that nothing else
 // waits for, and whose decoders cannot take the renderer down with them.
+#include <OpenImageIO/color.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/strutil.h>
 #include <sys/mman.h>
@@ -12,6 +15,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <memory>
@@ -21,6 +25,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "renderer/image/channel/image_channel.h"
 
 namespace tessera {
@@ -97,6 +102,7 @@ OIIO::ImageSpec make_spec(const ImageRequest& request) {
   const ImageAttributes& attributes = request.attributes;
   const std::pair<const char*, std::string> texts[] = {
       {"tessera:SceneDigest", attributes.scene_digest},
+      {"tessera:Colors", attributes.colors},
       {"tessera:Seed", std::to_string(attributes.seed)},
       {"tessera:Samples", std::to_string(attributes.samples_per_pixel)},
       {"tessera:RenderSeconds", OIIO::Strutil::sprintf("%.3f", attributes.render_seconds)}};
@@ -180,7 +186,53 @@ Answer decode(const std::string& path) {
   return answer;
 }
 
-Answer answer_to(const ImageRequest& request, const std::vector<char>& payload) {
+/// `name` if it is among those known; the cause tells them.
+void check_name(const char* what, const std::string& name, const std::vector<std::string>& known) {
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  std::string list;
+  for (const std::string& entry : known) list += (list.empty() ? "" : ", ") + entry;
+  fail("the OpenColorIO configuration has no " + std::string(what) + " '" + name +
+       "'; expected one of " + list + suggestion(name, known));
+}
+
+OIIO::ColorProcessorHandle color_processor(const OIIO::ColorConfig& config,
+                                           const ColorNames& names) {
+  std::vector<std::string> spaces = config.getColorSpaceNames();
+  for (const std::string& role : config.getRoles()) spaces.push_back(role);
+  check_name("colour space or role", names.input, spaces);
+  if (names.color_space[0]) {
+    check_name("colour space or role", names.color_space, spaces);
+    return config.createColorProcessor(names.input, names.color_space);
+  }
+  std::string display = names.display, view = names.view;
+  if (display.empty()) display = config.getDefaultDisplayName();
+  check_name("display", display, config.getDisplayNames());
+  if (view.empty()) view = config.getDefaultViewName(display);
+  check_name(("view of " + display).c_str(), view, config.getViewNames(display));
+  return config.createDisplayTransform(display, view, names.input);
+}
+
+Answer convert_colors(const ImageRequest& request, std::vector<char> pixels) {
+  const PixelLayout& layout = request.layout;
+  const bool fits = layout.is_legal() && layout.channels == 3 && layout.bits == 32 &&
+                    layout.bytes() == pixels.size();
+  if (!fits) fail("the pixels do not fit their layout");
+  // Where $OCIO does not name one that can be read, OpenImageIO takes another one.
+  const char* const file = std::getenv("OCIO");
+  if (!file || !*file) fail("$OCIO is not set");
+  OIIO::ColorConfig config(file);
+  if (config.has_error()) fail(config.geterror());
+  const OIIO::ColorProcessorHandle processor = color_processor(config, request.colors);
+  if (!processor) fail(config.geterror());
+  OIIO::ImageSpec spec(layout.width, layout.height, 3, OIIO::TypeDesc::FLOAT);
+  OIIO::ImageBuf image(spec, pixels.data());
+  if (!OIIO::ImageBufAlgo::colorconvert(image, image, processor.get(), false, {}, 1)) {
+    fail(image.geterror());
+  }
+  return {layout, std::move(pixels)};
+}
+
+Answer answer_to(const ImageRequest& request, std::vector<char> payload) {
   if (request.version != ImageRequest::kVersion) fail("the image codec is of another version");
   const auto path = [&payload] { return std::string(payload.begin(), payload.end()); };
   switch (request.call) {
@@ -190,6 +242,8 @@ Answer answer_to(const ImageRequest& request, const std::vector<char>& payload) 
       return decode_all(path());
     case ImageRequest::decode_file:
       return decode(path());
+    case ImageRequest::convert_colors:
+      return convert_colors(request, std::move(payload));
     case ImageRequest::decode_bytes: {
       const MemoryFile file;
       file.fill(payload);
@@ -219,7 +273,7 @@ bool serve_one(ImageChannel& channel) {
   Answer answer;
   std::string cause;
   try {
-    answer = answer_to(request, payload);
+    answer = answer_to(request, std::move(payload));
   } catch (const std::bad_alloc&) {
     cause = "there is not enough memory for it";
   } catch (const std::exception& error) {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/file.h"
-#include "renderer/math/elementary.h"
+#include "renderer/math/encodings.h"
 #include "scenes/formats/ply/ply_source.h"
 #include "scenes/import/plain_material.h"
 #include "scenes/import/warnings.h"
@@ -56,11 +56,6 @@ size_t slot_of(std::string_view name) {
   for (const auto& [known, slot] : kNames)
     if (name == known) return slot;
   return kNone;
-}
-
-/// IEC 61966-2-1.
-double srgb_to_linear(double v) {
-  return v <= 0.04045 ? v / 12.92 : portable::pow((v + 0.055) / 1.055, 2.4);
 }
 
 /// Whole numbers are codes of a display, as scanners write them; others are light.

@@ -35,6 +35,9 @@ void X3dTranslator::add_inline(const X3dNode& node, const v1::Transform& path, v
   const X3dFiles::Found found =
       files.has_folder() ? files.find(urls, folder_) : X3dFiles::Found{"", "no folder is known"};
   if (found.file.empty()) {
+    if (build_.options.x3d_strict)
+      throw document_.error(node.offset, fmt::format("Inline of '{}': {}", urls[0], found.reason),
+                            "a file that is there");
     warnings_.add(fmt::format("line {}: Inline of '{}' is left out: {}",
                               document_.place(node.offset).line, urls[0], found.reason));
     return;

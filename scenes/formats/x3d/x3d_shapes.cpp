@@ -89,6 +89,7 @@ const X3dMesh& X3dTranslator::mesh(const X3dNode& geometry, bool textured) {
   const auto known = meshes_.find(key);
   if (known != meshes_.end()) return known->second;
   const X3dMeshOptions options{.linear = build_.options.x3d_color == ReadOptions::Color::linear,
+                               .weld = build_.options.x3d_weld,
                                .textured = textured};
   return meshes_.emplace(key, build_x3d_mesh(geometry, values_, options, out_.blobs)).first->second;
 }

@@ -137,6 +137,9 @@ std::string X3dTranslator::image_texture(const std::vector<std::string>& urls,
   X3dFiles::Found found{urls[0], ""};
   if (build_.files.has_folder()) found = build_.files.find(urls, folder_);
   if (found.file.empty()) {
+    if (build_.options.x3d_strict)
+      throw document_.error(offset, fmt::format("no picture '{}': {}", urls[0], found.reason),
+                            "a file that is there");
     warnings_.add(fmt::format("line {}: a placeholder stands for the picture '{}': {}",
                               document_.place(offset).line, urls[0], found.reason));
     return placeholder_texture();

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/file.h"
+#include "renderer/math/encodings.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
 
@@ -12,9 +13,9 @@ namespace tessera {
 
 void X3dBuild::put(const Color& color, v1::Color* out_color) const {
   const bool linear = options.x3d_color == ReadOptions::Color::linear;
-  out_color->set_r(linear ? linear_from_srgb(color.r) : color.r);
-  out_color->set_g(linear ? linear_from_srgb(color.g) : color.g);
-  out_color->set_b(linear ? linear_from_srgb(color.b) : color.b);
+  out_color->set_r(linear ? srgb_to_linear(color.r) : color.r);
+  out_color->set_g(linear ? srgb_to_linear(color.g) : color.g);
+  out_color->set_b(linear ? srgb_to_linear(color.b) : color.b);
 }
 
 void X3dTranslator::add_camera(const X3dNode& node, const v1::Transform& path) {

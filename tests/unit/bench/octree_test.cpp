@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "bench/scene_mesh.h"
+#include "scenes/generate/generate_scene.h"
 
 namespace tessera {
 namespace {
@@ -20,17 +22,16 @@ TEST(OctreeScenes, HaveTheStudysNumbers) {
   EXPECT_EQ(objects(make_octree_scene("concentric-spheres")), 5985u);
   EXPECT_EQ(objects(make_octree_scene("clumped-diamonds")), 3200u);
   EXPECT_EQ(objects(make_octree_scene("teapot")), 1u);
-  EXPECT_EQ(diamond_mesh().triangles.size(), 8u * 3);
-  EXPECT_NEAR(static_cast<double>(pot_mesh().triangles.size()) / 3, 25000, 1500);
+  EXPECT_EQ(diamond().triangle_count(), 8u);
+  EXPECT_NEAR(static_cast<double>(pot_mesh().triangle_count()), 25000, 1500);
   EXPECT_THROW(make_octree_scene("teepot"), Error);
 }
 
 TEST(OctreeScenes, MeshesFaceOutward) {
-  for (const PlainMesh& mesh : {diamond_mesh(), pot_mesh()}) {
+  for (const TriangleMesh& mesh : {to_triangles(diamond()), to_triangles(pot_mesh())}) {
     double volume = 0;
-    for (size_t i = 0; i < mesh.triangles.size(); i += 3) {
-      const Point3 a = mesh.positions[mesh.triangles[i]], b = mesh.positions[mesh.triangles[i + 1]],
-                   c = mesh.positions[mesh.triangles[i + 2]];
+    for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+      const auto [a, b, c] = mesh.corners(i);
       volume += dot(a - Point3{}, cross(b - Point3{}, c - Point3{})) / 6;
     }
     EXPECT_GT(volume, 1);

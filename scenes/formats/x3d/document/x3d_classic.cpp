@@ -54,12 +54,8 @@ void blank_comments(std::string& text) {
 /// What a field's value is shows in how it begins: a name begins a node, all else is a value.
 class X3dClassicReader {
  public:
-  X3dClassicReader(std::string_view text, const std::string& name) : tree_(document_) {
-    document_.name_ = name;
-    document_.source_ = text;
-    document_.text_ = text;
-    document_.quotes_strings_ = true;
-  }
+  X3dClassicReader(std::string_view text, const std::string& name)
+      : document_(text, name, true), tree_(document_) {}
 
   X3dDocument read() {
     read_header();

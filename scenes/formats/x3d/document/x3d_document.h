@@ -78,7 +78,9 @@ class X3dDocument {
   friend class X3dTree;
   friend class X3dXmlReader;
   friend class X3dClassicReader;
-  X3dDocument() = default;
+  /// Without nodes as yet.
+  X3dDocument(std::string_view text, const std::string& name, bool quotes_strings)
+      : name_(name), source_(text), text_(text), quotes_strings_(quotes_strings) {}
 
   static X3dDocument parse_xml(std::string_view text, const std::string& name);
   static X3dDocument parse_classic(std::string_view text, const std::string& name);

@@ -13,11 +13,8 @@ namespace tessera {
 /// Turns elements into nodes. pugixml opens no file, expands no entity and skips the DOCTYPE.
 class X3dXmlReader {
  public:
-  X3dXmlReader(std::string_view text, const std::string& name) : tree_(document_) {
-    document_.name_ = name;
-    document_.source_ = text;
-    document_.text_ = text;
-  }
+  X3dXmlReader(std::string_view text, const std::string& name)
+      : document_(text, name, false), tree_(document_) {}
 
   X3dDocument read() {
     std::string& text = document_.text_;

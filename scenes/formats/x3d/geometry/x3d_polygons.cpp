@@ -8,11 +8,12 @@
 #include <numbers>
 
 #include "renderer/math/bounds.h"
-#include "renderer/math/elementary.h"
+#include "renderer/math/encodings.h"
 #include "scenes/formats/x3d/geometry/x3d_faces.h"
 #include "scenes/mesh/mesh_data.h"
 #include "scenes/mesh/triangulate.h"
 #include "scenes/mesh/vertex_table.h"
+#include "scenes/mesh/weld.h"
 
 namespace tessera {
 namespace {
@@ -137,7 +138,7 @@ class MeshBuilder {
         const float c = std::clamp(values[i + k], 0.f, 1.f);
         if (c != values[i + k])
           values_.warnings().add(fmt::format("color of {} outside 0 to 1 is clamped", node->type));
-        colors_.push_back(options_.linear ? static_cast<float>(linear_from_srgb(c)) : c);
+        colors_.push_back(options_.linear ? static_cast<float>(srgb_to_linear(c)) : c);
       }
       colors_.push_back(alpha ? std::clamp(values[i + 3], 0.f, 1.f) : 1.f);
     }
@@ -165,13 +166,23 @@ class MeshBuilder {
       throw values_.document().error(node_.field("creaseAngle")->offset, "a negative creaseAngle",
                                      "0 or more");
     if (angle == 0 || corners_.empty()) return;
-    GeneratedNormals made = crease_normals(faces_.polygons, areas_, points_.size() / 3, angle);
+    GeneratedNormals made = crease_normals(welded(), areas_, points_.size() / 3, angle);
     if (made.corner_normal.empty())
       throw values_.document().error(
           node_.offset, fmt::format("too many faces at a point of {}", describe(node_)),
           fmt::format("at most {} where creaseAngle is between 0 and pi", kMaxCreaseFaces));
     normals_ = std::move(made.normals);
     for (size_t c = 0; c < corners_.size(); ++c) corners_[c].normal = made.corner_normal[c];
+  }
+
+  /// The faces over points that stand for those near them.
+  Polygons welded() const {
+    Polygons polygons = faces_.polygons;
+    if (options_.weld > 0) {
+      const std::vector<uint32_t> stands_for = weld(points_, options_.weld);
+      for (uint32_t& corner : polygons.corners) corner = stands_for[corner];
+    }
+    return polygons;
   }
 
   void normalize_all() {
@@ -270,10 +281,6 @@ bool is_x3d_lines(std::string_view type) {
 X3dMesh build_x3d_mesh(const X3dNode& node, const X3dValues& values, const X3dMeshOptions& options,
                        BlobStore& blobs) {
   return MeshBuilder(node, values, options).build(blobs);
-}
-
-double linear_from_srgb(double value) {
-  return value <= 0.04045 ? value / 12.92 : portable::pow((value + 0.055) / 1.055, 2.4);
 }
 
 }  // namespace tessera

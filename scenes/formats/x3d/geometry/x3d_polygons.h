@@ -26,13 +26,11 @@ bool is_x3d_lines(std::string_view type);
 /// The nodes with polygons, grids, extrusions, text, lines and points.
 struct X3dMeshOptions {
   bool linear = false;    ///< vertex colours are decoded from sRGB
+  double weld = 0;        ///< points this near are one to made normals, in the node's units
   bool textured = false;  ///< texture coordinates are made where the node has none
 };
 /// Throws scene_error naming the node and the face.
 X3dMesh build_x3d_mesh(const X3dNode& node, const X3dValues& values, const X3dMeshOptions& options,
                        BlobStore& blobs);
-
-/// The linear value of an sRGB-encoded one (IEC 61966-2-1).
-double linear_from_srgb(double value);
 
 }  // namespace tessera

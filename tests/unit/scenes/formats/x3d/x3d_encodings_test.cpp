@@ -359,5 +359,23 @@ TEST_F(X3dFilesTest, MissingPicturesHaveAPlaceholder) {
   EXPECT_EQ(loaded.scene.textures(0).image().width(), 2u);
 }
 
+TEST_F(X3dFilesTest, StrictReadingTakesNothingForMissingFiles) {
+  ReadOptions strict;
+  strict.x3d_strict = true;
+  for (const char* missing : {"Shape { appearance Appearance { texture ImageTexture { url "
+                              "\"none.png\" } } geometry Box { } }",
+                              "Inline { url \"none.png\" }"}) {
+    const std::string main = write("main.x3dv", missing);
+    EXPECT_NO_THROW(read_x3d(main, {}));
+    try {
+      read_x3d(main, strict);
+      ADD_FAILURE() << missing;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("main.x3dv:2:"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("'none.png'"), std::string::npos) << error.what();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tessera

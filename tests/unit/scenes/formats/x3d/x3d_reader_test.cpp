@@ -227,6 +227,24 @@ TEST(X3d, SmoothsFacesBelowTheCreaseAngle) {
     EXPECT_EQ(std::abs(f[i]) + std::abs(f[i + 1]) + std::abs(f[i + 2]), 1.f);
 }
 
+TEST(X3d, WeldsNearPointsForNormals) {
+  // A fold of 90 degrees whose faces have points of their own, nearly the same.
+  const std::string fold = shape(
+      "<IndexedFaceSet creaseAngle='3.2' coordIndex='0 1 2 -1 3 4 5'><Coordinate point='"
+      "0 0 0 1 0 0 0 1 0  0 0 0.001 0 1 0.001 0 0 1'/></IndexedFaceSet>");
+  const auto smooth_corners = [&](double weld) {
+    ReadOptions options;
+    options.x3d_weld = weld;
+    const auto n = normals(read(fold, options));
+    int count = 0;
+    for (size_t i = 0; i < n.size(); i += 3) count += n[i] != 0 && n[i + 2] != 0;
+    return count;
+  };
+  EXPECT_EQ(smooth_corners(0), 0);
+  EXPECT_EQ(smooth_corners(0.0009), 0);
+  EXPECT_EQ(smooth_corners(0.0011), 4);  // two of each face
+}
+
 TEST(X3d, TurnsClockwiseFacesOver) {
   const auto triangles = [](const char* ccw) {
     const LoadedScene loaded =
