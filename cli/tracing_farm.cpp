@@ -123,8 +123,8 @@ class InProcessFarm : public TracingFarm {
 
 class RemoteFarm : public TracingFarm {
  public:
-  explicit RemoteFarm(const std::string& endpoint)
-      : endpoint_(endpoint), transport_(connect_client(endpoint)) {}
+  explicit RemoteFarm(const FarmConnection& connection)
+      : endpoint_(connection.endpoint), transport_(connect(connection)) {}
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {
@@ -146,8 +146,8 @@ std::unique_ptr<TracingFarm> start_in_process(int threads) {
   return std::make_unique<InProcessFarm>(threads);
 }
 
-std::unique_ptr<TracingFarm> connect_to_farm(const std::string& endpoint) {
-  return std::make_unique<RemoteFarm>(endpoint);
+std::unique_ptr<TracingFarm> connect_to_farm(const FarmConnection& connection) {
+  return std::make_unique<RemoteFarm>(connection);
 }
 
 }  // namespace tessera

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "cli/farm_connection.h"
 #include "coordinator/job.h"
 
 namespace tessera {
@@ -27,7 +28,7 @@ class TracingFarm {
 std::unique_ptr<TracingFarm> start_local_workers(int workers, int threads, bool quiet = false);
 /// `threads` in this process: the same coordinator and worker code, over memory.
 std::unique_ptr<TracingFarm> start_in_process(int threads);
-/// The coordinator that serves at `endpoint`.
-std::unique_ptr<TracingFarm> connect_to_farm(const std::string& endpoint);
+/// A coordinator that serves elsewhere.
+std::unique_ptr<TracingFarm> connect_to_farm(const FarmConnection& connection);
 
 }  // namespace tessera

@@ -8,9 +8,9 @@
 
 #include "base/log.h"
 #include "cli/command_line.h"
+#include "cli/farm_connection.h"
 #include "cli/interrupt.h"
 #include "cli/option_values.h"
-#include "proto/transport/zmq_transport.h"
 #include "renderer/render/tile_renderer.h"
 #include "worker/run_worker.h"
 
@@ -18,7 +18,7 @@ namespace tessera {
 namespace {
 
 struct WorkerCommandOptions {
-  std::string endpoint;
+  FarmConnection connection;
   int threads = 0;
   int parent = 0;
   bool quiet = false;
@@ -31,8 +31,8 @@ ExitCode work(const WorkerCommandOptions& options) {
   // The terminal's Ctrl-C reaches the whole family; a local worker ends when its parent tells it.
   if (options.parent > 0) std::signal(SIGINT, SIG_IGN);
   configure_logging(options.quiet ? "off" : options.parent > 0 ? "warn" : "info", "worker");
-  const auto transport = connect_client(options.endpoint);
-  spdlog::info("connecting to {}", options.endpoint);
+  const auto transport = connect(options.connection);
+  spdlog::info("connecting to {}", options.connection.endpoint);
   WorkerOptions worker;
   worker.threads = options.threads > 0
                        ? options.threads
@@ -57,11 +57,10 @@ void add_worker_command(CLI::App& app, Action& action) {
   command->footer(
       "Connects again whenever the connection is lost. Give every machine of a farm one worker.\n"
       "Example:\n"
-      "  tessera worker --connect tcp://127.0.0.1:7117 --threads 8");
-  command
-      ->add_option("--connect", options->endpoint, "The coordinator, tcp://HOST:PORT or ipc://PATH")
-      ->required()
-      ->type_name("ENDPOINT");
+      "  tessera worker --connect tcp://127.0.0.1:7117 --threads 8\n"
+      "Where the coordinator has a list of keys, also --key and --server-key: see 'tessera help "
+      "keygen'.");
+  add_connection_options(*command, options->connection, true);
   command
       ->add_option_function<std::string>(
           "--threads",

@@ -106,6 +106,11 @@ class WorkerLoop {
   }
 
   void tell_connection() {
+    const auto trouble = transport_.trouble();
+    const std::string why = trouble ? trouble->why : "";
+    if (why != std::exchange(told_trouble_, why) && !why.empty()) {
+      spdlog::warn("no connection to the coordinator: {}", why);
+    }
     if (session_.is_welcome() == std::exchange(told_welcome_, session_.is_welcome())) return;
     if (told_welcome_) {
       spdlog::info("connected, with {}", counted(threads_, "thread"));
@@ -129,6 +134,8 @@ class WorkerLoop {
         service_.trace(std::move(trace->run));
       } else if (auto* quit = std::get_if<Quit>(&action)) {
         end_ = {quit->exit_code, quit->reason};
+        const auto trouble = transport_.trouble();
+        if (trouble) end_.reason += ": " + trouble->why;
         return true;
       }
     }
@@ -141,6 +148,7 @@ class WorkerLoop {
   WorkerEnd end_;
   int threads_;
   bool told_welcome_ = false;
+  std::string told_trouble_;
 };
 
 }  // namespace
