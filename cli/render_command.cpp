@@ -217,6 +217,7 @@ class RenderRun {
   JobResult trace(const v1::FrameSettings& settings, std::optional<int> frame, bool last) {
     const std::string label = frame ? fmt::format("frame {}  ", *frame) : "";
     ProgressDisplay display(progress_style(stderr, options_.quiet), stderr, label);
+    farm_->share(loaded_.blobs);
     JobSpec job{.scene = loaded_.scene,
                 .blobs = loaded_.blobs,
                 .frame = settings,

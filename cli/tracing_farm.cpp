@@ -19,6 +19,7 @@
 #include "coordinator/run_remote_job.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
+#include "proto/wire/shared_memory.h"
 #include "renderer/render/tile_renderer.h"
 #include "worker/run_worker.h"
 
@@ -74,6 +75,7 @@ class LocalFarm : public TracingFarm {
                 const std::atomic<bool>& stop) override {
     return loop_.run(std::move(job), progress, stop);
   }
+  void share(BlobStore& blobs) const override { share_large_blobs(blobs); }
   uint64_t peak_worker_bytes() const override {
     uint64_t peak = 0;
     for (const pid_t worker : workers_.processes()) peak = std::max(peak, peak_bytes_of(worker));

@@ -18,6 +18,8 @@ class TracingFarm {
   /// Renders one frame; until `stop` is set.
   virtual JobResult run(JobSpec job, const ProgressCallback& progress,
                         const std::atomic<bool>& stop) = 0;
+  /// Moves blobs of jobs to come to where its workers can share them.
+  virtual void share(BlobStore&) const {}
   /// The largest resident set of a worker process so far; 0 where that is not known.
   virtual uint64_t peak_worker_bytes() const { return 0; }
   /// Nothing more will be asked of it: begins to end, without waiting for that.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <csignal>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "base/log.h"
@@ -17,9 +18,13 @@
 namespace tessera {
 namespace {
 
+constexpr uint64_t kDefaultCacheBudget = uint64_t{10} << 30;
+
 struct WorkerCommandOptions {
   FarmConnection connection;
   int threads = 0;
+  std::string cache;
+  std::optional<uint64_t> cache_budget;
   int parent = 0;
   bool quiet = false;
   unsigned protocol_major = 0;
@@ -31,14 +36,21 @@ ExitCode work(const WorkerCommandOptions& options) {
   // The terminal's Ctrl-C reaches the whole family; a local worker ends when its parent tells it.
   if (options.parent > 0) std::signal(SIGINT, SIG_IGN);
   configure_logging(options.quiet ? "off" : options.parent > 0 ? "warn" : "info", "worker");
-  const auto transport = connect(options.connection);
-  spdlog::info("connecting to {}", options.connection.endpoint);
   WorkerOptions worker;
   worker.threads = options.threads > 0
                        ? options.threads
                        : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   worker.make_renderer = make_tile_renderer;
+  worker.shares_memory = options.connection.endpoint.starts_with("ipc://");
+  if (!options.cache.empty()) {
+    worker.cache = std::make_shared<BlobCache>(options.cache,
+                                               options.cache_budget.value_or(kDefaultCacheBudget));
+  } else if (options.cache_budget) {
+    throw usage_error("--cache-budget: is for --cache; expected that beside it");
+  }
   worker.protocol_major = options.protocol_major;
+  const auto transport = connect(options.connection);
+  spdlog::info("connecting to {}", options.connection.endpoint);
   const WorkerEnd end = run_worker(*transport, worker, interrupted());
   if (end.exit_code != ExitCode::done) throw Error(end.exit_code, end.reason);
   if (interrupted()) {
@@ -69,6 +81,20 @@ void add_worker_command(CLI::App& app, Action& action) {
           },
           "Threads that trace [one a core]")
       ->type_name("N");
+  command
+      ->add_option("--cache", options->cache,
+                   "Keep what scenes are made of in this folder, so that it is never sent again; "
+                   "workers of one machine may share it [nowhere]")
+      ->type_name("DIR");
+  command
+      ->add_option_function<std::string>(
+          "--cache-budget",
+          [options](const std::string& text) {
+            options->cache_budget = parse_bytes("--cache-budget", text);
+          },
+          "What the cache may come to take, such as 500M or 10G; what was used longest ago goes "
+          "first [10G]")
+      ->type_name("BYTES");
   command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   // Not for users: an empty group hides them from --help.
   command->add_option("--parent", options->parent)->group("");

@@ -9,6 +9,7 @@
 
 #include "coordinator/tile_grid.h"
 #include "proto/wire/scene_codec.h"
+#include "proto/wire/shared_memory.h"
 #include "proto/wire/version.h"
 
 namespace tessera {
@@ -99,6 +100,7 @@ ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>
   const uint64_t scene_size = scene.size();
   start_ = start_of(id, spec, Digest::of(scene), scene_size);
   blobs_ = std::move(spec.blobs);
+  if (options.shared_by_process != 0) share_large_blobs(blobs_);
   blobs_.put(std::move(scene));
   report_.tiles_total = assembler_.tiles().size();
   restore(kept);

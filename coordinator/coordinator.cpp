@@ -119,6 +119,14 @@ void Coordinator::on_blob_request(const PeerId& peer, const v1::BlobRequest& req
   const auto digest = Digest::parse(request.digest());
   const auto blob = digest ? jobs_.find_blob(*digest) : JobQueue::FoundBlob{};
   v1::Envelope& answer = send(peer, Channel::bulk);
+  if (request.place() && options_.shared_by_process != 0 && blob.data &&
+      blob.data->descriptor() >= 0) {
+    v1::BlobPlace& place = *answer.mutable_blob_place();
+    place.set_digest(request.digest());
+    place.set_process_id(options_.shared_by_process);
+    place.set_file(static_cast<uint32_t>(blob.data->descriptor()));
+    return;
+  }
   answer = answer_blob_request(request, blob.data);
   // Films that clients fetch are no part of what the job costs.
   if (blob.of_active) job()->report().bytes_scene += answer.blob_chunk().data().size();

@@ -33,8 +33,10 @@ struct CoordinatorOptions {
   // What RenderLoop fills in, from its transport, this host and the clock.
   bool compress_pixels = false;  ///< saves network, costs time: for workers on other machines
   std::string bulk_endpoint;     ///< as in Welcome
-  std::string host;              ///< of the coordinator: whose process ids are its own
-  uint64_t epoch = 0;            ///< another at each start of a coordinator, below 2^44
+  /// Where workers can map the memory of this process; 0: they cannot.
+  uint32_t shared_by_process = 0;
+  std::string host;    ///< of the coordinator: whose process ids are its own
+  uint64_t epoch = 0;  ///< another at each start of a coordinator, below 2^44
 };
 
 }  // namespace tessera

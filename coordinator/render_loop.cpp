@@ -26,6 +26,9 @@ constexpr int kMessagesPerRound = 256;
 
 CoordinatorOptions completed(CoordinatorOptions options, const ServerTransport& transport) {
   options.bulk_endpoint = transport.bulk_endpoint();
+  if (transport.endpoint().starts_with("ipc://")) {
+    options.shared_by_process = static_cast<uint32_t>(getpid());
+  }
   options.compress_pixels = transport.endpoint().starts_with("tcp://");
   // Workers of the coordinator that was here before must not take our jobs for its.
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
