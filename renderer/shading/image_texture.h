@@ -40,8 +40,7 @@ struct Texel {
 class ImageTexture {
  public:
   /// `texels` must point to at least settings.bytes(); they are shared, not copied.
-  ImageTexture(const ImageTextureSettings& settings,
-               std::shared_ptr<const std::byte> texels);
+  ImageTexture(const ImageTextureSettings& settings, std::shared_ptr<const std::byte> texels);
 
   const ImageTextureSettings& settings() const { return settings_; }
 
