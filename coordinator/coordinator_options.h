@@ -26,6 +26,10 @@ struct CoordinatorOptions {
   uint64_t client_budget_bytes = uint64_t{32} << 30;
   int expected_workers = 4;  ///< threads that trace, for the choice of a tile size; above 0
 
+  /// The share of tiles that a second worker traces too, from 0 to 1, and what chooses them.
+  double verify = 0;
+  uint64_t verify_key = 0;
+
   // What it tells workers of itself.
   uint32_t protocol_major = kProtocolMajor;
   std::string numerics_id = kNumericsId;
