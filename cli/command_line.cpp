@@ -127,6 +127,7 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
   add_render_command(app, action);
   add_serve_command(app, action);
   add_worker_command(app, action);
+  add_keygen_command(app, action);
   add_convert_command(app, action);
   add_info_command(app, action);
   add_compare_command(app, action);

@@ -10,7 +10,7 @@
 namespace tessera {
 namespace {
 
-std::atomic<bool> interrupt_flag{false};
+std::atomic<bool> interrupt_flag{false}, hangup_flag{false};
 std::atomic<bool> flag_is_heeded{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "they are used in a signal handler");
 
@@ -68,5 +68,14 @@ HeldInterrupts::HeldInterrupts() {
 HeldInterrupts::~HeldInterrupts() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
 
 const std::atomic<bool>& interrupted() { return interrupt_flag; }
+
+void catch_hangups() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { hangup_flag = true; };
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGHUP, &action, nullptr);
+}
+
+bool take_hangup() { return hangup_flag.exchange(false); }
 
 }  // namespace tessera

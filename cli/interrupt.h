@@ -39,4 +39,9 @@ class HeldInterrupts {
 /// Whether one has come. Safe from any thread.
 const std::atomic<bool>& interrupted();
 
+/// From here on SIGHUP does not end the process but is told by take_hangup().
+void catch_hangups();
+/// Whether one has come since the last call.
+bool take_hangup();
+
 }  // namespace tessera

@@ -93,6 +93,8 @@ class RenderRun {
     return ExitCode::done;
   }
 
+  bool by_farm() const { return !options_.connection.endpoint.empty(); }
+
   /// Where finished tiles are kept, beside the first picture.
   std::filesystem::path store_path() const {
     return output_place(picture_paths(options_).front()).string() + ".tiles";
@@ -105,11 +107,16 @@ class RenderRun {
 
   /// What excludes each other, and what has no place in a pipe.
   void check_options() const {
-    if (options_.connect && (options_.workers || options_.threads)) {
+    const FarmConnection& farm = options_.connection;
+    if (!by_farm() && !(farm.key_file.empty() && farm.server_key.empty())) {
+      throw usage_error(fmt::format("{}: is for the farm of --connect; expected that beside it",
+                                    farm.key_file.empty() ? "--server-key" : "--key"));
+    }
+    if (by_farm() && (options_.workers || options_.threads)) {
       throw usage_error(fmt::format("{}: cannot be chosen with --connect, whose farm has its own",
                                     options_.workers ? "--workers" : "--threads"));
     }
-    if (options_.resume && options_.connect) {
+    if (options_.resume && by_farm()) {
       throw usage_error("--resume: tiles are kept where the coordinator is; expected no --connect");
     }
     if (options_.frames && options_.time) {
@@ -156,7 +163,7 @@ class RenderRun {
   }
 
   std::unique_ptr<TracingFarm> start_farm() const {
-    if (options_.connect) return connect_to_farm(*options_.connect);
+    if (by_farm()) return connect_to_farm(options_.connection);
     const int cores = core_count();
     const int workers = options_.workers.value_or(cores);
     if (workers == 0) return start_in_process(options_.threads.value_or(cores));
@@ -218,6 +225,7 @@ class RenderRun {
   JobResult trace(const v1::FrameSettings& settings, std::optional<int> frame, bool last) {
     const std::string label = frame ? fmt::format("frame {}  ", *frame) : "";
     ProgressDisplay display(progress_style(stderr, options_.quiet), stderr, label);
+    farm_->share(loaded_.blobs);
     JobSpec job{.scene = loaded_.scene,
                 .blobs = loaded_.blobs,
                 .frame = settings,

@@ -156,8 +156,7 @@ void add_farm_options(CLI::App& command, RenderOptions& options) {
       [&options](const std::string& text) {
         options.tile_size = static_cast<int>(parse_whole("--tile", text, 1, kMaxFrameSide));
       });
-  add("--connect", "ENDPOINT", "Let the farm of a running 'tessera serve' do it, tcp://HOST:PORT",
-      [&options](const std::string& text) { options.connect = text; });
+  add_connection_options(command, options.connection, false, "Who does the work");
   command
       .add_flag(
           "--resume", options.resume,

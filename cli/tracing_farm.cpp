@@ -21,6 +21,7 @@
 #include "coordinator/run_remote_job.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
+#include "proto/wire/shared_memory.h"
 #include "renderer/render/tile_renderer.h"
 #include "worker/run_worker.h"
 
@@ -76,6 +77,7 @@ class LocalFarm : public TracingFarm {
                 const std::atomic<bool>& stop) override {
     return loop_.run(std::move(job), progress, stop);
   }
+  void share(BlobStore& blobs) const override { share_large_blobs(blobs); }
   uint64_t peak_worker_bytes() const override {
     uint64_t peak = 0;
     for (const pid_t worker : workers_.processes()) peak = std::max(peak, peak_bytes_of(worker));
@@ -125,8 +127,8 @@ class InProcessFarm : public TracingFarm {
 
 class RemoteFarm : public TracingFarm {
  public:
-  explicit RemoteFarm(const std::string& endpoint)
-      : endpoint_(endpoint), transport_(connect_client(endpoint)) {}
+  explicit RemoteFarm(const FarmConnection& connection)
+      : endpoint_(connection.endpoint), transport_(connect(connection)) {}
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {
@@ -150,9 +152,9 @@ std::unique_ptr<TracingFarm> start_in_process(int threads) {
   return std::make_unique<InProcessFarm>(threads);
 }
 
-std::unique_ptr<TracingFarm> connect_to_farm(const std::string& endpoint) {
+std::unique_ptr<TracingFarm> connect_to_farm(const FarmConnection& connection) {
   check_room_for_threads(kTransportThreads);
-  return std::make_unique<RemoteFarm>(endpoint);
+  return std::make_unique<RemoteFarm>(connection);
 }
 
 }  // namespace tessera

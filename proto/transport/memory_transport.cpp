@@ -20,8 +20,12 @@ struct Mailbox {
   bool empty() const { return control.empty() && bulk.empty(); }
   void put(Channel channel, PeerId peer, MessageBytes bytes) {
     const auto owner = std::make_shared<const MessageBytes>(std::move(bytes));
-    ReceivedMessage message{channel, std::move(peer), *owner, owner};
-    (message.channel == Channel::control ? control : bulk).push_back(std::move(message));
+    ReceivedMessage message;
+    message.channel = channel;
+    message.peer = std::move(peer);
+    message.bytes = *owner;
+    message.owner = owner;
+    (channel == Channel::control ? control : bulk).push_back(std::move(message));
     changed.notify_one();
   }
   std::optional<ReceivedMessage> take() {
