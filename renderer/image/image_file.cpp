@@ -105,7 +105,8 @@ void convert_colors(const ColorManagement& names, Film& film) {
 /// 8 bits of every channel.
 std::vector<uint8_t> shown_bytes(const Film& film, const OutputSettings& settings) {
   if (!settings.color_management) return to_8_bit(film, settings);
-  Film shown = film;
+  Film shown(film.rect());
+  std::ranges::copy(film.values(), shown.values().begin());
   expose(shown, settings);
   convert_colors(*settings.color_management, shown);
   return to_8_bit(shown,
