@@ -105,17 +105,22 @@ void fill_lane(const TriangleMesh& mesh, uint32_t primitive, TriangleBlock& bloc
 
 }  // namespace
 
+TriangleBlock make_block(const TriangleMesh& mesh, const uint32_t* slots, bool is_last) {
+  TriangleBlock block;
+  for (size_t lane = 0; lane < 4; ++lane) fill_lane(mesh, slots[lane], block, lane);
+  if (is_last) block.primitive[3] |= TriangleBlock::kLast;
+  return block;
+}
+
 void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to) {
   lay_out_nodes(
       tree, to.tree,
       [](NodeReference leaf) { return leaf.blocks() * sizeof(TriangleBlock) / sizeof(TreeUnit); },
       [&](NodeReference leaf, size_t unit) {
-        TriangleBlock block;
         TreeUnit* at = to.tree.units.data() + unit;
         for (uint32_t b = 0; b < leaf.blocks(); ++b) {
-          for (size_t lane = 0; lane < 4; ++lane)
-            fill_lane(mesh, tree.slots[4 * (leaf.first_block() + b) + lane], block, lane);
-          if (b + 1 == leaf.blocks()) block.primitive[3] |= TriangleBlock::kLast;
+          const uint32_t* slots = tree.slots.data() + size_t{4} * (leaf.first_block() + b);
+          const TriangleBlock block = make_block(mesh, slots, b + 1 == leaf.blocks());
           std::memcpy(static_cast<void*>(at), &block, sizeof block);
           at += sizeof block / sizeof *at;
         }

@@ -14,6 +14,8 @@ std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh);
 void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to);
 void lay_out(WideTree tree, InstanceTree& to);
 size_t bytes_of(const InstanceTree& tree);
+/// Four triangles of a mesh, or fewer and kEmptySlot, as a block of a leaf.
+TriangleBlock make_block(const TriangleMesh& mesh, const uint32_t* slots, bool is_last);
 
 /// One for each of tree.instances that a tree can hold; the endless ones are noted in `tree`.
 /// `bounds` becomes that of all.
