@@ -28,8 +28,8 @@ AcceleratorStatistics statistics_of(const WideTree& tree, size_t primitives, siz
 MeshBvh::MeshBvh(const TriangleMesh& mesh, int threads, const BvhKernels& code, BvhQuality quality)
     : closest_(code.mesh_closest), any_(code.mesh_any), packet_(code.mesh_packet) {
   const Clock::time_point start = Clock::now();
-  tree_.bounds = mesh.bounds();
   std::vector<BuildBox> boxes = triangle_boxes(mesh);
+  tree_.bounds = bounds_of(boxes);
   if (quality == BvhQuality::spatial_splits) {
     SpatialSplits splits = split_spatially(mesh, std::move(boxes));
     boxes = std::move(splits.boxes);

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "base/error.h"
+#include "renderer/accel/binning.h"
 
 namespace tessera {
 
@@ -26,6 +27,12 @@ std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh) {
     boxes[i].set_index(static_cast<uint32_t>(i));
   }
   return boxes;
+}
+
+Bounds3 bounds_of(const std::vector<BuildBox>& boxes) {
+  const binning::Box whole = binning::make_range(boxes.data(), 0, boxes.size()).box;
+  return {{whole.low[0], whole.low[1], whole.low[2]},
+          {whole.high[0], whole.high[1], whole.high[2]}};
 }
 
 namespace {

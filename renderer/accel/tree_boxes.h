@@ -10,6 +10,8 @@ namespace tessera {
 
 /// One a triangle, in order.
 std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh);
+/// Around all of them: mesh.bounds() of what triangle_boxes() gave, sooner.
+Bounds3 bounds_of(const std::vector<BuildBox>& boxes);
 /// Lays out a tree over the triangles of a mesh, or over instances, for traversal.
 void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to);
 void lay_out(WideTree tree, InstanceTree& to);
