@@ -158,6 +158,16 @@ bool mesh_any(const MeshTree& mesh, const Ray& ray, TraversalCounters& counters)
   return found;
 }
 
+bool leaf_closest(const MeshTree& mesh, uint32_t leaf, const TriangleRay& ray, Hit& hit,
+                  TraversalCounters& counters) {
+  return TriangleTester(mesh, ray).closest(leaf, hit, counters.primitive_tests);
+}
+
+bool leaf_any(const MeshTree& mesh, uint32_t leaf, const TriangleRay& ray,
+              TraversalCounters& counters) {
+  return TriangleTester(mesh, ray).any(leaf, counters.primitive_tests);
+}
+
 /// Remembers instances that a ray was tested against: an octree holds one in several leaves.
 class Mailbox {
  public:
@@ -240,8 +250,8 @@ bool instance_any(const InstanceTree& scene, const Ray& ray, TraversalCounters& 
 }
 
 BvhKernels kernels_of_target() {
-  return {mesh_closest,     mesh_any,     mesh_packet,
-          instance_closest, instance_any, hwy::TargetName(HWY_TARGET)};
+  return {mesh_closest, mesh_any,         mesh_packet,  leaf_closest,
+          leaf_any,     instance_closest, instance_any, hwy::TargetName(HWY_TARGET)};
 }
 
 }  // namespace HWY_NAMESPACE

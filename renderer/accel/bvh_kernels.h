@@ -9,6 +9,7 @@
 #include "renderer/accel/wide_tree.h"
 #include "renderer/shapes/ray.h"
 #include "renderer/shapes/shape.h"
+#include "renderer/shapes/triangle.h"
 #include "renderer/shapes/triangle_mesh.h"
 
 namespace tessera {
@@ -48,6 +49,10 @@ struct BvhKernels {
   /// mesh_closest for each of up to kPacketSize rays that go much the same way; false, with nothing
   /// done, where they do not or cannot be traced together.
   bool (*mesh_packet)(const MeshTree&, std::span<const Ray>, std::span<Hit>, TraversalCounters&);
+  /// The exact test of the leaf that begins at unit `leaf`, for a valid ray.
+  bool (*leaf_closest)(const MeshTree&, uint32_t leaf, const TriangleRay&, Hit&,
+                       TraversalCounters&);
+  bool (*leaf_any)(const MeshTree&, uint32_t leaf, const TriangleRay&, TraversalCounters&);
   bool (*instance_closest)(const InstanceTree&, const Ray&, Hit&, TraversalCounters&);
   bool (*instance_any)(const InstanceTree&, const Ray&, TraversalCounters&);
   const char* name;

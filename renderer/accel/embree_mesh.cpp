@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <limits>
 
 #include "renderer/accel/box_ray.h"
@@ -11,41 +12,29 @@
 namespace tessera {
 namespace {
 
+constexpr uint32_t kUnitsOfBlock = sizeof(TriangleBlock) / sizeof(TreeUnit);
+
 /// What Embree calls back with: our test of the four triangles of a box.
 struct Search {
-  const TriangleMesh& mesh;
-  const std::vector<uint32_t>& slots;
+  const MeshTree& blocks;
   const TriangleRay& ray;
   const RayFrame& frame;
-  bool any;
   Hit& hit;
   TraversalCounters& counters;
+  const BvhKernels& code = kernels();
   bool found = false;
 
-  static float test(void* context, uint32_t box, float t_max) {
-    return static_cast<Search*>(context)->test(box, t_max);
+  static float closest(void* context, uint32_t box, float t_max) {
+    auto& s = *static_cast<Search*>(context);
+    if (!s.code.leaf_closest(s.blocks, kUnitsOfBlock * box, s.ray, s.hit, s.counters)) return t_max;
+    s.found = true;
+    const double limit = (s.hit.t - s.frame.t_shift) + s.hit.t * BoxRay<float>::kMargin;
+    return std::min(t_max, static_cast<float>(limit));
   }
-
- private:
-  float test(uint32_t box, float t_max) {
-    for (size_t slot = 4 * size_t{box}; slot < 4 * size_t{box} + 4; ++slot) {
-      const uint32_t primitive = slots[slot];
-      if (primitive == WideTree::kEmptySlot) break;
-      ++counters.primitive_tests;
-      const auto [a, b, c] = mesh.corners(primitive);
-      TriangleHit h;
-      if (!intersect_triangle(ray, a, b, c, h)) continue;
-      if (any) {
-        found = true;
-        return -std::numeric_limits<float>::infinity();
-      }
-      if (h.t > hit.t || (h.t == hit.t && primitive >= hit.primitive)) continue;
-      hit = {h.t, h.u, h.v, hit.instance, primitive};
-      found = true;
-      const double limit = (hit.t - frame.t_shift) + hit.t * BoxRay<float>::kMargin;
-      t_max = std::min(t_max, static_cast<float>(limit));
-    }
-    return t_max;
+  static float any(void* context, uint32_t box, float t_max) {
+    auto& s = *static_cast<Search*>(context);
+    s.found = s.code.leaf_any(s.blocks, kUnitsOfBlock * box, s.ray, s.counters);
+    return s.found ? -std::numeric_limits<float>::infinity() : t_max;
   }
 };
 
@@ -72,16 +61,20 @@ std::unique_ptr<const EmbreeMesh> EmbreeMesh::make(std::shared_ptr<const Triangl
   const auto start = std::chrono::steady_clock::now();
   std::unique_ptr<EmbreeMesh> made(new EmbreeMesh(mesh));
   WideTree groups = build_wide_tree(triangle_boxes(*mesh), 4, threads);
-  made->slots_ = std::move(groups.slots);
   made->extent_ = groups.extent;
   // A ray's origin is at most four extents away, or moved to the whole.
   const float growth = static_cast<float>(4 * kGrowth * double{groups.extent});
-  made->boxes_.resize(made->slots_.size() / 4);
+  made->boxes_.resize(groups.slots.size() / 4);
+  made->blocks_.tree.units = AlignedArray<TreeUnit>(made->boxes_.size() * kUnitsOfBlock);
   for (size_t b = 0; b < made->boxes_.size(); ++b) {
     Bounds3 box;
-    for (size_t slot = 4 * b; slot < 4 * b + 4; ++slot)
-      if (made->slots_[slot] != WideTree::kEmptySlot)
-        for (const Point3& p : mesh->corners(made->slots_[slot])) box.extend(p);
+    const uint32_t* slots = groups.slots.data() + 4 * b;
+    for (size_t i = 0; i < 4; ++i)
+      if (slots[i] != WideTree::kEmptySlot)
+        for (const Point3& p : mesh->corners(slots[i])) box.extend(p);
+    const TriangleBlock block = make_block(*mesh, slots, true);
+    std::memcpy(static_cast<void*>(made->blocks_.tree.units.data() + b * kUnitsOfBlock), &block,
+                sizeof block);
     for (int a = 0; a < 3; ++a) {
       made->boxes_[b][static_cast<size_t>(a)] = static_cast<float>(box.min[a]) - growth;
       made->boxes_[b][static_cast<size_t>(a) + 3] = static_cast<float>(box.max[a]) + growth;
@@ -92,7 +85,7 @@ std::unique_ptr<const EmbreeMesh> EmbreeMesh::make(std::shared_ptr<const Triangl
   made->statistics_ = {.primitives = mesh->triangles.size(),
                        .leaves = made->boxes_.size(),
                        .references = mesh->triangles.size(),
-                       .bytes = made->embree_->bytes() + made->slots_.size() * sizeof(uint32_t) +
+                       .bytes = made->embree_->bytes() + made->blocks_.tree.units.bytes() +
                                 made->boxes_.size() * sizeof(made->boxes_[0])};
   made->statistics_.build_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -106,8 +99,8 @@ bool EmbreeMesh::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counte
   if (frame.misses) return false;
   EmbreeBoxRay to;
   if (!to_embree(ray, frame, extent_, to)) return scan_.closest_hit(ray, hit, counters);
-  Search search{*mesh_, slots_, prepared, frame, false, hit, counters};
-  embree_->visit(to, Search::test, &search);
+  Search search{blocks_, prepared, frame, hit, counters};
+  embree_->visit(to, Search::closest, &search);
   return search.found;
 }
 
@@ -119,8 +112,8 @@ bool EmbreeMesh::any_hit(const Ray& ray, TraversalCounters& counters) const {
   EmbreeBoxRay to;
   if (!to_embree(ray, frame, extent_, to)) return scan_.any_hit(ray, counters);
   Hit unused;
-  Search search{*mesh_, slots_, prepared, frame, true, unused, counters};
-  embree_->visit(to, Search::test, &search);
+  Search search{blocks_, prepared, frame, unused, counters};
+  embree_->visit_any(to, Search::any, &search);
   return search.found;
 }
 

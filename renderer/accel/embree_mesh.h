@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "renderer/accel/accelerator.h"
+#include "renderer/accel/bvh_kernels.h"
 #include "renderer/accel/embree/embree_module.h"
 #include "renderer/accel/linear_scan.h"
 
@@ -28,7 +29,7 @@ class EmbreeMesh final : public Accelerator {
 
   std::shared_ptr<const TriangleMesh> mesh_;
   MeshLinearScan scan_;
-  std::vector<uint32_t> slots_;  ///< triangles, four a box
+  MeshTree blocks_;  ///< no tree: a leaf of one block for each box
   std::vector<std::array<float, 6>> boxes_;
   float extent_ = 0;
   std::unique_ptr<const EmbreeBoxes> embree_;

@@ -72,8 +72,8 @@ void publish(SharedArena::Claim& claim, const BuiltMeshTree& built) {
 BuiltMeshTree build_mesh_tree(const TriangleMesh& mesh, int threads, BvhQuality quality) {
   const Clock::time_point start = Clock::now();
   BuiltMeshTree built;
-  built.tree.bounds = mesh.bounds();
   std::vector<BuildBox> boxes = triangle_boxes(mesh);
+  built.tree.bounds = bounds_of(boxes);
   if (quality == BvhQuality::spatial_splits) {
     SpatialSplits splits = split_spatially(mesh, std::move(boxes));
     boxes = std::move(splits.boxes);

@@ -160,6 +160,21 @@ struct PacketLanes {
 
 HWY_INLINE PacketLanes lanes_of(const PacketLanes& lanes) { return lanes; }
 
+/// What the exact test wants of each ray of a packet.
+struct PreparedRays {
+  alignas(TriangleRay) std::byte memory[kPacketSize * sizeof(TriangleRay)];
+  bool ready = false;
+
+  HWY_NOINLINE void set(std::span<const Ray> rays) {
+    for (size_t r = 0; r < rays.size(); ++r)
+      new (memory + r * sizeof(TriangleRay)) TriangleRay(rays[r]);
+    ready = true;
+  }
+  HWY_INLINE const TriangleRay& operator[](int r) const {
+    return *std::launder(reinterpret_cast<const TriangleRay*>(memory) + r);
+  }
+};
+
 bool mesh_packet(const MeshTree& mesh, std::span<const Ray> rays, std::span<Hit> hits,
                  TraversalCounters& counters) {
   const TraversalTree& tree = mesh.tree;
@@ -170,9 +185,7 @@ bool mesh_packet(const MeshTree& mesh, std::span<const Ray> rays, std::span<Hit>
       if (mesh.cut_planes.must_visit_all(ray, tree.extent)) return false;
   PacketRays packet;
   if (rays.size() < 2 || !packet.set(rays, hits, tree.usual_extent)) return false;
-  alignas(TriangleRay) std::byte memory[kPacketSize][sizeof(TriangleRay)];
-  const TriangleRay* prepared[kPacketSize];
-  for (size_t r = 0; r < rays.size(); ++r) prepared[r] = new (memory[r]) TriangleRay(rays[r]);
+  PreparedRays prepared;  // once one of them enters a leaf
   TraversalCounters done;
   float t_max = packet.last_t_max();
   PacketLanes lanes(packet);
@@ -182,10 +195,12 @@ bool mesh_packet(const MeshTree& mesh, std::span<const Ray> rays, std::span<Hit>
         const uint32_t unit = (leaf & ~TraversalTree::kLeaf) >> 3;
         const WideNode& node = *reinterpret_cast<const WideNode*>(tree.units.data() + unit);
         bool nearer = false;
-        for (uint32_t mask = packet.enter_child(node, leaf & 7); mask != 0; mask &= mask - 1) {
+        uint32_t mask = packet.enter_child(node, leaf & 7);
+        if (mask != 0 && !prepared.ready) prepared.set(rays);
+        for (; mask != 0; mask &= mask - 1) {
           const int r = std::countr_zero(mask);
           Hit& hit = hits[static_cast<size_t>(r)];
-          const TriangleTester tester(mesh, *prepared[r]);
+          const TriangleTester tester(mesh, prepared[r]);
           if (!tester.closest(node.child[leaf & 7], hit, done.primitive_tests)) continue;
           packet.t_max[r] = static_cast<float>(hit.t * (1 + BoxRay<float>::kMargin));
           nearer = true;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "base/error.h"
+#include "renderer/accel/binning.h"
 
 namespace tessera {
 
@@ -26,6 +27,12 @@ std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh) {
     boxes[i].set_index(static_cast<uint32_t>(i));
   }
   return boxes;
+}
+
+Bounds3 bounds_of(const std::vector<BuildBox>& boxes) {
+  const binning::Box whole = binning::make_range(boxes.data(), 0, boxes.size()).box;
+  return {{whole.low[0], whole.low[1], whole.low[2]},
+          {whole.high[0], whole.high[1], whole.high[2]}};
 }
 
 namespace {
@@ -105,17 +112,22 @@ void fill_lane(const TriangleMesh& mesh, uint32_t primitive, TriangleBlock& bloc
 
 }  // namespace
 
+TriangleBlock make_block(const TriangleMesh& mesh, const uint32_t* slots, bool is_last) {
+  TriangleBlock block;
+  for (size_t lane = 0; lane < 4; ++lane) fill_lane(mesh, slots[lane], block, lane);
+  if (is_last) block.primitive[3] |= TriangleBlock::kLast;
+  return block;
+}
+
 void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to) {
   lay_out_nodes(
       tree, to.tree,
       [](NodeReference leaf) { return leaf.blocks() * sizeof(TriangleBlock) / sizeof(TreeUnit); },
       [&](NodeReference leaf, size_t unit) {
-        TriangleBlock block;
         TreeUnit* at = to.tree.units.data() + unit;
         for (uint32_t b = 0; b < leaf.blocks(); ++b) {
-          for (size_t lane = 0; lane < 4; ++lane)
-            fill_lane(mesh, tree.slots[4 * (leaf.first_block() + b) + lane], block, lane);
-          if (b + 1 == leaf.blocks()) block.primitive[3] |= TriangleBlock::kLast;
+          const uint32_t* slots = tree.slots.data() + size_t{4} * (leaf.first_block() + b);
+          const TriangleBlock block = make_block(mesh, slots, b + 1 == leaf.blocks());
           std::memcpy(static_cast<void*>(at), &block, sizeof block);
           at += sizeof block / sizeof *at;
         }

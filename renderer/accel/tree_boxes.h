@@ -11,12 +11,16 @@ namespace tessera {
 
 /// One a triangle, in order.
 std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh);
+/// Around all of them: mesh.bounds() of what triangle_boxes() gave, sooner.
+Bounds3 bounds_of(const std::vector<BuildBox>& boxes);
 /// Lays out a tree over the triangles of a mesh, or over instances, for traversal.
 void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to);
 void lay_out(WideTree tree, InstanceTree& to);
 size_t bytes_of(const InstanceTree& tree);
 /// What the tree alone tells.
 AcceleratorStatistics statistics_of(const WideTree& tree, size_t primitives, size_t references);
+/// Four triangles of a mesh, or fewer and kEmptySlot, as a block of a leaf.
+TriangleBlock make_block(const TriangleMesh& mesh, const uint32_t* slots, bool is_last);
 
 /// One for each of tree.instances that a tree can hold; the endless ones are noted in `tree`.
 /// `bounds` becomes that of all.

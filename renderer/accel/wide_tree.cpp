@@ -111,10 +111,14 @@ class Builder {
       side.box.extend(b.low, b.high);
       side.centroids.extend(c, c);
     };
+    // The bin of one axis alone, and not made whole: the sooner the branch is known the better.
+    const float base = binning.base[split.axis], scale = binning.scale[split.axis];
+    const auto limit = static_cast<float>(split.bin);
     size_t i = range.begin, j = range.end;
     while (i < j) {
       const Lanes c = centroid(boxes_[i]);
-      if (binning(c)[static_cast<size_t>(split.axis)] < split.bin) {
+      const float along = boxes_[i].low[split.axis] * 0.5f + boxes_[i].high[split.axis] * 0.5f;
+      if ((along - base) * scale < limit) {
         add(left, boxes_[i++], c);
       } else {
         add(right, boxes_[i], c);

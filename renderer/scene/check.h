@@ -38,6 +38,8 @@ inline constexpr Range kAnyNumber{};
 inline constexpr Range kNotNegative{.min = 0};
 inline constexpr Range kPositive{.min = 0, .above_min = true};
 inline constexpr Range kUnitRange{.min = 0, .max = 1};
+/// Of what a shape's test squares.
+inline constexpr Range kLength{.min = 0, .max = 1e150, .above_min = true};
 
 // Each returns the value, converted, or throws a scene error that names it. All must be finite.
 double checked(const Where& where, std::string_view field, double value,

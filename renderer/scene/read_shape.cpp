@@ -73,8 +73,7 @@ BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSou
 
 std::shared_ptr<const Shape> build_sphere(const Where& where, const v1::Sphere& in, bool keep_uvs) {
   const Point3 center = checked_point(where, "sphere.center", in.center());
-  const double radius =
-      in.has_radius() ? checked(where, "sphere.radius", in.radius(), kPositive) : 1;
+  const double radius = in.has_radius() ? checked(where, "sphere.radius", in.radius(), kLength) : 1;
   return std::make_shared<Sphere>(center, radius, keep_uvs);
 }
 
@@ -106,7 +105,7 @@ std::shared_ptr<const Shape> build_half_plane(const Where& where, const v1::Half
 std::shared_ptr<const Shape> build_disc(const Where& where, const v1::Disc& in) {
   const Vec3 normal =
       in.has_normal() ? checked_direction(where, "disc.normal", in.normal()) : Vec3{0, 0, 1};
-  const double radius = in.has_radius() ? checked(where, "disc.radius", in.radius(), kPositive) : 1;
+  const double radius = in.has_radius() ? checked(where, "disc.radius", in.radius(), kLength) : 1;
   const double inner = checked(where, "disc.inner_radius", in.inner_radius(),
                                {.min = 0, .max = radius, .below_max = true});
   return std::make_shared<Disc>(checked_point(where, "disc.center", in.center()), normal, radius,
@@ -129,27 +128,26 @@ std::shared_ptr<const Shape> build_polygon(const Where& where, const v1::Polygon
 
 std::shared_ptr<const Shape> build_cylinder(const Where& where, const v1::Cylinder& in) {
   const double radius =
-      in.has_radius() ? checked(where, "cylinder.radius", in.radius(), kPositive) : 1;
+      in.has_radius() ? checked(where, "cylinder.radius", in.radius(), kLength) : 1;
   const double height =
-      in.has_height() ? checked(where, "cylinder.height", in.height(), kPositive) : 2;
+      in.has_height() ? checked(where, "cylinder.height", in.height(), kLength) : 2;
   return std::make_shared<Cylinder>(radius, height,
                                     OpenParts{in.open_side(), in.open_top(), in.open_bottom()});
 }
 
 std::shared_ptr<const Shape> build_cone(const Where& where, const v1::Cone& in) {
-  const double radius = in.has_radius() ? checked(where, "cone.radius", in.radius(), kPositive) : 1;
-  const double height = in.has_height() ? checked(where, "cone.height", in.height(), kPositive) : 2;
+  const double radius = in.has_radius() ? checked(where, "cone.radius", in.radius(), kLength) : 1;
+  const double height = in.has_height() ? checked(where, "cone.height", in.height(), kLength) : 2;
   const double top = checked(where, "cone.top_radius", in.top_radius(), kNotNegative);
   return std::make_shared<Cone>(radius, height, top,
                                 OpenParts{in.open_side(), false, in.open_bottom()});
 }
 
 std::shared_ptr<const Shape> build_torus(const Where& where, const v1::Torus& in) {
-  const double major = in.has_major_radius()
-                           ? checked(where, "torus.major_radius", in.major_radius(), kPositive)
-                           : 1;
+  const double major =
+      in.has_major_radius() ? checked(where, "torus.major_radius", in.major_radius(), kLength) : 1;
   const double minor = in.has_minor_radius()
-                           ? checked(where, "torus.minor_radius", in.minor_radius(), kPositive)
+                           ? checked(where, "torus.minor_radius", in.minor_radius(), kLength)
                            : 0.25;
   return std::make_shared<Torus>(major, minor);
 }

@@ -41,7 +41,8 @@ inline void leave(const std::vector<Instance>& scene, const Ray& ray, bool solid
     const Vec3 n = static_cast<Vec3>(s.geometric_normal);
     if (i >= 2) d = d - n * (dot(n, d) * (1 - std::pow(10, random.uniform(-12, 0))));
     if (solid && dot(d, n) < 0) d = -d;
-    if (dot(d, n) == 0) continue;
+    // In the instance's frame, what lies in the surface to rounding may point to its other side.
+    if (std::abs(dot(d, n)) < 0x1p-46) continue;
     const Ray spawned = spawn_ray(s, d);
     Hit again;
     ++count.rays;

@@ -36,6 +36,21 @@ void test_box(const RTCIntersectFunctionNArguments* arguments) {
   ray.tfar = context->test(context->context, arguments->primID, ray.tfar);
 }
 
+void test_any_in_box(const RTCOccludedFunctionNArguments* arguments) {
+  if (arguments->valid[0] == 0) return;
+  auto* context = reinterpret_cast<Context*>(arguments->context);
+  RTCRay& ray = *reinterpret_cast<RTCRay*>(arguments->ray);
+  ray.tfar = context->test(context->context, arguments->primID, ray.tfar);
+}
+
+RTCRay to_embree(const EmbreeBoxRay& ray) {
+  RTCRay r;
+  r.org_x = ray.origin[0], r.org_y = ray.origin[1], r.org_z = ray.origin[2];
+  r.dir_x = ray.direction[0], r.dir_y = ray.direction[1], r.dir_z = ray.direction[2];
+  r.tnear = ray.t_min, r.tfar = ray.t_max, r.time = 0, r.mask = 0xffffffffu, r.id = 0, r.flags = 0;
+  return r;
+}
+
 class Boxes final : public EmbreeBoxes {
  public:
   Boxes(const std::array<float, 6>* boxes, size_t count, int threads) {
@@ -48,6 +63,7 @@ class Boxes final : public EmbreeBoxes {
     rtcSetGeometryBoundsFunction(
         geometry, [](const RTCBoundsFunctionArguments* a) { bounds_of_box(a); }, nullptr);
     rtcSetGeometryIntersectFunction(geometry, test_box);
+    rtcSetGeometryOccludedFunction(geometry, test_any_in_box);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene_, geometry);
     rtcReleaseGeometry(geometry);
@@ -58,22 +74,28 @@ class Boxes final : public EmbreeBoxes {
     rtcReleaseDevice(device_);
   }
   void visit(const EmbreeBoxRay& ray, Test test, void* context) const override {
-    Context with;
-    rtcInitIntersectContext(&with.embree);
-    with.test = test;
-    with.context = context;
+    Context with = make_context(test, context);
     RTCRayHit r;
-    r.ray.org_x = ray.origin[0], r.ray.org_y = ray.origin[1], r.ray.org_z = ray.origin[2];
-    r.ray.dir_x = ray.direction[0], r.ray.dir_y = ray.direction[1];
-    r.ray.dir_z = ray.direction[2];
-    r.ray.tnear = ray.t_min, r.ray.tfar = ray.t_max, r.ray.time = 0;
-    r.ray.mask = 0xffffffffu, r.ray.id = 0, r.ray.flags = 0;
+    r.ray = to_embree(ray);
     r.hit.geomID = r.hit.primID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(scene_, &with.embree, &r);
+  }
+  void visit_any(const EmbreeBoxRay& ray, Test test, void* context) const override {
+    Context with = make_context(test, context);
+    RTCRay r = to_embree(ray);
+    rtcOccluded1(scene_, &with.embree, &r);
   }
   size_t bytes() const override { return static_cast<size_t>(bytes_.load()); }
 
  private:
+  static Context make_context(Test test, void* context) {
+    Context with;
+    rtcInitIntersectContext(&with.embree);
+    with.test = test;
+    with.context = context;
+    return with;
+  }
+
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
   std::atomic<ssize_t> bytes_{0};

@@ -51,6 +51,8 @@ class EmbreeBoxes {
   /// Calls `test` for every box that the ray may enter before t_max, roughly the nearest first; a
   /// box may come twice.
   virtual void visit(const EmbreeBoxRay& ray, Test test, void* context) const = 0;
+  /// The same in no order.
+  virtual void visit_any(const EmbreeBoxRay& ray, Test test, void* context) const = 0;
   virtual size_t bytes() const = 0;
 };
 

@@ -167,7 +167,9 @@ TEST(Validation, round_and_flat_shapes) {
 }
 
 TEST(Validation, shapes) {
-  expect_error(shape("sphere { radius: 0 }"), "sphere.radius is 0; expected a number > 0");
+  expect_error(shape("sphere { radius: 0 }"),
+               "sphere.radius is 0; expected a number in (0, 1e+150]");
+  expect_error(shape("sphere { radius: 1e160 }"), "sphere.radius is 1e+160");
   expect_error(shape("sphere { radius: -1 }"), "sphere.radius is -1");
   expect_error(shape("sphere { center { y: nan } }"), "sphere.center is (0, nan, 0)");
   expect_error(shape("plane { normal {} }"), "plane.normal is (0, 0, 0); expected a vector");
