@@ -105,7 +105,8 @@ void convert_colors(const ColorManagement& names, Film& film) {
 /// 8 bits of every channel.
 std::vector<uint8_t> shown_bytes(const Film& film, const OutputSettings& settings) {
   if (!settings.color_management) return to_8_bit(film, settings);
-  Film shown = film;
+  Film shown(film.rect());
+  std::copy(film.values().begin(), film.values().end(), shown.values().begin());
   expose(shown, settings);
   convert_colors(*settings.color_management, shown);
   return to_8_bit(shown,
@@ -133,9 +134,10 @@ std::vector<std::byte> encode(const Format& format, const Film& film,
 }
 
 ImageCodec::Answer decode(ImageRequest::Call call, const std::string& name,
-                          std::string_view payload) {
+                          std::string_view payload, bool to_srgb = false) {
   ImageRequest request;
   request.call = call;
+  request.to_srgb = to_srgb;
   try {
     return ImageCodec::shared().call(request, payload);
   } catch (const Error& error) {
@@ -198,8 +200,8 @@ RgbImage read_image(const fs::path& path) {
   return image;
 }
 
-TextureImage read_texture_image(const fs::path& path) {
-  return as_texture(decode(ImageRequest::decode_file, path.string(), path.string()));
+TextureImage read_texture_image(const fs::path& path, bool to_srgb) {
+  return as_texture(decode(ImageRequest::decode_file, path.string(), path.string(), to_srgb));
 }
 
 TextureImage decode_texture_image(const std::string& name, std::string_view file) {
