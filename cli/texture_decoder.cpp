@@ -16,9 +16,9 @@ DecodedTexture as_texture(TextureImage picture) {
 
 }  // namespace
 
-DecodedTexture decode_texture(const std::string& path) {
+DecodedTexture decode_texture(const std::string& path, bool to_srgb) {
   check_input_file(path, UINT64_MAX);
-  return as_texture(read_texture_image(path));
+  return as_texture(read_texture_image(path, to_srgb));
 }
 
 DecodedTexture decode_texture_bytes(std::string_view bytes, const std::string& name) {

@@ -134,9 +134,10 @@ std::vector<std::byte> encode(const Format& format, const Film& film,
 }
 
 ImageCodec::Answer decode(ImageRequest::Call call, const std::string& name,
-                          std::string_view payload) {
+                          std::string_view payload, bool to_srgb = false) {
   ImageRequest request;
   request.call = call;
+  request.to_srgb = to_srgb;
   try {
     return ImageCodec::shared().call(request, payload);
   } catch (const Error& error) {
@@ -204,8 +205,8 @@ FloatImage read_image(const fs::path& path) {
   return image;
 }
 
-TextureImage read_texture_image(const fs::path& path) {
-  return as_texture(decode(ImageRequest::decode_file, path.string(), path.string()));
+TextureImage read_texture_image(const fs::path& path, bool to_srgb) {
+  return as_texture(decode(ImageRequest::decode_file, path.string(), path.string(), to_srgb));
 }
 
 TextureImage decode_texture_image(const std::string& name, std::string_view file) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,8 @@ struct LoadedScene {
   /// The files of pictures that came inside the scene's own file, by what Image.file calls them;
   /// empty once textures are loaded.
   std::map<std::string, std::string> pictures{};
+  /// Pictures by Image.file whose embedded colour profile is heeded: taken to sRGB when read.
+  std::set<std::string> profiled_pictures{};
   std::vector<std::string> warnings{};  ///< what was read otherwise than a user might expect
   /// What the file defines and its scene does not show, so that it was not taken over: "mesh
   /// 'lid'".
@@ -35,7 +38,8 @@ struct DecodedTexture {
   std::vector<std::byte> texels;
 };
 /// Reads the picture in a file. Whoever reads scenes brings it: scenes decode no pictures.
-using TextureDecoder = std::function<DecodedTexture(const std::string& path)>;
+/// `to_srgb`: colours are taken from an embedded colour profile to sRGB.
+using TextureDecoder = std::function<DecodedTexture(const std::string& path, bool to_srgb)>;
 /// Reads the picture that a file of these bytes would hold; `name` is what errors call it.
 using TextureBytesDecoder =
     std::function<DecodedTexture(std::string_view bytes, const std::string& name)>;

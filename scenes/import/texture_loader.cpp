@@ -46,7 +46,7 @@ std::filesystem::path file_of(const v1::Texture& texture, const std::filesystem:
 
 void load_textures(LoadedScene& loaded, const std::filesystem::path& folder,
                    const ReadOptions& options) {
-  std::map<std::tuple<std::filesystem::path, int, bool>, v1::Texture::Image> known;
+  std::map<std::tuple<std::filesystem::path, int, bool, bool>, v1::Texture::Image> known;
   for (v1::Texture& texture : *loaded.scene.mutable_textures()) {
     const bool wanted = texture.has_image() && !texture.image().file().empty() &&
                         texture.image().texels().digest().empty();
@@ -56,11 +56,12 @@ void load_textures(LoadedScene& loaded, const std::filesystem::path& folder,
     const bool is_held = held != loaded.pictures.end();
     if (is_held ? !options.decode_texture_bytes : !options.decode_texture) continue;
     const auto file = is_held ? std::filesystem::path(image.file()) : file_of(texture, folder);
+    const bool to_srgb = loaded.profiled_pictures.contains(image.file());
     const auto [at, is_new] =
-        known.try_emplace({file, static_cast<int>(image.encoding()), wants_levels(image)});
+        known.try_emplace({file, static_cast<int>(image.encoding()), wants_levels(image), to_srgb});
     if (is_new)
       at->second = store(is_held ? options.decode_texture_bytes(held->second, held->first)
-                                 : options.decode_texture(file.string()),
+                                 : options.decode_texture(file.string(), to_srgb),
                          image, loaded.blobs);
     image.MergeFrom(at->second);
   }

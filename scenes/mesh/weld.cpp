@@ -18,7 +18,8 @@ std::vector<uint32_t> weld(std::span<const float> points, double distance) {
   const auto first_near = [&](uint32_t i, const Cell& cell) {
     uint32_t first = i;
     for (int n = 0; n < 27; ++n) {
-      const Cell near{cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1};
+      const int x = n % 3 - 1, y = n / 3 % 3 - 1, z = n / 9 - 1;
+      const Cell near{cell[0] + x, cell[1] + y, cell[2] + z};
       const auto [begin, end] = kept.equal_range(near);
       for (auto at = begin; at != end; ++at) {
         if (at->second < first && length(point(at->second) - point(i)) <= distance)

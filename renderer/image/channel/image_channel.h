@@ -71,10 +71,11 @@ struct ImageRequest {
   PixelLayout layout;    ///< encode, convert_colors
   ImageWindow window;    ///< encode
   ImageAttributes attributes;
-  ColorNames colors;  ///< convert_colors
+  ColorNames colors;     ///< convert_colors
+  uint32_t to_srgb = 0;  ///< decode_file, decode_bytes: an embedded colour profile is heeded
   uint64_t payload_bytes = 0;
 
-  static constexpr uint32_t kVersion = 5;
+  static constexpr uint32_t kVersion = 6;
 };
 
 struct ImageReply {

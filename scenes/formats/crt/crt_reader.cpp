@@ -57,6 +57,9 @@ LoadedScene parse_crt(const std::string& text, const std::string& name, const st
   diagnostics.throw_if_any();
   LoadedScene loaded;
   loaded.scene = write_crt_scene(program);
+  // The original's pictures come through a library that heeds colour profiles.
+  for (const v1::Texture& texture : loaded.scene.textures())
+    if (texture.has_image()) loaded.profiled_pictures.insert(texture.image().file());
   loaded.warnings = diagnostics.warnings();
   loaded.depends_on_frame = program.uses_time;
   return loaded;

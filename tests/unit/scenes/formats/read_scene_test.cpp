@@ -251,7 +251,7 @@ TEST_F(ReadScene, LoadsPicturesFromBesideAndFromWithin) {
   std::vector<std::string> decoded;
   const DecodedTexture grey{
       .width = 1, .height = 1, .channels = 1, .bits = 8, .texels = {std::byte{7}}};
-  options.decode_texture = [&](const std::string& path) {
+  options.decode_texture = [&](const std::string& path, bool) {
     decoded.push_back(fs::path(path).filename().string());
     return grey;
   };
