@@ -176,6 +176,13 @@ void check_output_file(const std::string& path, std::string_view option) {
                                 option.empty() ? "" : fmt::format("{}: ", option), path, why));
 }
 
+void check_not_input(const std::string& output, const std::string& input, std::string_view option) {
+  std::error_code failure;
+  if (!fs::equivalent(output, input, failure)) return;
+  throw usage_error(
+      fmt::format("{}: '{}' is the file that is read; expected another", option, output));
+}
+
 void write_output_file(const std::string& path, std::string_view bytes) {
   std::string why = output_refusal(path);
   if (why.empty()) {

@@ -14,6 +14,9 @@ namespace tessera {
 uint64_t check_input_file(const std::string& path, uint64_t max_bytes);
 /// The whole file, under the same conditions.
 std::string read_input_file(const std::string& path, uint64_t max_bytes);
+/// Throws usage_error, with `option` before it, where `output` is the file `input` itself, by
+/// whatever name.
+void check_not_input(const std::string& output, const std::string& input, std::string_view option);
 /// Where a file written to `path` will lie: links followed, even those that lead to nothing yet.
 std::filesystem::path output_place(const std::filesystem::path& path);
 /// Throws usage_error, with `option` before it, for what write_output_file could not do later: a

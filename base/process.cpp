@@ -2,14 +2,18 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <pthread.h>
 #include <signal.h>
 #include <spawn.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <thread>
 
 #include "base/error.h"
 
@@ -67,6 +71,24 @@ pid_t start_process(const std::string& program, std::vector<std::string> argumen
     throw render_error(fmt::format("'{}' cannot be started: {}", program, std::strerror(failure)));
   }
   return process;
+}
+
+int core_count() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
+
+void check_room_for_threads(int count) {
+  constexpr size_t kHeap = size_t{1} << 20;  // of each, for what it works with
+  pthread_attr_t attributes;
+  size_t stack = 0;
+  pthread_attr_init(&attributes);
+  pthread_attr_getstacksize(&attributes, &stack);
+  pthread_attr_destroy(&attributes);
+  const size_t needed = static_cast<size_t>(count) * (stack + kHeap);
+  void* const room = mmap(nullptr, needed, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (room == MAP_FAILED) {
+    throw render_error(fmt::format("out of memory: {} threads need {} MB of addresses (ulimit -v)",
+                                   count, needed >> 20));
+  }
+  munmap(room, needed);
 }
 
 int wait_for_process(pid_t process) {

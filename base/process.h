@@ -18,6 +18,14 @@ struct ProcessStreams {
 pid_t start_process(const std::string& program, std::vector<std::string> arguments,
                     const ProcessStreams& streams = {});
 
+/// How many threads can run at once here, as far as is known; at least 1.
+int core_count();
+/// Throws render_error where the stacks of so many more threads find no room (ulimit -v): told
+/// before, since libraries that cannot start a thread abort.
+void check_room_for_threads(int count);
+/// How many of them every transport over sockets starts.
+inline constexpr int kTransportThreads = 2;
+
 /// Waits until it ends; its status as waitpid() tells it.
 int wait_for_process(pid_t process);
 /// "exit code 3" or "signal 11 (SEGV)".

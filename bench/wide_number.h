@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "renderer/math/precise_vec.h"
 #include "renderer/math/rounding.h"
-#include "renderer/math/vec.h"
 
 namespace tessera {
 
@@ -39,23 +39,6 @@ inline Wide sqrt(const Wide& a) {
   return Wide(root) + Wide(double(a - Wide(root) * Wide(root)) / (2 * root));
 }
 
-struct WideVec {
-  Wide x, y, z;
-  WideVec() = default;
-  WideVec(const Wide& x_, const Wide& y_, const Wide& z_) : x(x_), y(y_), z(z_) {}
-  WideVec(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
-  WideVec(const Point3& p) : x(p.x), y(p.y), z(p.z) {}
-};
-inline WideVec operator+(const WideVec& a, const WideVec& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-inline WideVec operator-(const WideVec& a, const WideVec& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-inline WideVec operator*(const WideVec& a, const Wide& s) { return {a.x * s, a.y * s, a.z * s}; }
-inline Wide dot(const WideVec& a, const WideVec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline WideVec cross(const WideVec& a, const WideVec& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+using WideVec = PreciseVec<Wide>;
 
 }  // namespace tessera

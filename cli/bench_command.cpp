@@ -65,17 +65,10 @@ void add_bench_command(CLI::App& app, Action& action) {
       "  tessera bench farm bunny.obj --json farm.json");
   farm->add_option("SCENE", options->farm.scene, "What to render at 1080p [a grid of spheres]")
       ->type_name("FILE");
-  const auto add = [&](const char* name, int& value, const char* text) {
-    farm->add_option_function<std::string>(
-            name,
-            [name, &value](const std::string& typed) {
-              value = static_cast<int>(parse_whole(name, typed, 1, 1000));
-            },
-            text)
-        ->type_name("N");
-  };
-  add("--workers", options->farm.workers, "Worker processes, and threads to hold them against [4]");
-  add("--repeats", options->farm.repeats, "How often each pair is measured [5]");
+  add_whole(*farm, "--workers", 1, 1000, "Worker processes, and threads to hold them against [4]",
+            options->farm.workers);
+  add_whole(*farm, "--repeats", 1, 1000, "How often each pair is measured [5]",
+            options->farm.repeats);
   farm->add_option("--json", options->json_file, "Write the rows as JSON too")->type_name("FILE");
   farm->callback([options, &action] { action = [options] { return bench(*options); }; });
 }

@@ -18,6 +18,7 @@
 #include "proto/transport/zmq_transport.h"
 #include "proto/wire/frame.h"
 #include "proto/wire/scene_codec.h"
+#include "scenes/generate/generate_scene.h"
 
 namespace tessera {
 namespace {
@@ -45,29 +46,11 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-v1::Node sphere_node(double x, double y, double z, double radius) {
-  v1::Node node;
-  v1::Sphere& sphere = *node.mutable_shape()->mutable_sphere();
-  sphere.mutable_center()->set_x(x);
-  sphere.mutable_center()->set_y(y);
-  sphere.mutable_center()->set_z(z);
-  sphere.set_radius(radius);
-  return node;
-}
-
-/// side^3 spheres around the origin, seen by the default camera, under one sun.
-v1::Scene spheres_scene(int side) {
-  v1::Scene scene;
-  for (int i = 0; i < side * side * side; ++i) {
-    const auto place = [side](int k) { return (k % side - (side - 1) / 2.0) * 4.0 / side; };
-    *scene.add_nodes() = sphere_node(place(i), place(i / side), place(i / side / side), 1.6 / side);
-  }
-  v1::Vec3& direction =
-      *scene.add_nodes()->mutable_light()->mutable_directional()->mutable_direction();
-  direction.set_x(-0.5);
-  direction.set_y(-1);
-  direction.set_z(-0.7);
-  return scene;
+std::string write_spheres(const TemporaryFolder& folder, int side) {
+  const LoadedScene spheres = generate_scene(fmt::format("spheres:{}", side));
+  std::string path = folder.file(fmt::format("spheres-{}.tesserab", side));
+  write_scene_file(path, spheres.scene, spheres.blobs);
+  return path;
 }
 
 double median(std::vector<double> values) {
@@ -94,11 +77,7 @@ json paired_row(const std::string& measure, double limit, int repeats,
 }
 
 json processes_row(const BenchFarmOptions& options, const TemporaryFolder& folder) {
-  std::string scene = options.scene;
-  if (scene.empty()) {
-    scene = folder.file("spheres.tesserab");
-    write_scene_file(scene, spheres_scene(12), {});
-  }
+  const std::string scene = options.scene.empty() ? write_spheres(folder, 12) : options.scene;
   const auto render = [&](int workers, int threads) {
     return timed_process({kThisProgram, "render", scene, "--quiet", "-o", folder.file("frame.png"),
                           "--size", "1920x1080", "--spp", "4", "--workers", std::to_string(workers),
@@ -112,8 +91,7 @@ json processes_row(const BenchFarmOptions& options, const TemporaryFolder& folde
 }
 
 json one_sphere_row(const BenchFarmOptions& options, const TemporaryFolder& folder) {
-  const std::string scene = folder.file("one.tesserab");
-  write_scene_file(scene, spheres_scene(1), {});
+  const std::string scene = write_spheres(folder, 1);
   return paired_row(
       fmt::format("one sphere, 64x64, {} against oiiotool --version",
                   counted(options.workers, "worker")),

@@ -35,38 +35,25 @@ ExitCode growth(const Options& options) {
   return ExitCode::done;
 }
 
-template <typename Number>
-void add_number(CLI::App& command, const char* name, Number& value, int64_t least, int64_t most,
-                const char* text) {
-  command
-      .add_option_function<std::string>(
-          name,
-          [=, &value](const std::string& typed) {
-            value = static_cast<Number>(parse_whole(name, typed, least, most));
-          },
-          text)
-      ->type_name("N");
-}
-
 }  // namespace
 
 void add_precision_and_growth_benches(CLI::App& bench, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = bench.add_subcommand(
       "precision", "Error against time of the usual tests of shapes, and of ours");
-  add_number(*command, "--rays", options->precision.rays, 100, 100'000'000, "Rays a row [100000]");
+  add_whole(*command, "--rays", 100, 100'000'000, "Rays a row [100000]", options->precision.rays);
   command->add_option("--json", options->json_file, "Write the rows as JSON too")
       ->type_name("FILE");
   command->callback([options, &action] { action = [options] { return precision(*options); }; });
 
   command = bench.add_subcommand("growth", "Build and trace times over 10^3 to 10^7 triangles");
-  add_number(*command, "--most", options->growth.most, 1'000, 100'000'000,
-             "Triangles of the largest mesh [10000000]");
-  add_number(*command, "--most-octree", options->growth.most_of_octrees, 1'000, 100'000'000,
-             "Triangles of the largest octree [1000000]");
-  add_number(*command, "--threads", options->growth.build_threads, 1, 1024,
-             "Threads that build [1]");
-  add_number(*command, "--rays", options->growth.rays, 100, 100'000'000, "Rays a row [200000]");
+  add_whole(*command, "--most", 1'000, 100'000'000, "Triangles of the largest mesh [10000000]",
+            options->growth.most);
+  add_whole(*command, "--most-octree", 1'000, 100'000'000,
+            "Triangles of the largest octree [1000000]", options->growth.most_of_octrees);
+  add_whole(*command, "--threads", 1, 1024, "Threads that build [1]",
+            options->growth.build_threads);
+  add_whole(*command, "--rays", 100, 100'000'000, "Rays a row [200000]", options->growth.rays);
   command->add_option("--json", options->json_file, "Write the rows as JSON too")
       ->type_name("FILE");
   command->add_option("--svg", options->svg_file, "Plot both times")->type_name("FILE");

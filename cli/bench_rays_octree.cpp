@@ -144,14 +144,7 @@ ExitCode octree(const TracingBenchOptions& options) {
 
 void add_common(CLI::App& command, TracingBenchOptions& options, int& rounds) {
   command.add_option("--json", options.json_file, "Write the rows as JSON too")->type_name("FILE");
-  command
-      .add_option_function<std::string>(
-          "--rounds",
-          [&rounds](const std::string& text) {
-            rounds = static_cast<int>(parse_whole("--rounds", text, 1, 1000));
-          },
-          "How often each is measured")
-      ->type_name("N");
+  add_whole(command, "--rounds", 1, 1000, "How often each is measured", rounds);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "base/log.h"
@@ -126,6 +127,7 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
   add_render_command(app, action);
   add_serve_command(app, action);
   add_worker_command(app, action);
+  add_keygen_command(app, action);
   add_convert_command(app, action);
   add_info_command(app, action);
   add_compare_command(app, action);
@@ -147,18 +149,29 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
 
 }  // namespace
 
+ExitCode tell_current_error() {
+  try {
+    throw;
+  } catch (const Error& error) {
+    say_error(error.what());
+    return error.code();
+  } catch (const std::bad_alloc&) {
+    say_error("out of memory");
+  } catch (const std::system_error& error) {
+    // What a thread that finds no room for its stack says.
+    const bool is_full = error.code() == std::errc::resource_unavailable_try_again;
+    say_error(is_full ? "out of memory: no further thread can be started" : error.what());
+  } catch (const std::exception& error) {
+    say_error(error.what());
+  }
+  return ExitCode::render_failed;
+}
+
 ExitCode run_command_line(int argc, const char* const* argv) {
   try {
     return parse_and_run(argc, argv);
-  } catch (const Error& error) {
-    say(stderr, "tessera: {}\n", error.what());
-    return error.code();
-  } catch (const std::bad_alloc&) {
-    say(stderr, "tessera: out of memory\n");
-    return ExitCode::render_failed;
-  } catch (const std::exception& error) {
-    say(stderr, "tessera: {}\n", error.what());
-    return ExitCode::render_failed;
+  } catch (const std::exception&) {
+    return tell_current_error();
   }
 }
 

@@ -17,6 +17,7 @@ using Action = std::function<ExitCode()>;
 void add_render_command(CLI::App& app, Action& action);
 void add_serve_command(CLI::App& app, Action& action);
 void add_worker_command(CLI::App& app, Action& action);
+void add_keygen_command(CLI::App& app, Action& action);
 void add_convert_command(CLI::App& app, Action& action);
 void add_info_command(CLI::App& app, Action& action);
 void add_compare_command(CLI::App& app, Action& action);
@@ -25,6 +26,9 @@ void add_bench_command(CLI::App& app, Action& action);
 void add_tracing_benches(CLI::App& bench, Action& action);
 void add_precision_and_growth_benches(CLI::App& bench, Action& action);
 
+/// One line on standard error for the exception that is being handled, and the exit code that it
+/// asks for: 3 unless it is an Error.
+ExitCode tell_current_error();
 /// Parses and runs; prints the error, if any, to standard error. Never throws.
 ExitCode run_command_line(int argc, const char* const* argv);
 

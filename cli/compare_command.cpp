@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
+#include <string>
+#include <vector>
 
 #include "base/file.h"
 #include "cli/command_line.h"
@@ -21,10 +24,10 @@ struct CompareOptions {
 
 struct Difference {
   double greatest = 0, sum = 0, sum_of_squares = 0;
-  size_t values = 0;
-  size_t worst_pixel = 0;    ///< counts from the first row's left
-  PixelRect unequal{};       ///< around the pixels that differ
-  size_t pixels_beyond = 0;  ///< with a channel that differs by more than allowed
+  std::vector<double> greatest_of;  ///< of each channel
+  size_t worst_pixel = 0;           ///< counts from the first row's left
+  PixelRect unequal{};              ///< around the pixels that differ
+  size_t pixels_beyond = 0;         ///< with a channel that differs by more than allowed
   size_t pixels_unequal = 0;
 };
 
@@ -40,25 +43,27 @@ void include(int x, int y, bool is_first, PixelRect& rect) {
           std::max(rect.y1, y + 1)};
 }
 
-Difference difference_of(const RgbImage& a, const RgbImage& b, double allowed) {
+Difference difference_of(const FloatImage& a, const FloatImage& b, double allowed) {
+  const size_t channels = a.channels.size();
   Difference result;
-  result.values = a.values.size();
-  for (size_t pixel = 0; pixel < a.values.size(); pixel += kFilmChannels) {
+  result.greatest_of.resize(channels);
+  const size_t width = static_cast<size_t>(a.width), pixels = width * static_cast<size_t>(a.height);
+  for (size_t pixel = 0; pixel < pixels; ++pixel) {
     double worst = 0;
-    for (size_t i = pixel; i < pixel + kFilmChannels; ++i) {
-      const double d = channel_difference(a.values[i], b.values[i]);
+    for (size_t i = 0; i < channels; ++i) {
+      const double d =
+          channel_difference(a.values[pixel * channels + i], b.values[pixel * channels + i]);
+      result.greatest_of[i] = std::max(result.greatest_of[i], d);
       worst = std::max(worst, d);
       result.sum += d;
       result.sum_of_squares += d * d;
     }
-    const size_t number = pixel / kFilmChannels;
     if (worst > result.greatest) {
       result.greatest = worst;
-      result.worst_pixel = number;
+      result.worst_pixel = pixel;
     }
     if (worst > 0) {
-      const auto width = static_cast<size_t>(a.width);
-      include(static_cast<int>(number % width), static_cast<int>(number / width),
+      include(static_cast<int>(pixel % width), static_cast<int>(pixel / width),
               result.pixels_unequal++ == 0, result.unequal);
     }
     if (worst > allowed) ++result.pixels_beyond;
@@ -66,10 +71,14 @@ Difference difference_of(const RgbImage& a, const RgbImage& b, double allowed) {
   return result;
 }
 
-void print_where(const RgbImage& a, const RgbImage& b, const Difference& d) {
-  const auto value = [&d](const RgbImage& image) {
-    const float* rgb = &image.values[d.worst_pixel * kFilmChannels];
-    return fmt::format("({:.9g}, {:.9g}, {:.9g})", rgb[0], rgb[1], rgb[2]);
+void print_where(const FloatImage& a, const FloatImage& b, const Difference& d) {
+  const size_t channels = a.channels.size();
+  const auto value = [&](const FloatImage& image) {
+    std::vector<std::string> numbers;
+    for (size_t i = 0; i < channels; ++i) {
+      numbers.push_back(fmt::format("{:.9g}", image.values[d.worst_pixel * channels + i]));
+    }
+    return fmt::format("({})", fmt::join(numbers, ", "));
   };
   const auto width = static_cast<size_t>(a.width);
   say("all of them in    {},{},{},{}\n", d.unequal.x0, d.unequal.y0, d.unequal.x1, d.unequal.y1);
@@ -77,25 +86,51 @@ void print_where(const RgbImage& a, const RgbImage& b, const Difference& d) {
       value(a), value(b));
 }
 
-ExitCode compare(const CompareOptions& options) {
-  for (const std::string& path : {options.first, options.second}) {
-    check_input_file(path, UINT64_MAX);
+/// The channels that differ most, in order.
+void print_channels(const std::vector<std::string>& names, const std::vector<double>& greatest) {
+  std::vector<size_t> order(names.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return greatest[a] > greatest[b]; });
+  constexpr size_t kMostShown = 8;
+  std::vector<std::string> texts;
+  for (const size_t i : order) {
+    if (greatest[i] > 0 && texts.size() < kMostShown)
+      texts.push_back(fmt::format("{} by {:.9g}", printable(names[i]), greatest[i]));
   }
-  const RgbImage a = read_image(options.first);
-  const RgbImage b = read_image(options.second);
+  say("at most           {}\n", fmt::join(texts, ", "));
+}
+
+void check_comparable(const CompareOptions& options, const FloatImage& a, const FloatImage& b) {
   if (a.width != b.width || a.height != b.height) {
     throw scene_error(fmt::format("sizes differ: {} is {}x{}, {} is {}x{}", options.first, a.width,
                                   a.height, options.second, b.width, b.height));
   }
+  if (a.channels != b.channels) {
+    throw scene_error(fmt::format("channels differ: {} has {}; {} has {}", options.first,
+                                  fmt::join(a.channels, ", "), options.second,
+                                  fmt::join(b.channels, ", ")));
+  }
+}
+
+ExitCode compare(const CompareOptions& options) {
+  for (const std::string& path : {options.first, options.second}) {
+    check_input_file(path, UINT64_MAX);
+  }
+  const FloatImage a = read_image(options.first);
+  const FloatImage b = read_image(options.second);
+  check_comparable(options, a, b);
   const Difference d = difference_of(a, b, options.max_difference);
-  const auto values = static_cast<double>(d.values);
-  const size_t pixels = d.values / kFilmChannels;
+  const auto values = static_cast<double>(a.values.size());
   say("size              {}x{}\n", a.width, a.height);
   say("max difference    {:.9g}\n", d.greatest);
   say("mean difference   {:.9g}\n", d.sum / values);
   say("rmse              {:.9g}\n", std::sqrt(d.sum_of_squares / values));
-  say("differing pixels  {} of {}\n", d.pixels_unequal, pixels);
-  if (d.pixels_unequal > 0) print_where(a, b, d);
+  say("differing pixels  {} of {}\n", d.pixels_unequal, int64_t{a.width} * a.height);
+  if (d.pixels_unequal > 0) {
+    print_where(a, b, d);
+    print_channels(a.channels, d.greatest_of);
+  }
   if (d.pixels_beyond == 0) return ExitCode::done;
   say("{} by more than {}\n",
       d.pixels_beyond == 1 ? "1 pixel differs" : fmt::format("{} pixels differ", d.pixels_beyond),
@@ -109,7 +144,9 @@ void add_compare_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command = app.add_subcommand("compare", "Tell how two pictures differ");
   command->footer(
-      "Values are those of the files: 8-bit ones count from 0 to 1, EXR ones are linear.\n"
+      "Every channel counts, alpha too, and both pictures must have the same ones. Values are "
+      "those\n"
+      "of the files: 8-bit ones count from 0 to 1, EXR ones are linear.\n"
       "Places count pixels from the left and from the top, a part is X0,Y0,X1,Y1 as in --crop.\n"
       "Two renders of a scene are equal in pixels though not in bytes: each file tells how long\n"
       "it took, and an EXR one when. To hold renders against each other without files, compare\n"

@@ -35,12 +35,11 @@ ExitCode convert(const ConvertOptions& options) {
                     options.output));
   }
   check_output_file(options.output, "OUT");
+  check_not_input(options.output, options.input, "OUT");
   const LoadedScene loaded = is_generated(options.input)
                                  ? generate_scene(options.input)
                                  : read_scene(options.input, options.reading);
-  for (const std::string& warning : loaded.warnings) {
-    say(stderr, "tessera: warning: {}\n", warning);
-  }
+  for (const std::string& warning : loaded.warnings) say_warning(warning);
   write_scene_file(options.output, loaded.scene, loaded.blobs);
   return ExitCode::done;
 }

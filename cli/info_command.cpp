@@ -1,15 +1,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "base/digest.h"
 #include "base/plural.h"
+#include "base/process.h"
 #include "cli/command_line.h"
+#include "cli/located.h"
 #include "cli/output_settings.h"
 #include "cli/picture_warnings.h"
 #include "cli/placement.h"
@@ -18,7 +18,7 @@
 #include "cli/say.h"
 #include "cli/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
-#include "renderer/scene/scene.h"
+#include "renderer/scene/scene_builder.h"
 #include "scenes/formats/read_scene.h"
 #include "scenes/formats/scene_summary.h"
 
@@ -47,10 +47,9 @@ std::shared_ptr<const Scene> build(const std::string& path, const LoadedScene& l
                                    const v1::FrameSettings& frame) {
   output_settings(path, loaded.scene.settings().output());
   try {
-    const int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    return build_scene(loaded.scene, loaded.blobs, frame, threads);
+    return build_scene(loaded.scene, loaded.blobs, frame, core_count());
   } catch (const Error& error) {
-    throw scene_error(place_in_scene_file(path, error.what()), error.what(), "");
+    throw located(path, error.what());
   }
 }
 
@@ -121,11 +120,12 @@ void print_json(const SceneInfo& info) {
                               {"unused", info.summary.unused},
                               {"undefined", info.summary.undefined},
                               {"warnings", info.warnings}};
-  say("{}\n", result.dump(2));
+  // As ASCII, which no terminal takes for a command.
+  say("{}\n", result.dump(2, ' ', true, nlohmann::json::error_handler_t::replace));
 }
 
 void print_list(const char* title, const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) say("{:<20} {}\n", title, line);
+  for (const std::string& line : lines) say("{:<20} {}\n", title, printable(line));
 }
 
 void print_text(const SceneInfo& info) {
@@ -138,7 +138,7 @@ void print_text(const SceneInfo& info) {
     say("{:<20} none: from (0, 0, 10) along -z, 45 degrees\n", "camera");
   }
   for (size_t i = 0; i < info.cameras.size(); ++i) {
-    say("{:<20} '{}'{}\n", "camera", info.cameras[i], i == 0 ? " (the default)" : "");
+    say("{:<20} '{}'{}\n", "camera", printable(info.cameras[i]), i == 0 ? " (the default)" : "");
   }
   print_list("material", info.materials);
   print_list("texture", info.textures);

@@ -5,14 +5,14 @@
 #include <array>
 #include <csignal>
 
-#include "base/error.h"
 #include "base/file.h"
 
 namespace tessera {
 namespace {
 
-std::atomic<bool> interrupt_flag{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "it is set in a signal handler");
+std::atomic<bool> interrupt_flag{false}, hangup_flag{false};
+std::atomic<bool> flag_is_heeded{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "they are used in a signal handler");
 
 /// The leftovers, in memory that a signal handler may read: written once, then published by count.
 constexpr size_t kLongestPath = 128;
@@ -20,24 +20,30 @@ std::array<std::array<char, kLongestPath>, 4> leftovers;
 std::atomic<size_t> leftover_count{0};
 
 void on_interrupt(int) {
-  if (!interrupt_flag.exchange(true)) return;
+  if (!interrupt_flag.exchange(true) && flag_is_heeded) return;
+  end_at_once(ExitCode::interrupted);
+}
+
+}  // namespace
+
+void end_at_once(ExitCode code) {
   remove_unfinished_output();
   const size_t count = leftover_count;
   for (size_t i = 0; i < count; ++i) {
     if (unlink(leftovers[i].data()) != 0) rmdir(leftovers[i].data());
   }
-  _exit(static_cast<int>(ExitCode::interrupted));
+  _exit(static_cast<int>(code));
 }
 
-}  // namespace
-
-void catch_interrupts() {
+void end_at_interrupts() {
   struct sigaction action {};
   action.sa_handler = on_interrupt;
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }
+
+void catch_interrupts() { flag_is_heeded = true; }
 
 void remove_when_interrupted(const std::string& folder, const std::vector<std::string>& files) {
   size_t count = 0;
@@ -62,5 +68,14 @@ HeldInterrupts::HeldInterrupts() {
 HeldInterrupts::~HeldInterrupts() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
 
 const std::atomic<bool>& interrupted() { return interrupt_flag; }
+
+void catch_hangups() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { hangup_flag = true; };
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGHUP, &action, nullptr);
+}
+
+bool take_hangup() { return hangup_flag.exchange(false); }
 
 }  // namespace tessera

@@ -5,13 +5,21 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
+
 namespace tessera {
 
-/// From here on the first SIGINT or SIGTERM only sets the flag, so that work can end cleanly, and a
-/// second one ends the process at once with exit code 4. Call once, before threads start.
+/// From here on SIGINT and SIGTERM end the process at once, with exit code 4 and without a
+/// half-written file. To be called first of all.
+void end_at_interrupts();
+/// From here on the first of them only sets the flag, so that work can end cleanly; a second one
+/// ends the process as before. Call once, before threads start.
 void catch_interrupts();
 
-/// What a second interrupt removes on its way out: these files, then their folder. Paths longer
+/// Ends the process as an interrupt would, but with that exit code.
+[[noreturn]] void end_at_once(ExitCode code);
+
+/// What the last interrupt removes on its way out: these files, then their folder. Paths longer
 /// than any socket's are left alone.
 void remove_when_interrupted(const std::string& folder, const std::vector<std::string>& files);
 
@@ -30,5 +38,10 @@ class HeldInterrupts {
 
 /// Whether one has come. Safe from any thread.
 const std::atomic<bool>& interrupted();
+
+/// From here on SIGHUP does not end the process but is told by take_hangup().
+void catch_hangups();
+/// Whether one has come since the last call.
+bool take_hangup();
 
 }  // namespace tessera

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -59,6 +61,18 @@ int64_t parse_whole(std::string_view option, std::string_view text, int64_t leas
   return *value;
 }
 
+uint64_t parse_bytes(std::string_view option, std::string_view text) {
+  constexpr std::string_view kUnits = "KMGT";
+  const size_t unit = text.empty() ? std::string_view::npos : kUnits.find(text.back());
+  const bool has_unit = unit != std::string_view::npos;
+  const auto value = whole_text_as<uint64_t>(text.substr(0, text.size() - (has_unit ? 1 : 0)));
+  const unsigned shift = has_unit ? 10 * (static_cast<unsigned>(unit) + 1) : 0;
+  if (!value || *value == 0 || *value > (uint64_t{1} << 62 >> shift)) {
+    throw bad_value(option, text, "a number of bytes such as 500M or 10G");
+  }
+  return *value << shift;
+}
+
 double parse_number(std::string_view option, std::string_view text) {
   const auto value = whole_text_as<double>(text);
   if (!value || !std::isfinite(*value)) throw bad_value(option, text, "a finite number");
@@ -102,6 +116,15 @@ std::string parse_choice(std::string_view option, const std::string& text,
   }
   throw usage_error(fmt::format("{}: '{}'; expected one of {}{}", option, text,
                                 fmt::join(names, ", "), suggestion(text, names)));
+}
+
+void add_whole(CLI::App& command, const std::string& name, int64_t least, int64_t most,
+               const std::string& text, std::function<void(int64_t)> assign) {
+  command
+      .add_option_function<std::string>(
+          name, [=](const std::string& typed) { assign(parse_whole(name, typed, least, most)); },
+          text)
+      ->type_name("N");
 }
 
 }  // namespace tessera

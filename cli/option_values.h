@@ -1,12 +1,17 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "renderer/film/tile.h"
+
+namespace CLI {
+class App;
+}
 
 namespace tessera {
 
@@ -23,6 +28,8 @@ struct FrameRange {
 
 /// A whole number in [least, most], in decimal digits and nothing else.
 int64_t parse_whole(std::string_view option, std::string_view text, int64_t least, int64_t most);
+/// A whole number above 0, K, M, G or T behind it being powers of 1024.
+uint64_t parse_bytes(std::string_view option, std::string_view text);
 /// A finite number.
 double parse_number(std::string_view option, std::string_view text);
 /// "WxH", each from 1 to kMaxFrameSide, their product at most kMaxFramePixels.
@@ -34,5 +41,16 @@ FrameRange parse_frames(std::string_view option, std::string_view text);
 /// `text`, if it is one of `names`.
 std::string parse_choice(std::string_view option, const std::string& text,
                          std::span<const std::string> names);
+
+/// Adds an option that is a whole number in [least, most].
+void add_whole(CLI::App& command, const std::string& name, int64_t least, int64_t most,
+               const std::string& text, std::function<void(int64_t)> assign);
+/// `value` must outlive the parsing.
+template <typename Number>
+void add_whole(CLI::App& command, const std::string& name, int64_t least, int64_t most,
+               const std::string& text, Number& value) {
+  add_whole(command, name, least, most, text,
+            std::function([&value](int64_t typed) { value = static_cast<Number>(typed); }));
+}
 
 }  // namespace tessera

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
+#include "cli/located.h"
 
 namespace tessera {
 namespace {
@@ -104,8 +104,8 @@ OutputSettings output_settings(const std::string& scene_file, const v1::Output& 
   result.transfer = transfer_curve(output.transfer());
   if (output.has_gamma()) result.gamma = output.gamma();
   if (!(result.gamma > 0 && std::isfinite(result.gamma))) {
-    throw scene_error({scene_file}, fmt::format("settings: output.gamma is {}", result.gamma),
-                      "above 0");
+    throw located(scene_file,
+                  fmt::format("settings: output.gamma is {}; expected above 0", result.gamma));
   }
   result.exposure = output.exposure();
   if (output.quantization() == v1::Output::TRUNCATE) result.quantization = Quantization::truncate;
@@ -113,10 +113,9 @@ OutputSettings output_settings(const std::string& scene_file, const v1::Output& 
     result.has_response = true;
     for (int i = 0; i < 3; ++i) result.response[static_cast<size_t>(i)] = output.response(i);
   } else if (output.response_size() != 0) {
-    throw scene_error(
-        {scene_file},
-        fmt::format("settings: output.response has {} numbers", output.response_size()),
-        "3 or none");
+    throw located(scene_file, fmt::format("settings: output.response has {} numbers; expected 3 "
+                                          "or none",
+                                          output.response_size()));
   }
   lay_over(options, result);
   return result;

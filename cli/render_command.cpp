@@ -6,15 +6,16 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <thread>
 #include <utility>
 
 #include "base/digest.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "base/plural.h"
+#include "base/process.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
+#include "cli/located.h"
 #include "cli/output_settings.h"
 #include "cli/picture_warnings.h"
 #include "cli/progress_display.h"
@@ -92,6 +93,8 @@ class RenderRun {
     return ExitCode::done;
   }
 
+  bool by_farm() const { return !options_.connection.endpoint.empty(); }
+
   /// Where finished tiles are kept, beside the first picture.
   std::filesystem::path store_path() const {
     return output_place(picture_paths(options_).front()).string() + ".tiles";
@@ -104,11 +107,16 @@ class RenderRun {
 
   /// What excludes each other, and what has no place in a pipe.
   void check_options() const {
-    if (options_.connect && (options_.workers || options_.threads)) {
+    const FarmConnection& farm = options_.connection;
+    if (!by_farm() && !(farm.key_file.empty() && farm.server_key.empty())) {
+      throw usage_error(fmt::format("{}: is for the farm of --connect; expected that beside it",
+                                    farm.key_file.empty() ? "--server-key" : "--key"));
+    }
+    if (by_farm() && (options_.workers || options_.threads)) {
       throw usage_error(fmt::format("{}: cannot be chosen with --connect, whose farm has its own",
                                     options_.workers ? "--workers" : "--threads"));
     }
-    if (options_.resume && options_.connect) {
+    if (options_.resume && by_farm()) {
       throw usage_error("--resume: tiles are kept where the coordinator is; expected no --connect");
     }
     if (options_.frames && options_.time) {
@@ -125,10 +133,16 @@ class RenderRun {
 
   /// What cannot be written in the end is better known before.
   void check_outputs() const {
-    const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
-    for (const auto& path : picture_paths(options_)) check_writable(path_for(path, first));
+    const auto first = [this](const std::filesystem::path& path) {
+      return options_.frames ? numbered_path(path, options_.frames->first) : path;
+    };
+    for (const auto& path : picture_paths(options_)) {
+      check_writable(first(path));
+      check_not_input(first(path), options_.scene, "--output");
+    }
     if (options_.stats && !stats_to_standard_output(options_)) {
-      check_output_file(path_for(*options_.stats, first), "--stats");
+      check_output_file(first(*options_.stats), "--stats");
+      check_not_input(first(*options_.stats), options_.scene, "--stats");
     }
     check_distinct();
     // The scene has no say in these.
@@ -149,8 +163,8 @@ class RenderRun {
   }
 
   std::unique_ptr<TracingFarm> start_farm() const {
-    if (options_.connect) return connect_to_farm(*options_.connect);
-    const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    if (by_farm()) return connect_to_farm(options_.connection);
+    const int cores = core_count();
     const int workers = options_.workers.value_or(cores);
     if (workers == 0) return start_in_process(options_.threads.value_or(cores));
     return start_local_workers(workers, options_.threads.value_or(1), options_.quiet);
@@ -170,11 +184,9 @@ class RenderRun {
     parse_seconds_ = seconds_since(start);
     scene_digest_ = Digest::of(serialize_scene(loaded_.scene)).hex();
     if (options_.quiet) return;
-    for (const std::string& warning : loaded_.warnings) {
-      say(stderr, "tessera: warning: {}\n", warning);
-    }
+    for (const std::string& warning : loaded_.warnings) say_warning(warning);
     for (const std::string& warning : picture_warnings(options_, loaded_)) {
-      if (warned_.insert(warning).second) say(stderr, "tessera: warning: {}\n", warning);
+      if (warned_.insert(warning).second) say_warning(warning);
     }
   }
 
@@ -188,7 +200,7 @@ class RenderRun {
       throw Error(ExitCode::interrupted, fmt::format("interrupted; {}", what_was_written(report)));
     }
     if (report.exit_code == ExitCode::bad_scene) {
-      throw scene_error(place_in_scene_file(options_.scene, report.failure), report.failure, "");
+      throw located(options_.scene, report.failure);
     }
     if (report.end == JobReport::End::failed && report.tiles_done == 0) {
       throw Error(report.exit_code,
@@ -213,6 +225,7 @@ class RenderRun {
   JobResult trace(const v1::FrameSettings& settings, std::optional<int> frame, bool last) {
     const std::string label = frame ? fmt::format("frame {}  ", *frame) : "";
     ProgressDisplay display(progress_style(stderr, options_.quiet), stderr, label);
+    farm_->share(loaded_.blobs);
     JobSpec job{.scene = loaded_.scene,
                 .blobs = loaded_.blobs,
                 .frame = settings,

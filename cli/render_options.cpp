@@ -3,22 +3,21 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
+#include <utility>
 
 #include "base/error.h"
 #include "base/plural.h"
+#include "cli/located.h"
 #include "cli/placement.h"
 #include "cli/read_option_flags.h"
 #include "renderer/accel/make_accelerator.h"
+#include "renderer/scene/read_camera.h"
 #include "renderer/scene/read_settings.h"
 
 namespace tessera {
 namespace {
 
-constexpr uint32_t kDefaultWidth = 960;
-constexpr uint32_t kDefaultHeight = 540;
 constexpr double kDefaultFramesPerSecond = 24;
-constexpr int64_t kMaxSamplesPerPixel = int64_t{1} << 20;
 constexpr int64_t kMaxWorkers = 1024;
 constexpr int64_t kMaxThreads = 1024;
 
@@ -44,7 +43,9 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
   const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
     command.add_option_function<std::string>(name, assign, text)->type_name(type)->group("Picture");
   };
-  add("--size", "WxH", "Width and height in pixels [the scene's, or 960x540]",
+  add("--size", "WxH",
+      fmt::format("Width and height in pixels [the scene's, or {}x{}]", kDefaultFrameWidth,
+                  kDefaultFrameHeight),
       [&options](const std::string& text) { options.size = parse_size("--size", text); });
   add("--spp", "N", "Samples per pixel [the scene's, or 1: a quick look, with jagged edges]",
       [&options](const std::string& text) {
@@ -155,8 +156,7 @@ void add_farm_options(CLI::App& command, RenderOptions& options) {
       [&options](const std::string& text) {
         options.tile_size = static_cast<int>(parse_whole("--tile", text, 1, kMaxFrameSide));
       });
-  add("--connect", "ENDPOINT", "Let the farm of a running 'tessera serve' do it, tcp://HOST:PORT",
-      [&options](const std::string& text) { options.connect = text; });
+  add_connection_options(command, options.connection, false, "Who does the work");
   command
       .add_flag(
           "--resume", options.resume,
@@ -176,17 +176,6 @@ void add_report_options(CLI::App& command, RenderOptions& options) {
   command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group("Report");
 }
 
-/// The default where the scene leaves a number out; else the number, held against its range.
-int64_t ranged_setting(const std::string& scene_file, const char* what, bool present, int64_t value,
-                       int64_t fallback, int64_t most) {
-  if (!present) return fallback;
-  if (value < 1 || value > most) {
-    throw scene_error({scene_file}, fmt::format("settings: {} is {}", what, value),
-                      fmt::format("1 to {}", most));
-  }
-  return value;
-}
-
 void check_camera(const std::string& name, const v1::Scene& scene) {
   if (find_camera(scene, name)) return;
   std::vector<std::string> names;
@@ -199,26 +188,13 @@ void check_camera(const std::string& name, const v1::Scene& scene) {
                                 suggestion(name, names)));
 }
 
-/// The option, which is known to be one of `names`; else the scene's, which may not be; else the
-/// first.
-std::string named_setting(const std::string& scene_file, const char* what,
-                          const std::optional<std::string>& option, const std::string& in_scene,
-                          const std::vector<std::string>& names) {
-  if (option) return *option;
-  if (in_scene.empty()) return names.front();
-  if (std::find(names.begin(), names.end(), in_scene) != names.end()) return in_scene;
-  throw scene_error(
-      {scene_file}, fmt::format("settings: {} is '{}'", what, in_scene),
-      fmt::format("one of {}{}", fmt::join(names, ", "), suggestion(in_scene, names)));
-}
-
 double frame_time(const RenderOptions& options, const v1::Settings& settings,
                   std::optional<int> frame) {
   const double rate =
       settings.frames().has_per_second() ? settings.frames().per_second() : kDefaultFramesPerSecond;
   if (!(rate > 0)) {
-    throw scene_error({options.scene}, fmt::format("settings: frames.per_second is {}", rate),
-                      "above 0");
+    throw located(options.scene,
+                  fmt::format("settings: frames.per_second is {}; expected above 0", rate));
   }
   if (options.time) return *options.time;
   if (!frame) return settings.time();
@@ -255,36 +231,23 @@ std::filesystem::path numbered_path(const std::filesystem::path& path, int frame
 v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& scene,
                                  std::optional<int> frame) {
   const v1::Settings& settings = scene.settings();
-  const v1::Sampling& sampling = settings.sampling();
-  v1::FrameSettings result;
+  v1::FrameSettings asked;
   if (options.size) {
-    result.set_width(static_cast<uint32_t>(options.size->width));
-    result.set_height(static_cast<uint32_t>(options.size->height));
-  } else {
-    const int64_t width = ranged_setting(options.scene, "width", settings.has_width(),
-                                         settings.width(), kDefaultWidth, kMaxFrameSide);
-    const int64_t height = ranged_setting(options.scene, "height", settings.has_height(),
-                                          settings.height(), kDefaultHeight, kMaxFrameSide);
-    if (width * height > kMaxFramePixels) {
-      throw scene_error({options.scene},
-                        fmt::format("settings: a frame of {}x{} pixels", width, height),
-                        fmt::format("at most {} in all", kMaxFramePixels));
-    }
-    result.set_width(static_cast<uint32_t>(width));
-    result.set_height(static_cast<uint32_t>(height));
+    asked.set_width(static_cast<uint32_t>(options.size->width));
+    asked.set_height(static_cast<uint32_t>(options.size->height));
   }
-  result.set_samples_per_pixel(options.samples_per_pixel.value_or(static_cast<uint32_t>(
-      ranged_setting(options.scene, "samples_per_pixel", sampling.has_samples_per_pixel(),
-                     sampling.samples_per_pixel(), 1, kMaxSamplesPerPixel))));
-  result.set_seed(options.seed.value_or(sampling.seed()));
-  result.set_integrator(named_setting(options.scene, "integrator.kind", options.integrator,
-                                      settings.integrator().kind(), integrator_names()));
-  result.set_accelerator(named_setting(options.scene, "accelerator", options.accelerator,
-                                       settings.accelerator(), available_accelerators()));
+  asked.set_samples_per_pixel(options.samples_per_pixel.value_or(0));
+  asked.set_seed(options.seed.value_or(settings.sampling().seed()));
+  asked.set_integrator(options.integrator.value_or(""));
+  asked.set_accelerator(options.accelerator.value_or(""));
   if (options.camera) check_camera(*options.camera, scene);
-  result.set_camera(options.camera.value_or(""));
-  result.set_time(frame_time(options, settings, frame));
-  return result;
+  asked.set_camera(options.camera.value_or(""));
+  asked.set_time(frame_time(options, settings, frame));
+  try {
+    return complete(std::move(asked), settings);
+  } catch (const Error& error) {
+    throw located(options.scene, error.what());
+  }
 }
 
 PixelRect crop_window(const RenderOptions& options, const v1::FrameSettings& frame) {

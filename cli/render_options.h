@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/farm_connection.h"
 #include "cli/option_values.h"
 #include "cli/output_settings.h"
 #include "proto/tessera/v1/farm.pb.h"
@@ -39,7 +40,7 @@ struct RenderOptions {
   std::optional<int> workers;
   std::optional<int> threads;
   int tile_size = 0;
-  std::optional<std::string> connect;
+  FarmConnection connection;  ///< no endpoint: this machine does it
 
   std::optional<std::filesystem::path> stats;
   bool quiet = false;

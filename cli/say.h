@@ -4,7 +4,10 @@
 
 #include <cstdio>
 #include <string>
+#include <string_view>
 #include <utility>
+
+#include "proto/wire/printable.h"
 
 namespace tessera {
 
@@ -18,6 +21,15 @@ void say(std::FILE* stream, fmt::format_string<Values...> format, Values&&... va
 template <typename... Values>
 void say(fmt::format_string<Values...> format, Values&&... values) {
   say(stdout, format, std::forward<Values>(values)...);
+}
+
+/// One line on standard error that may hold what a file says: for a terminal, made printable.
+inline void say_error(std::string_view message) {
+  constexpr size_t kLongest = 10'000;  // room for two paths
+  say(stderr, "tessera: {}\n", printable(message, kLongest));
+}
+inline void say_warning(std::string_view message) {
+  say_error(fmt::format("warning: {}", message));
 }
 
 }  // namespace tessera

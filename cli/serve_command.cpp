@@ -1,11 +1,15 @@
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 
 #include "base/log.h"
+#include "base/plural.h"
+#include "base/process.h"
 #include "cli/command_line.h"
+#include "cli/farm_connection.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
 #include "coordinator/render_loop.h"
@@ -18,18 +22,60 @@ constexpr char kDefaultEndpoint[] = "tcp://127.0.0.1:7117";
 
 struct ServeOptions {
   std::string endpoint = kDefaultEndpoint;
+  std::string key, allow;
+  bool insecure = false;
   std::string http, store;
 };
+
+ServerSecurity read_security(const ServeOptions& options) {
+  ServerSecurity security;
+  security.insecure = options.insecure;
+  if (options.key.empty() != options.allow.empty()) {
+    throw usage_error(options.key.empty()
+                          ? "--allow: needs --key, the coordinator's secret key, beside it"
+                          : "--key: needs --allow, the list of keys that are let in, beside it");
+  }
+  if (options.key.empty()) return security;
+  if (options.insecure) throw usage_error("--insecure: is for no keys; expected no --key");
+  security.keys = read_secret_key(options.key, "--key");
+  security.allowed = read_allow_list(options.allow, "--allow");
+  return security;
+}
+
+/// Takes up the list of keys as it is now. A wrong one changes nothing.
+void reload(RenderLoop& loop, const ServeOptions& options) {
+  try {
+    AllowList allowed = read_allow_list(options.allow, "--allow");
+    spdlog::info("the list of keys has been read again: {}", counted(allowed.size(), "key"));
+    loop.set_allowed(std::move(allowed));
+  } catch (const Error& error) {
+    spdlog::error("the list of keys stays as it was: {}", error.what());
+  }
+}
+
+/// As many connections as this process may have.
+void provide_descriptors() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
 
 ExitCode serve(const ServeOptions& options) {
   if (!options.http.empty()) throw usage_error("--http: does not exist yet in this version");
   if (!options.store.empty()) throw usage_error("--store: does not exist yet in this version");
   catch_interrupts();
   configure_logging("info", "serve");
-  RenderLoop loop(bind_server(options.endpoint), CoordinatorOptions{});
+  check_room_for_threads(kTransportThreads);
+  ServerSecurity security = read_security(options);
+  if (security.keys) catch_hangups();
+  provide_descriptors();
+  RenderLoop loop(bind_server(options.endpoint, std::move(security)), CoordinatorOptions{});
   say("serving at {}\n", loop.endpoint());
   std::fflush(stdout);
-  loop.serve(interrupted());
+  loop.serve(interrupted(), [&] {
+    if (take_hangup()) reload(loop, options);
+  });
   loop.bid_farewell("the coordinator was told to end");
   return ExitCode::done;
 }
@@ -40,7 +86,10 @@ void add_serve_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<ServeOptions>();
   CLI::App* command = app.add_subcommand("serve", "Coordinate a farm: take jobs, hand out tiles");
   command->footer(
-      "Runs until Ctrl-C or SIGTERM. Only loopback addresses can be bound: there are no keys yet.\n"
+      "Runs until Ctrl-C or SIGTERM. Without keys, only this machine is let in;\n"
+      "'tessera help keygen' tells how to have some. SIGHUP reads the list of keys again, and "
+      "whoever\n"
+      "is not on it any more is shut out.\n"
       "Example, in three terminals:\n"
       "  tessera serve\n"
       "  tessera worker --connect tcp://127.0.0.1:7117 --threads 4\n"
@@ -48,6 +97,14 @@ void add_serve_command(CLI::App& app, Action& action) {
   command->add_option("--bind", options->endpoint, "Where to listen, tcp://HOST:PORT or ipc://PATH")
       ->type_name("ENDPOINT")
       ->capture_default_str();
+  command->add_option("--key", options->key, "The coordinator's secret key, of 'tessera keygen'")
+      ->type_name("FILE");
+  command
+      ->add_option("--allow", options->allow,
+                   "The keys that are let in: lines KEY ROLE NAME, as 'tessera keygen' prints them")
+      ->type_name("FILE");
+  command->add_flag("--insecure", options->insecure,
+                    "Let in whoever can reach the endpoint, from other machines too, without keys");
   command->add_option("--http", options->http, "Web page and metrics (not yet)")->type_name("ADDR");
   command->add_option("--store", options->store, "Folder of jobs and finished tiles (not yet)")
       ->type_name("DIR");

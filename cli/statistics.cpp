@@ -1,5 +1,6 @@
 #include "cli/statistics.h"
 
+#include <fmt/format.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -30,7 +31,7 @@ json rays_json(const CounterMap& counters) {
   json rays;
   uint64_t total = 0;
   for (const char* kind : {"primary", "shadow", "reflection", "refraction"}) {
-    const uint64_t count = counter(counters, ("rays_" + std::string(kind)).c_str());
+    const uint64_t count = counter(counters, fmt::format("rays_{}", kind).c_str());
     rays[kind] = count;
     total += count;
   }
@@ -77,8 +78,11 @@ json statistics_json(const FrameStatistics& statistics) {
   result["tiles"] = {{"total", report.tiles_total},       {"done", report.tiles_done},
                      {"restored", report.tiles_restored}, {"failed", report.holes.size()},
                      {"retries", report.retries},         {"speculative", report.speculative},
-                     {"duplicates", report.duplicates},   {"mismatches", report.mismatches}};
-  result["workers"] = {{"seen", report.workers_seen}, {"lost", report.workers_lost}};
+                     {"duplicates", report.duplicates},   {"mismatches", report.mismatches},
+                     {"verified", report.verified},       {"unverified", report.unverified},
+                     {"retraced", report.retraced}};
+  result["workers"] = {
+      {"seen", report.workers_seen}, {"lost", report.workers_lost}, {"set_aside", report.liars}};
   result["bytes_shipped"] = report.bytes_scene + report.bytes_results;
   result["bytes"] = {{"scene", report.bytes_scene}, {"results", report.bytes_results}};
   result["peak_memory_bytes"] = std::max(peak_memory_bytes(), statistics.peak_worker_bytes);

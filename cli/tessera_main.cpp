@@ -3,10 +3,35 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
+#include <new>
+#include <system_error>
 
 #include "cli/command_line.h"
+#include "cli/interrupt.h"
+
+namespace {
+
+/// A thread that runs out of memory ends the process as an error; all else is a bug, and aborts.
+void on_uncaught() {
+  if (const auto error = std::current_exception()) {
+    try {
+      std::rethrow_exception(error);
+    } catch (const std::bad_alloc&) {
+      tessera::end_at_once(tessera::tell_current_error());
+    } catch (const std::system_error&) {
+      tessera::end_at_once(tessera::tell_current_error());
+    } catch (...) {
+    }
+  }
+  std::abort();
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
+  tessera::end_at_interrupts();
+  std::set_terminate(on_uncaught);
   // Who started us may ignore it, and then the kernel would not tell how our processes ended.
   std::signal(SIGCHLD, SIG_DFL);
   // A reader that leaves early and a limit on file sizes are errors of that write, not our death.

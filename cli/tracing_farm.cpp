@@ -1,5 +1,6 @@
 #include "cli/tracing_farm.h"
 
+#include <fmt/format.h>
 #include <signal.h>
 
 #include <algorithm>
@@ -13,12 +14,14 @@
 #include <thread>
 #include <utility>
 
+#include "base/process.h"
 #include "cli/interrupt.h"
 #include "coordinator/local_workers.h"
 #include "coordinator/render_loop.h"
 #include "coordinator/run_remote_job.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
+#include "proto/wire/shared_memory.h"
 #include "renderer/render/tile_renderer.h"
 #include "worker/run_worker.h"
 
@@ -45,7 +48,7 @@ CoordinatorOptions coordinator_options(int expected_workers) {
 
 /// The high-water mark of a process's resident set; 0 if it has ended.
 uint64_t peak_bytes_of(pid_t process) {
-  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  std::ifstream status(fmt::format("/proc/{}/status", process));
   for (std::string line; std::getline(status, line);) {
     unsigned long long kibibytes = 0;
     if (std::sscanf(line.c_str(), "VmHWM: %llu kB", &kibibytes) == 1) return kibibytes * 1024;
@@ -74,6 +77,7 @@ class LocalFarm : public TracingFarm {
                 const std::atomic<bool>& stop) override {
     return loop_.run(std::move(job), progress, stop);
   }
+  void share(BlobStore& blobs) const override { share_large_blobs(blobs); }
   uint64_t peak_worker_bytes() const override {
     uint64_t peak = 0;
     for (const pid_t worker : workers_.processes()) peak = std::max(peak, peak_bytes_of(worker));
@@ -100,7 +104,7 @@ class InProcessFarm : public TracingFarm {
         worker_([this, threads, client = network_.client()] {
           WorkerOptions options;
           options.threads = threads;
-          options.make_renderer = make_tile_renderer;
+          options.make_renderer = [](const auto&... scene) { return make_tile_renderer(scene...); };
           run_worker(*client, options, stop_);
         }) {}
   ~InProcessFarm() override {
@@ -123,8 +127,8 @@ class InProcessFarm : public TracingFarm {
 
 class RemoteFarm : public TracingFarm {
  public:
-  explicit RemoteFarm(const std::string& endpoint)
-      : endpoint_(endpoint), transport_(connect_client(endpoint)) {}
+  explicit RemoteFarm(const FarmConnection& connection)
+      : endpoint_(connection.endpoint), transport_(connect(connection)) {}
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {
@@ -139,15 +143,18 @@ class RemoteFarm : public TracingFarm {
 }  // namespace
 
 std::unique_ptr<TracingFarm> start_local_workers(int workers, int threads, bool quiet) {
+  check_room_for_threads(kTransportThreads);
   return std::make_unique<LocalFarm>(workers, threads, quiet);
 }
 
 std::unique_ptr<TracingFarm> start_in_process(int threads) {
+  check_room_for_threads(threads + 1);
   return std::make_unique<InProcessFarm>(threads);
 }
 
-std::unique_ptr<TracingFarm> connect_to_farm(const std::string& endpoint) {
-  return std::make_unique<RemoteFarm>(endpoint);
+std::unique_ptr<TracingFarm> connect_to_farm(const FarmConnection& connection) {
+  check_room_for_threads(kTransportThreads);
+  return std::make_unique<RemoteFarm>(connection);
 }
 
 }  // namespace tessera

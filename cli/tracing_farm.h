@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "cli/farm_connection.h"
 #include "coordinator/job.h"
 
 namespace tessera {
@@ -17,6 +18,8 @@ class TracingFarm {
   /// Renders one frame; until `stop` is set.
   virtual JobResult run(JobSpec job, const ProgressCallback& progress,
                         const std::atomic<bool>& stop) = 0;
+  /// Moves blobs of jobs to come to where its workers can share them.
+  virtual void share(BlobStore&) const {}
   /// The largest resident set of a worker process so far; 0 where that is not known.
   virtual uint64_t peak_worker_bytes() const { return 0; }
   /// Nothing more will be asked of it: begins to end, without waiting for that.
@@ -27,7 +30,7 @@ class TracingFarm {
 std::unique_ptr<TracingFarm> start_local_workers(int workers, int threads, bool quiet = false);
 /// `threads` in this process: the same coordinator and worker code, over memory.
 std::unique_ptr<TracingFarm> start_in_process(int threads);
-/// The coordinator that serves at `endpoint`.
-std::unique_ptr<TracingFarm> connect_to_farm(const std::string& endpoint);
+/// A coordinator that serves elsewhere.
+std::unique_ptr<TracingFarm> connect_to_farm(const FarmConnection& connection);
 
 }  // namespace tessera

@@ -1,27 +1,33 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <csignal>
 #include <memory>
-#include <thread>
+#include <optional>
 
 #include "base/log.h"
+#include "base/process.h"
+#include "base/shared_arena.h"
 #include "cli/command_line.h"
+#include "cli/farm_connection.h"
 #include "cli/interrupt.h"
 #include "cli/option_values.h"
-#include "proto/transport/zmq_transport.h"
 #include "renderer/render/tile_renderer.h"
 #include "worker/run_worker.h"
 
 namespace tessera {
 namespace {
 
+constexpr uint64_t kDefaultCacheBudget = uint64_t{10} << 30;
+
 struct WorkerCommandOptions {
-  std::string endpoint;
+  FarmConnection connection;
   int threads = 0;
+  std::string cache;
+  std::optional<uint64_t> cache_budget;
   int parent = 0;
   bool quiet = false;
+  int arena = -1;  ///< a descriptor of SharedArena that was inherited
   unsigned protocol_major = 0;
 };
 
@@ -31,14 +37,25 @@ ExitCode work(const WorkerCommandOptions& options) {
   // The terminal's Ctrl-C reaches the whole family; a local worker ends when its parent tells it.
   if (options.parent > 0) std::signal(SIGINT, SIG_IGN);
   configure_logging(options.quiet ? "off" : options.parent > 0 ? "warn" : "info", "worker");
-  const auto transport = connect_client(options.endpoint);
-  spdlog::info("connecting to {}", options.endpoint);
   WorkerOptions worker;
-  worker.threads = options.threads > 0
-                       ? options.threads
-                       : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  worker.make_renderer = make_tile_renderer;
+  worker.threads = options.threads > 0 ? options.threads : core_count();
+  check_room_for_threads(worker.threads + kTransportThreads);
+  std::optional<SharedArena> arena;
+  if (options.arena >= 0) arena.emplace(options.arena);
+  worker.make_renderer = [&arena](const v1::Scene& scene, const BlobStore& blobs,
+                                  const v1::FrameSettings& frame, int threads) {
+    return make_tile_renderer(scene, blobs, frame, threads, arena ? &*arena : nullptr);
+  };
+  worker.shares_memory = options.connection.endpoint.starts_with("ipc://");
+  if (!options.cache.empty()) {
+    worker.cache = std::make_shared<BlobCache>(options.cache,
+                                               options.cache_budget.value_or(kDefaultCacheBudget));
+  } else if (options.cache_budget) {
+    throw usage_error("--cache-budget: is for --cache; expected that beside it");
+  }
   worker.protocol_major = options.protocol_major;
+  const auto transport = connect(options.connection);
+  spdlog::info("connecting to {}", options.connection.endpoint);
   const WorkerEnd end = run_worker(*transport, worker, interrupted());
   if (end.exit_code != ExitCode::done) throw Error(end.exit_code, end.reason);
   if (interrupted()) {
@@ -57,22 +74,29 @@ void add_worker_command(CLI::App& app, Action& action) {
   command->footer(
       "Connects again whenever the connection is lost. Give every machine of a farm one worker.\n"
       "Example:\n"
-      "  tessera worker --connect tcp://127.0.0.1:7117 --threads 8");
+      "  tessera worker --connect tcp://127.0.0.1:7117 --threads 8\n"
+      "Where the coordinator has a list of keys, also --key and --server-key: see 'tessera help "
+      "keygen'.");
+  add_connection_options(*command, options->connection, true);
+  add_whole(*command, "--threads", 1, 1024, "Threads that trace [one a core]", options->threads);
   command
-      ->add_option("--connect", options->endpoint, "The coordinator, tcp://HOST:PORT or ipc://PATH")
-      ->required()
-      ->type_name("ENDPOINT");
+      ->add_option("--cache", options->cache,
+                   "Keep what scenes are made of in this folder, so that it is never sent again; "
+                   "workers of one machine may share it [nowhere]")
+      ->type_name("DIR");
   command
       ->add_option_function<std::string>(
-          "--threads",
+          "--cache-budget",
           [options](const std::string& text) {
-            options->threads = static_cast<int>(parse_whole("--threads", text, 1, 1024));
+            options->cache_budget = parse_bytes("--cache-budget", text);
           },
-          "Threads that trace [one a core]")
-      ->type_name("N");
+          "What the cache may come to take, such as 500M or 10G; what was used longest ago goes "
+          "first [10G]")
+      ->type_name("BYTES");
   command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   // Not for users: an empty group hides them from --help.
   command->add_option("--parent", options->parent)->group("");
+  command->add_option("--arena", options->arena)->group("");
   command->add_option("--protocol-major", options->protocol_major)->group("");
   command->callback([options, &action] { action = [options] { return work(*options); }; });
 }

@@ -9,6 +9,7 @@
 
 #include "coordinator/tile_grid.h"
 #include "proto/wire/scene_codec.h"
+#include "proto/wire/shared_memory.h"
 #include "proto/wire/version.h"
 
 namespace tessera {
@@ -93,12 +94,14 @@ ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>
       samples_(spec.frame.samples_per_pixel()),
       assembler_(spec.crop, cut_tiles(spec.crop, tile_size_)),
       scheduler_(assembler_.tiles().size(), options),
+      verifier_(assembler_.tiles().size(), options.verify, options.verify_key ^ id),
       submitted_(now) {
   if (store_) key_ = key_of(spec);
   std::vector<std::byte> scene = as_bytes(serialize_scene(spec.scene));
   const uint64_t scene_size = scene.size();
   start_ = start_of(id, spec, Digest::of(scene), scene_size);
   blobs_ = std::move(spec.blobs);
+  if (options.shared_by_process != 0) share_large_blobs(blobs_);
   blobs_.put(std::move(scene));
   report_.tiles_total = assembler_.tiles().size();
   restore(kept);
@@ -124,6 +127,7 @@ void ActiveJob::restore(const std::vector<FinishedTile>& kept) {
     if (!assembler_.complete(place->second)) assembler_.reopen(place->second);
   }
   scheduler_.restore(restored);
+  for (const uint32_t tile : restored) verifier_.note_rows(tile, kFromStore);
   report_.tiles_restored = restored.size();
 }
 
@@ -149,8 +153,62 @@ void ActiveJob::keep(uint32_t tile) {
 
 void ActiveJob::reopen(uint32_t tile) {
   assembler_.reopen(tile);
+  verifier_.forget(tile);
   std::erase(unkept_, tile);
   if (store_) store_->drop(key_, assembler_.tiles()[tile]);
+}
+
+SchedulerEvents ActiveJob::note_band(const v1::TileBand& band, WorkerId from, bool was_complete) {
+  if (!was_complete) {
+    verifier_.note_rows(band.tile(), from);
+    return {};
+  }
+  const PixelRect& rect = assembler_.tiles()[band.tile()];
+  if (!verifier_.note_same_rows(band.tile(), from, rect, band.first_row(), band.rows())) return {};
+  return scheduler_.check_done(band.tile(), band.lease());
+}
+
+ActiveJob::Completion ActiveJob::complete(uint32_t tile, LeaseId lease, WorkerId from, Time now) {
+  keep(tile);
+  Completion result{scheduler_.complete(tile, lease, now), std::nullopt};
+  if (const Mismatch* const found = verifier_.dispute(tile)) {
+    const Mismatch about = *found;
+    verifier_.settle(tile);
+    const auto wrong = TileVerifier::judge(about, assembler_.row(tile, about.row));
+    if (wrong) {
+      result.conviction = Conviction{*wrong, about, from};
+    } else {
+      fail(ExitCode::render_failed,
+           fmt::format("tile {}: three workers traced three different rows {}", tile, about.row));
+    }
+  } else if (verifier_.selects(tile)) {
+    scheduler_.want_check(tile, verifier_.traced_by(tile));
+  }
+  return result;
+}
+
+SchedulerEvents ActiveJob::dispute(Mismatch mismatch, Time now) {
+  const uint32_t tile = mismatch.tile;
+  reopen(tile);
+  SchedulerEvents events = scheduler_.dispute(tile, mismatch.first, mismatch.second, now);
+  verifier_.note_dispute(std::move(mismatch));
+  return events;
+}
+
+SchedulerEvents ActiveJob::redo_tiles_of(WorkerId worker) {
+  SchedulerEvents events;
+  for (const uint32_t tile : verifier_.tiles_of(worker)) {
+    reopen(tile);
+    ++report_.retraced;
+    const SchedulerEvents more = scheduler_.requeue(tile);
+    events.cancelled.insert(events.cancelled.end(), more.cancelled.begin(), more.cancelled.end());
+  }
+  // What it disputes with others needs no third.
+  for (const uint32_t tile : verifier_.disputes_of(worker)) {
+    verifier_.settle(tile);
+    scheduler_.forget_dispute(tile);
+  }
+  return events;
 }
 
 v1::Assign ActiveJob::assignment(const Lease& lease) const {
@@ -231,6 +289,8 @@ JobResult ActiveJob::finish() {
   report_.tiles_done = assembler_.tiles_done();
   report_.retries = scheduler_.retries();
   report_.speculative = scheduler_.speculative();
+  report_.verified = scheduler_.verified();
+  report_.unverified = scheduler_.unverified();
   if (first_assignment_ && last_result_) {
     report_.trace_seconds = to_seconds(*last_result_ - *first_assignment_);
   }

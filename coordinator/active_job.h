@@ -12,11 +12,19 @@
 #include "coordinator/coordinator_options.h"
 #include "coordinator/job.h"
 #include "coordinator/tile_scheduler.h"
+#include "coordinator/tile_verifier.h"
 
 namespace tessera {
 
 /// Throws usage_error for a frame, crop or tile size that cannot be.
 void check_job(const JobSpec& spec);
+
+/// A worker whose pixels two others contradict.
+struct Conviction {
+  WorkerId wrong = 0;
+  Mismatch dispute;
+  WorkerId judge = 0;
+};
 
 /// A job from its submission to its end: its tiles, its film and its numbers.
 class ActiveJob {
@@ -39,10 +47,21 @@ class ActiveJob {
   const Assembler& assembler() const { return assembler_; }
   JobReport& report() { return report_; }
 
-  /// The tile is complete: lets it outlive this process, where the job has a store.
-  void keep(uint32_t tile);
-  /// It is complete no more.
-  void reopen(uint32_t tile);
+  /// Takes note of a band that is sound: whose it is, and whether a second worker has now traced
+  /// the whole tile too. `was_complete`: the tile, before it.
+  SchedulerEvents note_band(const v1::TileBand& band, WorkerId from, bool was_complete);
+  /// The tile is complete, the last of it under `lease` of `from`: it is kept, where the job has a
+  /// store, and a dispute about it is judged.
+  struct Completion {
+    SchedulerEvents events;
+    std::optional<Conviction> conviction;
+  };
+  Completion complete(uint32_t tile, LeaseId lease, WorkerId from, Time now);
+  /// Two workers traced it differently: it is traced again by a third. Ends the job where one of
+  /// the first two is left to be judged by the other.
+  SchedulerEvents dispute(Mismatch mismatch, Time now);
+  /// All that the worker has traced is traced again by others.
+  SchedulerEvents redo_tiles_of(WorkerId worker);
 
   /// Notes for the times in the report and the estimate of what remains.
   void note_assignment(Time now);
@@ -59,6 +78,10 @@ class ActiveJob {
   ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>& kept,
             const CoordinatorOptions& options, Time now);
   void restore(const std::vector<FinishedTile>& kept);
+  /// Lets a complete tile outlive this process.
+  void keep(uint32_t tile);
+  /// It is complete no more.
+  void reopen(uint32_t tile);
 
   uint64_t id_;
   std::shared_ptr<TileStore> store_;
@@ -70,6 +93,7 @@ class ActiveJob {
   uint32_t samples_;
   Assembler assembler_;
   TileScheduler scheduler_;
+  TileVerifier verifier_;
   JobReport report_;
   Time submitted_;
   std::optional<Time> first_assignment_, last_result_;

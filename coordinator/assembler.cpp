@@ -106,10 +106,14 @@ void Assembler::reopen(uint32_t tile) {
   --tiles_done_;
 }
 
-bool Assembler::same_row(const PixelRect& tile, int row, const float* values) const {
-  const size_t size = static_cast<size_t>(tile.width()) * kFilmChannels;
-  const float* const there = film_.values().data() + row_offset(tile, row);
-  return std::memcmp(there, values, size * sizeof(float)) == 0;
+std::span<const float> Assembler::row(uint32_t tile, int row) const {
+  const PixelRect& rect = tiles_[tile];
+  return film_.values().subspan(row_offset(rect, row),
+                                static_cast<size_t>(rect.width()) * kFilmChannels);
+}
+
+bool Assembler::same_row(uint32_t tile, int row, std::span<const float> values) const {
+  return std::memcmp(this->row(tile, row).data(), values.data(), values.size_bytes()) == 0;
 }
 
 BandResult Assembler::add(const v1::TileBand& band, WorkerId from) {
@@ -137,15 +141,18 @@ BandResult Assembler::add(const v1::TileBand& band, WorkerId from) {
   }
   for (int i = 0; i < band.rows(); ++i) {
     const int row = band.first_row() + i;
-    const float* values = scratch_.data() + row_values * static_cast<size_t>(i);
+    const auto values =
+        std::span<const float>(scratch_).subspan(row_values * static_cast<size_t>(i), row_values);
     WorkerId& owner =
         partial ? partial->row_from[static_cast<size_t>(row - tile.y0)] : done_by_[index];
     if (partial && owner == 0) {
       owner = from;
       --partial->rows_missing;
-      film_.write(tile, row, 1, std::span(values, row_values));
-    } else if (!result.mismatch && !same_row(tile, row, values)) {
-      result.mismatch = Mismatch{index, row, owner, from};
+      film_.write(tile, row, 1, values);
+    } else if (!result.mismatch && !same_row(index, row, values)) {
+      const auto there = this->row(index, row);
+      result.mismatch = Mismatch{
+          index, row, owner, from, {there.begin(), there.end()}, {values.begin(), values.end()}};
     }
   }
   if (was_complete) {

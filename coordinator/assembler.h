@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -17,9 +18,10 @@ namespace tessera {
 /// Two workers traced the same rows and got different bits. One of them lies or is broken.
 struct Mismatch {
   uint32_t tile = 0;
-  int row = 0;         ///< the first row of the band
+  int row = 0;         ///< the first that differs
   WorkerId first = 0;  ///< whose pixels are in the film
   WorkerId second = 0;
+  std::vector<float> first_pixels{}, second_pixels{};  ///< of that row
 };
 
 /// Stands for no worker: its pixels were kept from before.
@@ -46,6 +48,8 @@ class Assembler {
   void reopen(uint32_t tile);
 
   const std::vector<PixelRect>& tiles() const { return tiles_; }
+  /// What the film has in that row of the tile.
+  std::span<const float> row(uint32_t tile, int row) const;
   bool complete(uint32_t tile) const { return done_by_[tile] != 0; }
   uint64_t tiles_done() const { return tiles_done_; }
   /// Sums over complete tiles, which stop at the largest number, and what building the scene
@@ -69,7 +73,7 @@ class Assembler {
   /// Where the row of the tile begins among the film's values.
   size_t row_offset(const PixelRect& tile, int row) const;
   /// Whether the film has these very bits in that row.
-  bool same_row(const PixelRect& tile, int row, const float* values) const;
+  bool same_row(uint32_t tile, int row, std::span<const float> values) const;
 
   std::vector<PixelRect> tiles_;
   std::vector<WorkerId> done_by_;  ///< whose band completed the tile; 0: not complete

@@ -278,7 +278,8 @@ void ClientDesk::ended(uint64_t id, const JobResult& result) {
   if (it == submissions_.end()) return;
   Submission& submission = it->second;
   const auto pixels = std::as_bytes(result.film.values());
-  submission.film = std::make_shared<const std::vector<std::byte>>(pixels.begin(), pixels.end());
+  submission.film =
+      std::make_shared<const Blob>(std::vector<std::byte>(pixels.begin(), pixels.end()));
   submission.film_digest = Digest::of(pixels);
   *submission.status.mutable_end() = to_message(result.report);
   submission.status.mutable_end()->set_film_digest(submission.film_digest.hex());

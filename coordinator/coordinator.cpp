@@ -119,6 +119,14 @@ void Coordinator::on_blob_request(const PeerId& peer, const v1::BlobRequest& req
   const auto digest = Digest::parse(request.digest());
   const auto blob = digest ? jobs_.find_blob(*digest) : JobQueue::FoundBlob{};
   v1::Envelope& answer = send(peer, Channel::bulk);
+  if (request.place() && options_.shared_by_process != 0 && blob.data &&
+      blob.data->descriptor() >= 0) {
+    v1::BlobPlace& place = *answer.mutable_blob_place();
+    place.set_digest(request.digest());
+    place.set_process_id(options_.shared_by_process);
+    place.set_file(static_cast<uint32_t>(blob.data->descriptor()));
+    return;
+  }
   answer = answer_blob_request(request, blob.data);
   // Films that clients fetch are no part of what the job costs.
   if (blob.of_active) job()->report().bytes_scene += answer.blob_chunk().data().size();
@@ -227,7 +235,9 @@ void Coordinator::on_band(WorkerRecord& worker, const v1::TileBand& band, Time n
   // What else it sent of that tile before it heard of it.
   const auto& disputed = scheduler.disputed_by(tile);
   if (std::find(disputed.begin(), disputed.end(), worker.id) != disputed.end()) return;
-  const BandResult result = job()->assembler().add(band, worker.id);
+  const bool was_complete =
+      tile < job()->assembler().tiles().size() && job()->assembler().complete(tile);
+  BandResult result = job()->assembler().add(band, worker.id);
   if (!result.valid) {
     spdlog::warn("worker {} sent a damaged band of tile {}", worker.name(), tile);
     return act(scheduler.fail(band.lease(), worker.id, now), now);
@@ -235,18 +245,38 @@ void Coordinator::on_band(WorkerRecord& worker, const v1::TileBand& band, Time n
   job()->report().bytes_results += band.pixels().size();
   job()->note_result(now);
   if (result.duplicate_tile) ++job()->report().duplicates;
-  if (result.mismatch) return on_mismatch(*result.mismatch, now);
-  if (result.completed_tile) job()->keep(tile);
-  if (result.completed_tile) act(scheduler.complete(tile, band.lease(), now), now);
+  if (result.mismatch) return on_mismatch(std::move(*result.mismatch), now);
+  act(job()->note_band(band, worker.id, was_complete), now);
+  if (result.completed_tile) complete(tile, band.lease(), worker.id, now);
   if (band.last()) fill(worker, now);
 }
 
 std::string Coordinator::name_of(WorkerId id) {
+  if (id == kFromStore) return "(of before, from the store)";
   const WorkerRecord* worker = workers_.by_id(id);
   return worker ? worker->name() : "(forgotten)";
 }
 
-void Coordinator::on_mismatch(const Mismatch& mismatch, Time now) {
+void Coordinator::complete(uint32_t tile, LeaseId lease, WorkerId from, Time now) {
+  const auto completion = job()->complete(tile, lease, from, now);
+  act(completion.events, now);
+  if (completion.conviction) convict(*completion.conviction, now);
+}
+
+void Coordinator::convict(const Conviction& conviction, Time now) {
+  const Mismatch& about = conviction.dispute;
+  const WorkerId right = about.first == conviction.wrong ? about.second : about.first;
+  const SchedulerEvents events = job()->redo_tiles_of(conviction.wrong);
+  const std::string what = fmt::format(
+      "worker {} traced wrong pixels in row {} of tile {}, as workers {} and {} agree",
+      name_of(conviction.wrong), about.row, about.tile, name_of(right), name_of(conviction.judge));
+  spdlog::error("{}; it is set aside, and all its tiles are traced again", what);
+  ++job()->report().liars;
+  set_aside(conviction.wrong, what, now);
+  act(events, now);
+}
+
+void Coordinator::on_mismatch(Mismatch mismatch, Time now) {
   ++job()->report().mismatches;
   const bool again = !job()->scheduler().disputed_by(mismatch.tile).empty();
   const std::string what = fmt::format(
@@ -254,9 +284,7 @@ void Coordinator::on_mismatch(const Mismatch& mismatch, Time now) {
       "pixels; expected the same bits",
       mismatch.tile, mismatch.row, name_of(mismatch.first), name_of(mismatch.second));
   spdlog::error("{}", what);
-  job()->reopen(mismatch.tile);
-  const auto events =
-      job()->scheduler().dispute(mismatch.tile, mismatch.first, mismatch.second, now);
+  const auto events = job()->dispute(std::move(mismatch), now);
   if (again) return job()->fail(ExitCode::render_failed, what);
   act(events, now);
 }
@@ -330,6 +358,16 @@ void Coordinator::act(const SchedulerEvents& events, Time now) {
   if (!events.cancelled.empty() || job()->scheduler().has_pending()) fill(now);
 }
 
+void Coordinator::set_aside(WorkerId id, const std::string& cause, Time now) {
+  if (id == kFromStore) return;
+  workers_.set_aside(id, cause);
+  WorkerRecord* const worker = workers_.by_id(id);
+  if (!worker) return;
+  if (const auto reject = workers_.judge(worker->hello))
+    *send(worker->peer).mutable_reject() = *reject;
+  lose(*worker, LossCause::left, "it is set aside", now);
+}
+
 void Coordinator::judge_failures(WorkerRecord& worker, Time now) {
   if (++worker.failures < kMaxFailuresOfWorker || worker.state == WorkerState::lost) return;
   const auto present = workers_.present();
@@ -338,10 +376,9 @@ void Coordinator::judge_failures(WorkerRecord& worker, Time now) {
   });
   // The last one is kept, for want of a better.
   if (!others) return;
-  workers_.set_aside(worker);
-  const auto reject = workers_.judge(worker.hello);
-  if (reject) *send(worker.peer).mutable_reject() = *reject;
-  lose(worker, LossCause::left, "it is set aside", now);
+  set_aside(worker.id,
+            fmt::format("worker {} failed {} tiles; expected none", worker.name(), worker.failures),
+            now);
 }
 
 void Coordinator::fill(Time now) {
@@ -380,6 +417,9 @@ void Coordinator::on_tick(Time now) {
     act(events, now);
     fill(now);
     fail_undecided(now);
+    if (const size_t count = job()->scheduler().abandon_checks(now)) {
+      spdlog::warn("{} could not be verified: there is no second worker", counted(count, "tile"));
+    }
   }
   jobs_.clients().on_tick(now);
   attend_clients(now);

@@ -68,7 +68,7 @@ class Coordinator {
   void on_band(WorkerRecord& worker, const v1::TileBand& band, Time now);
   void on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now);
   void on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now);
-  void on_mismatch(const Mismatch& mismatch, Time now);
+  void on_mismatch(Mismatch mismatch, Time now);
   void fail_undecided(Time now);
   std::string name_of(WorkerId id);
   void on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed);
@@ -80,6 +80,10 @@ class Coordinator {
   void lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now);
   void note_stuck(const WorkerRecord& worker);
   void act(const SchedulerEvents& events, Time now);
+  void complete(uint32_t tile, LeaseId lease, WorkerId from, Time now);
+  /// A worker gave wrong pixels: it is set aside, and what it traced is traced again.
+  void convict(const Conviction& conviction, Time now);
+  void set_aside(WorkerId id, const std::string& cause, Time now);
   void judge_failures(WorkerRecord& worker, Time now);
   void fill(Time now);
   void fill(WorkerRecord& worker, Time now);

@@ -26,6 +26,10 @@ struct CoordinatorOptions {
   uint64_t client_budget_bytes = uint64_t{32} << 30;
   int expected_workers = 4;  ///< threads that trace, for the choice of a tile size; above 0
 
+  /// The share of tiles that a second worker traces too, from 0 to 1, and what chooses them.
+  double verify = 0;
+  uint64_t verify_key = 0;
+
   // What it tells workers of itself.
   uint32_t protocol_major = kProtocolMajor;
   std::string numerics_id = kNumericsId;
@@ -33,8 +37,10 @@ struct CoordinatorOptions {
   // What RenderLoop fills in, from its transport, this host and the clock.
   bool compress_pixels = false;  ///< saves network, costs time: for workers on other machines
   std::string bulk_endpoint;     ///< as in Welcome
-  std::string host;              ///< of the coordinator: whose process ids are its own
-  uint64_t epoch = 0;            ///< another at each start of a coordinator, below 2^44
+  /// Where workers can map the memory of this process; 0: they cannot.
+  uint32_t shared_by_process = 0;
+  std::string host;    ///< of the coordinator: whose process ids are its own
+  uint64_t epoch = 0;  ///< another at each start of a coordinator, below 2^44
 };
 
 }  // namespace tessera

@@ -43,6 +43,10 @@ struct JobReport {
   uint64_t speculative = 0;     ///< second copies issued at the end of the queue
   uint64_t duplicates = 0;      ///< results that came for a tile already done
   uint64_t mismatches = 0;      ///< of those, not equal bit for bit
+  uint64_t verified = 0;        ///< chosen tiles that a second worker traced to the same bits
+  uint64_t unverified = 0;      ///< chosen ones for which there was no second worker
+  uint64_t liars = 0;           ///< workers set aside since two others contradicted them
+  uint64_t retraced = 0;        ///< tiles of theirs that were traced again
   uint64_t workers_seen = 0;    ///< different ones that were there at any time of the job
   uint64_t workers_lost = 0;    ///< how often one of them was lost
   uint64_t bytes_scene = 0, bytes_results = 0;  ///< shipped to and from workers

@@ -9,13 +9,17 @@ namespace tessera {
 namespace {
 
 using Total = uint64_t JobReport::*;
-constexpr std::array<std::pair<const char*, Total>, 10> kTotals = {{
+constexpr std::array<std::pair<const char*, Total>, 14> kTotals = {{
     {"tiles_total", &JobReport::tiles_total},
     {"tiles_done", &JobReport::tiles_done},
     {"retries", &JobReport::retries},
     {"speculative", &JobReport::speculative},
     {"duplicates", &JobReport::duplicates},
     {"mismatches", &JobReport::mismatches},
+    {"verified", &JobReport::verified},
+    {"unverified", &JobReport::unverified},
+    {"liars", &JobReport::liars},
+    {"retraced", &JobReport::retraced},
     {"workers_seen", &JobReport::workers_seen},
     {"workers_lost", &JobReport::workers_lost},
     {"bytes_scene", &JobReport::bytes_scene},

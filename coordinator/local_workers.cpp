@@ -22,6 +22,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/process.h"
+#include "base/shared_arena.h"
 
 namespace tessera {
 namespace {
@@ -112,7 +113,8 @@ EndedProcess describe(pid_t pid, int status) {
 
 }  // namespace
 
-LocalWorkers::LocalWorkers(LocalWorkerOptions options) : options_(std::move(options)) {
+LocalWorkers::LocalWorkers(LocalWorkerOptions options)
+    : options_(std::move(options)), arena_(SharedArena::create()) {
   provide_descriptors(options_.count);
   std::tie(folder_, folder_lock_) = make_private_folder();
   endpoint_ = "ipc://" + folder_ + "/farm";
@@ -138,10 +140,12 @@ void LocalWorkers::spawn() {
   std::vector<std::string> arguments = {"tessera",   "worker",
                                         "--connect", endpoint_,
                                         "--threads", std::to_string(options_.threads),
-                                        "--parent",  std::to_string(getpid())};
+                                        "--parent",  std::to_string(getpid()),
+                                        "--arena",   "0"};
   arguments.insert(arguments.end(), options_.extra_arguments.begin(),
                    options_.extra_arguments.end());
-  running_.push_back(start_process(options_.program, std::move(arguments)));
+  running_.push_back(
+      start_process(options_.program, std::move(arguments), {.standard_input = arena_.get()}));
 }
 
 std::vector<EndedProcess> LocalWorkers::collect() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/monotonic.h"
+#include "base/owned_descriptor.h"
 
 namespace tessera {
 
@@ -14,7 +15,7 @@ struct LocalWorkerOptions {
   int threads = 1;  ///< of each worker
   /// The program to run; by default this one.
   std::string program = "/proc/self/exe";
-  /// Arguments after "worker --connect ENDPOINT --threads N --parent PID".
+  /// Arguments after "worker --connect ENDPOINT --threads N --parent PID --arena 0".
   std::vector<std::string> extra_arguments;
 };
 
@@ -27,9 +28,9 @@ struct EndedProcess {
   std::string how;  ///< "was killed by signal 9", "ended with exit code 3"
 };
 
-/// Worker processes on this machine and the private folder of their socket. They die with the
-/// thread that started them (PR_SET_PDEATHSIG), so start and replace them from one that lives as
-/// long as they should. Not thread-safe.
+/// Worker processes on this machine, the private folder of their socket and the memory they share.
+/// They die with the thread that started them (PR_SET_PDEATHSIG), so start and replace them from
+/// one that lives as long as they should. Not thread-safe.
 class LocalWorkers {
  public:
   /// Makes the folder, and removes those that killed processes left; throws render_error if it
@@ -65,6 +66,7 @@ class LocalWorkers {
   std::string folder_;
   int folder_lock_ = -1;  ///< a descriptor: as long as it is open, nobody takes folder_ for stale
   std::string endpoint_;
+  OwnedDescriptor arena_;  ///< of SharedArena, in which they share what they build
   std::vector<pid_t> running_;
   int replacements_left_ = 0;
 };

@@ -9,6 +9,7 @@
 
 #include "base/log.h"
 #include "coordinator/coordinator.h"
+#include "coordinator/permissions.h"
 #include "proto/wire/frame.h"
 
 namespace tessera {
@@ -25,6 +26,9 @@ constexpr int kMessagesPerRound = 256;
 
 CoordinatorOptions completed(CoordinatorOptions options, const ServerTransport& transport) {
   options.bulk_endpoint = transport.bulk_endpoint();
+  if (transport.endpoint().starts_with("ipc://")) {
+    options.shared_by_process = static_cast<uint32_t>(getpid());
+  }
   options.compress_pixels = transport.endpoint().starts_with("tcp://");
   // Workers of the coordinator that was here before must not take our jobs for its.
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
@@ -71,8 +75,11 @@ JobResult RenderLoop::run(JobSpec job, const ProgressCallback& progress,
   }
 }
 
-void RenderLoop::serve(const std::atomic<bool>& stop) {
-  while (!stop) step(kLongestWait);
+void RenderLoop::serve(const std::atomic<bool>& stop, const std::function<void()>& each_round) {
+  while (!stop) {
+    step(kLongestWait);
+    if (each_round) each_round();
+  }
 }
 
 void RenderLoop::shut_down(const std::string& reason) {
@@ -112,6 +119,10 @@ void RenderLoop::receive() {
       spdlog::warn("dropped a message of {} bytes that is none of ours", received->bytes.size());
       continue;
     }
+    if (const auto reject = refuse(received->sender, *message)) {
+      turn_away(*received, *reject);
+      continue;
+    }
     // Counted before the job may end with this very band, so the writing of the last one is not.
     if (message->has_tile_band()) {
       coordinator_->note_assembling(monotonic_now() - start);
@@ -123,6 +134,23 @@ void RenderLoop::receive() {
     }
     deliver();
   }
+}
+
+void RenderLoop::turn_away(const ReceivedMessage& received, const v1::Reject& reject) {
+  // One line a key: whoever does not listen may go on for ever.
+  if (told_refused_.insert(received.sender.name).second) spdlog::warn("refused: {}", reject.text());
+  v1::Envelope answer;
+  *answer.mutable_reject() = reject;
+  transport_->send(received.channel, received.peer, encode(answer));
+}
+
+void RenderLoop::set_allowed(AllowList allowed) {
+  told_refused_.clear();
+  const Time now = monotonic_now();
+  for (const PeerId& peer : transport_->set_allowed(std::move(allowed))) {
+    coordinator_->on_peer_gone(peer, now);
+  }
+  deliver();
 }
 
 void RenderLoop::deliver() {

@@ -3,8 +3,10 @@
 #include <sys/types.h>
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "coordinator/coordinator_options.h"
@@ -34,8 +36,11 @@ class RenderLoop {
   /// usage_error for a frame, crop or tile size that cannot be.
   JobResult run(JobSpec job, const ProgressCallback& progress, const std::atomic<bool>& stop);
 
-  /// Serves workers and clients that submit jobs until `stop` is set.
-  void serve(const std::atomic<bool>& stop);
+  /// Serves workers and clients that submit jobs until `stop` is set. `each_round`, where given, is
+  /// called at least every 50 ms.
+  void serve(const std::atomic<bool>& stop, const std::function<void()>& each_round = {});
+  /// From now on nobody else is let in. Who is not on it any more is lost at once.
+  void set_allowed(AllowList allowed);
 
   /// Tells every worker to end. The message leaves while this object or, for up to 500 ms, its
   /// destructor lives.
@@ -48,6 +53,8 @@ class RenderLoop {
   /// Waits for messages for at most `pause`, and handles what came and what is due.
   void step(Time pause);
   void receive();
+  /// Answers what the sender's key is not for.
+  void turn_away(const ReceivedMessage& received, const v1::Reject& reject);
   void deliver();
   void attend_local_workers(Time now);
   /// Kills local workers that were stopped before they could say hello.
@@ -60,6 +67,7 @@ class RenderLoop {
   std::map<pid_t, Time> silent_since_;  ///< local workers that have not said hello
   Time next_look_{};                    ///< at local workers
   uint64_t tiles_done_ = 0;             ///< when last looked at
+  std::set<std::string> told_refused_;  ///< names of keys, at most as many as are on the list
 };
 
 }  // namespace tessera

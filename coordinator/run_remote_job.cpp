@@ -10,6 +10,7 @@
 #include "coordinator/active_job.h"
 #include "coordinator/job_client.h"
 #include "proto/wire/frame.h"
+#include "proto/wire/printable.h"
 
 namespace tessera {
 namespace {
@@ -36,9 +37,19 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
     transport.wait(std::chrono::ceil<std::chrono::milliseconds>(pause));
     while (const auto received = transport.receive()) {
       const auto message = decode(received->bytes, max_message_bytes(received->channel));
-      if (message) client.on_message(received->channel, *message, monotonic_now());
+      if (!message) continue;
+      if (message->has_reject()) {
+        throw usage_error(fmt::format("the coordinator at {} refused: {}", endpoint,
+                                      printable(message->reject().text())));
+      }
+      client.on_message(received->channel, *message, monotonic_now());
     }
     const Time now = monotonic_now();
+    const auto trouble = transport.trouble();
+    if (trouble && trouble->refused) {
+      throw usage_error(
+          fmt::format("no connection to the coordinator at {}: {}", endpoint, trouble->why));
+    }
     if (stop) client.cancel(now);
     if (now >= client.next_deadline()) client.on_tick(now);
     if (progress && now >= next_progress) {
@@ -48,9 +59,9 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
       next_progress = now + kTellProgress;
     }
     if (now - client.last_heard() > patience) {
-      throw render_error(
-          fmt::format("no word from the coordinator at {} for {} s; expected an answer to the job",
-                      endpoint, to_seconds(patience)));
+      throw render_error(fmt::format(
+          "no word from the coordinator at {} for {} s{}; expected an answer to the job", endpoint,
+          to_seconds(patience), trouble ? ": " + trouble->why : ""));
     }
   }
 }

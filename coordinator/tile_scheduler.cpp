@@ -69,6 +69,13 @@ SchedulerEvents TileScheduler::leave(WorkerId worker, LossCause cause, Time now)
 
 bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now) const {
   if (std::count(tile.disputed_by.begin(), tile.disputed_by.end(), worker) > 0) return false;
+  if (tile.state == State::done) {
+    const auto check = checks_.find(static_cast<uint32_t>(&tile - tiles_.data()));
+    if (check == checks_.end() ||
+        std::count(check->second.begin(), check->second.end(), worker) > 0) {
+      return false;
+    }
+  }
   if (tile.failed_by.empty()) return true;
   if (!holders_.at(worker).leases.empty()) return false;
   const auto has_failed = [&](WorkerId id) {
@@ -86,6 +93,19 @@ std::optional<uint32_t> TileScheduler::next_pending(WorkerId worker, Time now) {
     const uint32_t tile = *it;
     if (!may_trace(tiles_[tile], worker, now)) continue;
     pending_.erase(it);
+    return tile;
+  }
+  return std::nullopt;
+}
+
+std::optional<uint32_t> TileScheduler::next_check(WorkerId worker, Time now) {
+  // Where there is other work, those that others are to do are not all looked at each time.
+  constexpr size_t kFew = 64;
+  const size_t most = pending_.empty() ? waiting_checks_.size() : kFew;
+  for (size_t i = 0; i < std::min(most, waiting_checks_.size()); ++i) {
+    const uint32_t tile = waiting_checks_[i];
+    if (!may_trace(tiles_[tile], worker, now)) continue;
+    waiting_checks_.erase(waiting_checks_.begin() + static_cast<ptrdiff_t>(i));
     return tile;
   }
   return std::nullopt;
@@ -131,7 +151,10 @@ std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now) {
     return std::nullopt;
   }
   Lease lease;
-  if (const auto next = next_pending(worker, now)) {
+  if (const auto check = next_check(worker, now)) {
+    lease.tile = *check;
+    lease.check = true;
+  } else if (const auto next = next_pending(worker, now)) {
     lease.tile = *next;
   } else if (const auto straggler = next_straggler(worker, now)) {
     lease.tile = *straggler;
@@ -145,8 +168,12 @@ std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now) {
   lease.worker = worker;
   lease.issued = now;
   lease.deadline = now + lease_length(tile);
-  if (tile.attempts++ > 0 && !lease.speculative) ++retries_;
-  tile.state = State::leased;
+  if (tile.state == State::done) {
+    lease.check = true;
+  } else {
+    if (tile.attempts++ > 0 && !lease.speculative) ++retries_;
+    tile.state = State::leased;
+  }
   tile.leases.push_back(lease.id);
   live_.emplace(lease.id, lease);
   issued_.emplace(lease.id, worker);
@@ -165,6 +192,7 @@ Lease TileScheduler::drop(LeaseId id) {
     tile.state = State::pending;
     pending_.push_front(lease.tile);
   }
+  if (tile.leases.empty() && checks_.contains(lease.tile)) waiting_checks_.push_front(lease.tile);
   return lease;
 }
 
@@ -239,6 +267,7 @@ SchedulerEvents TileScheduler::dispute(uint32_t index, WorkerId one, WorkerId ot
   if (tile.disputed_by.empty()) disputed_.push_back(index);
   tile.disputed_by.insert(tile.disputed_by.end(), {one, other});
   tile.disputed_at = now;
+  forget_check(index);
   const std::vector<LeaseId> leases = tile.leases;
   for (const LeaseId id : leases) events.cancelled.push_back(drop(id));
   if (tile.state == State::done) {
@@ -249,10 +278,76 @@ SchedulerEvents TileScheduler::dispute(uint32_t index, WorkerId one, WorkerId ot
   return events;
 }
 
+void TileScheduler::forget_dispute(uint32_t index) {
+  tiles_[index].disputed_by.clear();
+  std::erase(disputed_, index);
+}
+
+void TileScheduler::want_check(uint32_t index, std::vector<WorkerId> traced_by) {
+  if (tiles_[index].state != State::done || checks_.contains(index)) return;
+  checks_.emplace(index, std::move(traced_by));
+  waiting_checks_.push_back(index);
+}
+
+void TileScheduler::forget_check(uint32_t index) {
+  if (checks_.erase(index) > 0) std::erase(waiting_checks_, index);
+}
+
+SchedulerEvents TileScheduler::check_done(uint32_t index, LeaseId by) {
+  SchedulerEvents events;
+  if (!checks_.contains(index)) return events;
+  forget_check(index);
+  if (by != 0) ++verified_;
+  const std::vector<LeaseId> leases = tiles_[index].leases;
+  for (const LeaseId id : leases) {
+    const Lease lease = drop(id);
+    if (id != by) events.cancelled.push_back(lease);
+  }
+  return events;
+}
+
+SchedulerEvents TileScheduler::requeue(uint32_t index) {
+  SchedulerEvents events;
+  Tile& tile = tiles_[index];
+  if (tile.state != State::done) return events;
+  events = check_done(index, 0);
+  tile.state = State::pending;
+  pending_.push_front(index);
+  ++open_tiles_;
+  return events;
+}
+
+bool TileScheduler::can_be_checked(uint32_t index) const {
+  const std::vector<WorkerId>& traced_by = checks_.at(index);
+  return std::any_of(holders_.begin(), holders_.end(), [&](const auto& holder) {
+    return std::find(traced_by.begin(), traced_by.end(), holder.first) == traced_by.end();
+  });
+}
+
+size_t TileScheduler::abandon_checks(Time now) {
+  const bool only_checks = open_tiles_ == 0 && !waiting_checks_.empty();
+  if (!only_checks || std::any_of(waiting_checks_.begin(), waiting_checks_.end(),
+                                  [this](uint32_t tile) { return can_be_checked(tile); })) {
+    uncheckable_since_.reset();
+    return 0;
+  }
+  if (!uncheckable_since_) uncheckable_since_ = now;
+  if (now - *uncheckable_since_ < options_.lease) return 0;
+  const size_t count = waiting_checks_.size();
+  unverified_ += count;
+  for (const uint32_t tile : waiting_checks_) checks_.erase(tile);
+  waiting_checks_.clear();
+  return count;
+}
+
 std::optional<uint32_t> TileScheduler::undecided(Time now) const {
   const auto it = std::find_if(disputed_.begin(), disputed_.end(), [&](uint32_t index) {
     const Tile& tile = tiles_[index];
-    return tile.state == State::pending && now - tile.disputed_at >= options_.lease;
+    if (tile.state != State::pending || now - tile.disputed_at < options_.lease) return false;
+    // Who could decide may be busy.
+    return std::none_of(holders_.begin(), holders_.end(), [&](const auto& holder) {
+      return std::count(tile.disputed_by.begin(), tile.disputed_by.end(), holder.first) == 0;
+    });
   });
   return it == disputed_.end() ? std::nullopt : std::optional(*it);
 }
@@ -285,7 +380,12 @@ void TileScheduler::blame(uint32_t index, WorkerId worker, Time now, SchedulerEv
 
 void TileScheduler::give_up(uint32_t index, SchedulerEvents& events) {
   Tile& tile = tiles_[index];
-  if (tile.state == State::done || tile.state == State::given_up) return;
+  // Nobody is able to check it: it stays as it is.
+  if (tile.state == State::done) {
+    if (checks_.contains(index)) ++unverified_;
+    return forget_check(index);
+  }
+  if (tile.state == State::given_up) return;
   if (tile.state == State::pending) std::erase(pending_, index);
   tile.state = State::given_up;
   --open_tiles_;

@@ -25,6 +25,7 @@ struct Lease {
   uint64_t work_done = 0;
   bool started = false;  ///< as the worker said last
   bool speculative = false;
+  bool check = false;  ///< of a tile whose pixels are there
 };
 
 /// One lease as its worker reports it.
@@ -82,18 +83,32 @@ class TileScheduler {
   SchedulerEvents dispute(uint32_t tile, WorkerId one, WorkerId other, Time now);
   /// The workers of earlier calls of dispute() for the tile.
   const std::vector<WorkerId>& disputed_by(uint32_t tile) const { return tiles_[tile].disputed_by; }
+  /// One of the two is known to be wrong: the other may trace it again.
+  void forget_dispute(uint32_t tile);
   /// A disputed tile that no other worker has taken for a whole lease.
   std::optional<uint32_t> undecided(Time now) const;
+  /// The tile is done, and is not finished before a worker that is none of these has traced it too.
+  void want_check(uint32_t tile, std::vector<WorkerId> traced_by);
+  /// One has, under `lease`, with the same pixels.
+  SchedulerEvents check_done(uint32_t tile, LeaseId lease);
+  /// The pixels of the tile do not count any more.
+  SchedulerEvents requeue(uint32_t tile);
+  /// Gives up checks that only those who traced the tiles could do, once nothing else has been left
+  /// for a whole lease. Returns how many.
+  size_t abandon_checks(Time now);
   /// Ends the leases that had no progress for too long.
   SchedulerEvents expire(Time now);
 
   /// Whether this worker was ever given that lease.
   bool issued(LeaseId lease, WorkerId worker) const;
-  bool finished() const { return open_tiles_ == 0; }
+  bool finished() const { return open_tiles_ == 0 && checks_.empty(); }
   size_t held_by(WorkerId worker) const;
-  bool has_pending() const { return !pending_.empty(); }
+  bool has_pending() const { return !pending_.empty() || !waiting_checks_.empty(); }
   uint64_t retries() const { return retries_; }
   uint64_t speculative() const { return speculative_; }
+  /// Checks that were done, and those that nobody could do.
+  uint64_t verified() const { return verified_; }
+  uint64_t unverified() const { return unverified_; }
 
   /// The tile that a lease, live or not, was for.
   static uint32_t tile_of(LeaseId lease) { return static_cast<uint32_t>(lease); }
@@ -117,6 +132,9 @@ class TileScheduler {
 
   bool may_trace(const Tile& tile, WorkerId worker, Time now) const;
   std::optional<uint32_t> next_pending(WorkerId worker, Time now);
+  std::optional<uint32_t> next_check(WorkerId worker, Time now);
+  void forget_check(uint32_t tile);
+  bool can_be_checked(uint32_t tile) const;
   std::optional<uint32_t> next_straggler(WorkerId worker, Time now) const;
   Time straggler_age() const;
   Time lease_length(const Tile& tile) const;
@@ -129,13 +147,16 @@ class TileScheduler {
   std::vector<Tile> tiles_;
   std::deque<uint32_t> pending_;
   std::map<LeaseId, Lease> live_;
-  std::unordered_map<LeaseId, WorkerId> issued_;  ///< all there ever were
-  std::vector<uint32_t> disputed_;                ///< tiles
+  std::unordered_map<LeaseId, WorkerId> issued_;      ///< all there ever were
+  std::vector<uint32_t> disputed_;                    ///< tiles
+  std::map<uint32_t, std::vector<WorkerId>> checks_;  ///< by tile: who cannot do it
+  std::deque<uint32_t> waiting_checks_;               ///< those that no lease is for
+  std::optional<Time> uncheckable_since_;
   std::map<WorkerId, Holder> holders_;
   std::map<WorkerId, std::vector<uint32_t>> vanished_with_;
   std::vector<Time> durations_;  ///< of completed leases
   size_t open_tiles_;
-  uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0;
+  uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0, verified_ = 0, unverified_ = 0;
 };
 
 }  // namespace tessera

@@ -153,9 +153,8 @@ void WorkerRegistry::lose(WorkerRecord& worker) {
   ++lost_;
 }
 
-void WorkerRegistry::set_aside(WorkerRecord& worker) {
-  set_aside_.emplace(worker.id, fmt::format("worker {} failed {} tiles; expected none",
-                                            worker.name(), worker.failures));
+void WorkerRegistry::set_aside(WorkerId worker, const std::string& cause) {
+  set_aside_.emplace(worker, cause);
 }
 
 WorkerRegistry::Silence WorkerRegistry::check(Time now) {

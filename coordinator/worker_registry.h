@@ -60,8 +60,8 @@ class WorkerRegistry {
   /// Any message counts as a sign of life. True if it was lost and is now back.
   bool heard(WorkerRecord& worker, Time now);
   void lose(WorkerRecord& worker);
-  /// Refuses it from now on.
-  void set_aside(WorkerRecord& worker);
+  /// Refuses it from now on, and says why.
+  void set_aside(WorkerId worker, const std::string& cause);
 
   struct Silence {
     std::vector<WorkerRecord*> suspects;  ///< newly so

@@ -15,6 +15,7 @@
 #include "base/version.h"
 #include "proto/wire/frame.h"
 #include "proto/wire/version.h"
+#include "worker/blob_loader.h"
 #include "worker/render_service.h"
 #include "worker/worker_session.h"
 
@@ -55,6 +56,7 @@ class WorkerLoop {
   WorkerLoop(ClientTransport& transport, const WorkerOptions& options)
       : transport_(transport),
         service_(options.make_renderer, options.threads, [&transport] { transport.wake(); }),
+        loader_(options.cache, [&transport] { transport.wake(); }),
         session_(session_options(options), monotonic_now()),
         threads_(options.threads) {}
 
@@ -71,6 +73,7 @@ class WorkerLoop {
       // Rounded up, or the last millisecond would be spent in circles.
       transport_.wait(std::chrono::ceil<std::chrono::milliseconds>(pause));
       receive();
+      while (const auto found = loader_.take_found()) session_.on_found(*found, monotonic_now());
       while (auto built = service_.take_built())
         session_.on_built(std::move(*built), monotonic_now());
       while (auto traced = service_.take_traced()) {
@@ -89,6 +92,7 @@ class WorkerLoop {
     SessionOptions result;
     result.hello = make_hello(options);
     result.orphan_timeout = options.orphan_timeout;
+    result.blob_sources = {options.cache != nullptr, options.shares_memory};
     return result;
   }
 
@@ -106,6 +110,11 @@ class WorkerLoop {
   }
 
   void tell_connection() {
+    const auto trouble = transport_.trouble();
+    const std::string why = trouble ? trouble->why : "";
+    if (why != std::exchange(told_trouble_, why) && !why.empty()) {
+      spdlog::warn("no connection to the coordinator: {}", why);
+    }
     if (session_.is_welcome() == std::exchange(told_welcome_, session_.is_welcome())) return;
     if (told_welcome_) {
       spdlog::info("connected, with {}", counted(threads_, "thread"));
@@ -127,8 +136,14 @@ class WorkerLoop {
         service_.build(std::move(build->run));
       } else if (auto* trace = std::get_if<StartTrace>(&action)) {
         service_.trace(std::move(trace->run));
+      } else if (auto* look = std::get_if<LookForBlob>(&action)) {
+        loader_.look(std::move(look->lookup));
+      } else if (auto* keep = std::get_if<KeepBlob>(&action)) {
+        loader_.keep(keep->digest, std::move(keep->blob));
       } else if (auto* quit = std::get_if<Quit>(&action)) {
         end_ = {quit->exit_code, quit->reason};
+        const auto trouble = transport_.trouble();
+        if (trouble) end_.reason += ": " + trouble->why;
         return true;
       }
     }
@@ -137,10 +152,12 @@ class WorkerLoop {
 
   ClientTransport& transport_;
   RenderService service_;
+  BlobLoader loader_;
   WorkerSession session_;
   WorkerEnd end_;
   int threads_;
   bool told_welcome_ = false;
+  std::string told_trouble_;
 };
 
 }  // namespace

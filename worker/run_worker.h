@@ -11,6 +11,7 @@
 #include "base/monotonic.h"
 #include "proto/transport/transport.h"
 #include "renderer/render/tile_renderer.h"
+#include "worker/blob_cache.h"
 
 namespace tessera {
 
@@ -23,6 +24,10 @@ struct WorkerOptions {
   /// Ends after so long without a word from the coordinator; Time::max(): never.
   Time orphan_timeout = std::chrono::seconds(60);
   TileRendererFactory make_renderer;
+  /// Keeps blobs on disk; null: nowhere. Used by no one else.
+  std::shared_ptr<BlobCache> cache{};
+  /// Whether the coordinator is on this machine, and may share its blobs' memory.
+  bool shares_memory = false;
   /// What it says of itself; other values are for tests.
   uint32_t protocol_major = 0;  ///< 0: kProtocolMajor
   std::string numerics_id;      ///< empty: kNumericsId

@@ -18,17 +18,32 @@ bool SceneCache::begin(const v1::JobStart& start, uint64_t budget_bytes) {
   // Equal settings serialise equally: FrameSettings holds no map.
   key_ = start.scene_digest() + start.frame().SerializeAsString();
   make_room(budget_bytes);
-  fetch_ = BlobFetch();
+  fetch_ = BlobFetch(0, sources_.shared_memory);
+  lookups_.clear();
   const auto want = [this](const std::string& hex, uint64_t size) {
     const auto digest = Digest::parse(hex);
-    if (digest && !blobs_.find(*digest)) fetch_.want(*digest, size);
-    return digest.has_value();
+    if (!digest) return false;
+    if (blobs_.find(*digest)) return true;
+    if (sources_.disk) {
+      fetch_.hold(*digest, size);
+      lookups_.push_back({*digest, size});
+    } else {
+      fetch_.want(*digest, size);
+    }
+    return true;
   };
   if (!want(start.scene_digest(), start.scene_size())) return false;
   for (int i = 0; i < start.blobs_size(); ++i) {
     if (!want(start.blobs(i), start.blob_sizes(i))) return false;
   }
   return true;
+}
+
+void SceneCache::on_place(const v1::BlobPlace& place) {
+  const auto size = fetch_.on_place(place);
+  if (!size) return;
+  const BlobPlace there{static_cast<int>(place.process_id()), static_cast<int>(place.file())};
+  lookups_.push_back({*Digest::parse(place.digest()), *size, there});
 }
 
 void SceneCache::make_room(uint64_t budget_bytes) {

@@ -24,7 +24,8 @@ WorkerSession::WorkerSession(SessionOptions options, Time now)
     : options_(std::move(options)),
       last_heard_(now),
       next_hello_(now),
-      hello_pause_(kFirstHelloPause) {
+      hello_pause_(kFirstHelloPause),
+      cache_(options_.blob_sources) {
   options_.hello.set_session(0);
   on_tick(now);
 }
@@ -71,7 +72,8 @@ void WorkerSession::forget_job() {
 
 void WorkerSession::on_message(Channel channel, const v1::Envelope& message, Time now) {
   if (channel == Channel::bulk) {
-    if (message.has_blob_chunk()) cache_.fetch().on_chunk(message.blob_chunk(), cache_.blobs());
+    if (message.has_blob_chunk()) on_chunk(message.blob_chunk());
+    if (message.has_blob_place()) cache_.on_place(message.blob_place());
     if (message.has_blob_missing()) cache_.fetch().on_missing(message.blob_missing());
     return fetch_more(now);
   }
@@ -148,7 +150,19 @@ void WorkerSession::on_job_start(const v1::JobStart& start, Time now) {
   fetch_more(now);
 }
 
+void WorkerSession::on_chunk(const v1::BlobChunk& chunk) {
+  if (!cache_.fetch().on_chunk(chunk, cache_.blobs()) || !options_.blob_sources.disk) return;
+  const Digest digest = *Digest::parse(chunk.digest());
+  actions_.push_back(KeepBlob{digest, cache_.blobs().find(digest)});
+}
+
+void WorkerSession::on_found(const BlobFound& found, Time now) {
+  cache_.on_loaded(found);
+  fetch_more(now);
+}
+
 void WorkerSession::fetch_more(Time now) {
+  for (BlobLookup& lookup : cache_.take_lookups()) actions_.push_back(LookForBlob{lookup});
   if (job_ == 0 || renderer_ || building_ || scene_bad()) return;
   BlobFetch& fetch = cache_.fetch();
   if (!fetch.failure().empty()) return scene_failed(fetch.failure(), ExitCode::render_failed);

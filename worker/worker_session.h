@@ -24,6 +24,7 @@ struct SessionOptions {
   v1::Hello hello;  ///< all of it but the session number
   Time orphan_timeout = Time::max();
   uint64_t blob_budget_bytes = uint64_t{4} << 30;
+  SceneCache::Sources blob_sources{};
 };
 
 /// What the session wants done, in order.
@@ -41,12 +42,19 @@ struct StartBuild {
 struct StartTrace {
   std::shared_ptr<TraceRun> run;
 };
+struct LookForBlob {
+  BlobLookup lookup;
+};
+struct KeepBlob {
+  Digest digest;
+  BlobData blob;
+};
 struct Quit {
   ExitCode exit_code = ExitCode::done;
   std::string reason;
 };
-using SessionAction =
-    std::variant<SendMessage, ConnectBulk, Reconnect, StartBuild, StartTrace, Quit>;
+using SessionAction = std::variant<SendMessage, ConnectBulk, Reconnect, StartBuild, StartTrace,
+                                   LookForBlob, KeepBlob, Quit>;
 
 /// The worker's side of the protocol: says hello until it is welcomed, gathers the job's blobs, has
 /// the scene built and tiles traced, sends their bands, tells each second what it holds, and comes
@@ -56,6 +64,8 @@ class WorkerSession {
   WorkerSession(SessionOptions options, Time now);
 
   void on_message(Channel channel, const v1::Envelope& message, Time now);
+  /// What became of a LookForBlob.
+  void on_found(const BlobFound& found, Time now);
   void on_built(BuildOutcome outcome, Time now);
   void on_traced(TraceOutcome outcome, Time now);
   /// To be called at next_deadline().
@@ -75,6 +85,7 @@ class WorkerSession {
   void on_assign(const v1::Assign& assign);
   void cancel_all();
   void forget_job();
+  void on_chunk(const v1::BlobChunk& chunk);
   void fetch_more(Time now);
   void scene_failed(const std::string& text, ExitCode code);
   bool scene_bad() const { return failure_.job() != 0; }

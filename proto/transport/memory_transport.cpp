@@ -18,8 +18,14 @@ struct Mailbox {
   bool woken = false;
 
   bool empty() const { return control.empty() && bulk.empty(); }
-  void put(ReceivedMessage message) {
-    (message.channel == Channel::control ? control : bulk).push_back(std::move(message));
+  void put(Channel channel, PeerId peer, MessageBytes bytes) {
+    const auto owner = std::make_shared<const MessageBytes>(std::move(bytes));
+    ReceivedMessage message;
+    message.channel = channel;
+    message.peer = std::move(peer);
+    message.bytes = *owner;
+    message.owner = owner;
+    (channel == Channel::control ? control : bulk).push_back(std::move(message));
     changed.notify_one();
   }
   std::optional<ReceivedMessage> take() {
@@ -80,7 +86,7 @@ class MemoryNetwork::State::Server final : public ServerTransport {
     const std::lock_guard lock(state_->mutex);
     const auto it = state_->clients.find(peer);
     if (it == state_->clients.end()) return SendResult::gone;
-    it->second.put({channel, {}, std::move(bytes)});
+    it->second.put(channel, {}, std::move(bytes));
     return SendResult::sent;
   }
   void wake() override {
@@ -111,7 +117,7 @@ class MemoryNetwork::State::Client final : public ClientTransport {
   }
   void send(Channel channel, MessageBytes bytes) override {
     const std::lock_guard lock(state_->mutex);
-    state_->server.put({channel, name_, std::move(bytes)});
+    state_->server.put(channel, name_, std::move(bytes));
   }
   void reconnect() override {}
   void wake() override {

@@ -5,8 +5,11 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
+
+#include "proto/transport/allow_list.h"
 
 namespace tessera {
 
@@ -28,7 +31,10 @@ using PeerId = std::string;
 struct ReceivedMessage {
   Channel channel = Channel::control;
   PeerId peer;  ///< empty at a client: there is only the server
-  MessageBytes bytes;
+  std::span<const std::byte> bytes;
+  std::shared_ptr<const void> owner;  ///< of the bytes, which are where they came in
+  AllowedKey
+      sender{};  ///< as the server's list has it; any, without a name, where no keys are used
 };
 
 enum class SendResult {
@@ -51,7 +57,16 @@ class ServerTransport {
   virtual std::optional<ReceivedMessage> receive() = 0;
   /// Does not block.
   virtual SendResult send(Channel channel, const PeerId& peer, MessageBytes bytes) = 0;
+  /// From now on nobody else is let in, heard or sent to. Returns the control peers that this shut
+  /// out. Without keys it does nothing.
+  virtual std::vector<PeerId> set_allowed(AllowList) { return {}; }
   virtual void wake() = 0;
+};
+
+/// Why no connection came about.
+struct ConnectionTrouble {
+  std::string why;
+  bool refused = false;  ///< the server said so: trying again is of no use as things are
 };
 
 /// The end of a worker or client. One thread owns it; only wake() may be called from others.
@@ -67,6 +82,8 @@ class ClientTransport {
   virtual void send(Channel channel, MessageBytes bytes) = 0;
   /// Drops this connection and makes a new one: to the server, a new peer.
   virtual void reconnect() = 0;
+  /// What went wrong the last time, if no connection has come about since.
+  virtual std::optional<ConnectionTrouble> trouble() const { return std::nullopt; }
   virtual void wake() = 0;
 };
 

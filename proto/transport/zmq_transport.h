@@ -1,20 +1,40 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "proto/transport/allow_list.h"
+#include "proto/transport/keys.h"
 #include "proto/transport/transport.h"
 
 namespace tessera {
 
+/// Who may come to a server.
+struct ServerSecurity {
+  /// With them, both sockets speak CURVE and admit nobody but who is on the list. Without them,
+  /// everybody who can reach the endpoint is let in.
+  std::optional<KeyPair> keys;
+  AllowList allowed;
+  bool insecure = false;  ///< whether other machines may reach it though there are no keys
+};
+
 /// Binds control and bulk sockets. `endpoint` is ipc://PATH or tcp://HOST:PORT (PORT `*` or 0: any
 /// that is free). Blobs are at PATH.bulk, or at PORT + 1 (any, where PORT is). Throws usage_error
-/// for an endpoint that is malformed, in use, or not loopback, and for a path at which there is
-/// something else than a socket. Its sockets' files are removed with it.
-std::unique_ptr<ServerTransport> bind_server(const std::string& endpoint);
+/// for an endpoint that is malformed, in use, or neither loopback nor protected, and for a path at
+/// which there is something else than a socket. Its sockets' files are removed with it.
+std::unique_ptr<ServerTransport> bind_server(const std::string& endpoint,
+                                             ServerSecurity security = {});
+
+/// Who a client is, and whom it talks to.
+struct ClientKeys {
+  KeyPair own;
+  Key server{};  ///< the public one: nobody else can answer
+};
 
 /// Connects in the background and again whenever the connection is lost; whether anybody answers is
 /// for the caller to find out. Throws usage_error for a malformed endpoint.
-std::unique_ptr<ClientTransport> connect_client(const std::string& endpoint);
+std::unique_ptr<ClientTransport> connect_client(const std::string& endpoint,
+                                                const std::optional<ClientKeys>& keys = {});
 
 }  // namespace tessera

@@ -6,7 +6,7 @@ namespace tessera {
 
 Digest BlobStore::put(std::vector<std::byte> bytes) {
   const Digest digest = Digest::of(bytes);
-  blobs_.try_emplace(digest, std::make_shared<const std::vector<std::byte>>(std::move(bytes)));
+  blobs_.try_emplace(digest, std::make_shared<const Blob>(std::move(bytes)));
   return digest;
 }
 

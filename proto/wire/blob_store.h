@@ -5,14 +5,13 @@
 #include <span>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "base/digest.h"
+#include "proto/wire/blob.h"
 
 namespace tessera {
-
-/// Immutable bytes, shared by whoever holds them; the bytes never move.
-using BlobData = std::shared_ptr<const std::vector<std::byte>>;
 
 /// The blobs of a scene in memory, by digest. Not thread-safe while it is being filled.
 class BlobStore {
@@ -21,6 +20,8 @@ class BlobStore {
   Digest put(std::vector<std::byte> bytes);
   /// Keeps `bytes` under a name that the caller has verified.
   void put(const Digest& digest, BlobData bytes);
+  /// Holds the same bytes elsewhere from now on.
+  void replace(const Digest& digest, BlobData bytes) { blobs_[digest] = std::move(bytes); }
   /// The blob of that name, or null.
   BlobData find(const Digest& digest) const;
   size_t size() const { return blobs_.size(); }

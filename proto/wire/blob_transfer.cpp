@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <span>
+#include <utility>
 
 namespace tessera {
 namespace {
@@ -42,16 +43,50 @@ v1::Envelope answer_blob_request(const v1::BlobRequest& request, const BlobData&
   return answer;
 }
 
-void BlobFetch::want(const Digest& digest, uint64_t size) {
+BlobFetch::Part* BlobFetch::add(const Digest& digest, uint64_t size) {
   if (size > kMaxBlobBytes) {
     failure_ =
         fmt::format("blob {} of {} bytes; expected at most {}", digest.hex(), size, kMaxBlobBytes);
-    return;
+    return nullptr;
   }
   const auto [part, fresh] = parts_.try_emplace(digest);
-  if (!fresh) return;
+  if (!fresh) return nullptr;
   part->second.size = size;
+  part->second.by_place = by_place_;
+  return &part->second;
+}
+
+void BlobFetch::want(const Digest& digest, uint64_t size) {
+  if (add(digest, size)) unasked_.push_back(digest);
+}
+
+void BlobFetch::hold(const Digest& digest, uint64_t size) {
+  if (Part* const part = add(digest, size)) part->held = true;
+}
+
+void BlobFetch::on_loaded(const Digest& digest, BlobData blob, BlobStore& store) {
+  const auto it = parts_.find(digest);
+  if (it == parts_.end() || !it->second.held) return;
+  if (blob) {
+    store.put(digest, std::move(blob));
+    parts_.erase(it);
+    return;
+  }
+  it->second.held = false;
   unasked_.push_back(digest);
+}
+
+std::optional<uint64_t> BlobFetch::on_place(const v1::BlobPlace& place) {
+  const auto it = find(place.digest());
+  if (it == parts_.end() || !it->second.by_place || in_flight_.erase({it->first, 0}) == 0) {
+    return std::nullopt;
+  }
+  // One that is not there is not asked for again.
+  Part& part = it->second;
+  part.by_place = false;
+  part.asked = 0;
+  part.held = true;
+  return part.size;
 }
 
 std::vector<v1::BlobRequest> BlobFetch::requests(Time now) {
@@ -67,7 +102,7 @@ std::vector<v1::BlobRequest> BlobFetch::requests(Time now) {
     Part& part = parts_.at(digest);
     in_flight_.emplace(std::pair(digest, part.asked), now);
     result.push_back(request(digest, part.asked));
-    if (++part.asked == chunk_count(part.size)) unasked_.pop_front();
+    if (++part.asked == chunk_count(part.size) || part.by_place) unasked_.pop_front();
   }
   return result;
 }
@@ -78,6 +113,7 @@ v1::BlobRequest BlobFetch::request(const Digest& digest, size_t chunk) const {
   request.set_offset(uint64_t{chunk} * kBlobChunkBytes);
   request.set_length(static_cast<uint32_t>(chunk_size(parts_.at(digest).size, chunk)));
   request.set_submission(submission_);
+  request.set_place(parts_.at(digest).by_place);
   return request;
 }
 
@@ -86,33 +122,41 @@ BlobFetch::Parts::iterator BlobFetch::find(const std::string& hex) {
   return digest ? parts_.find(*digest) : parts_.end();
 }
 
-void BlobFetch::on_chunk(const v1::BlobChunk& chunk, BlobStore& store) {
+bool BlobFetch::on_chunk(const v1::BlobChunk& chunk, BlobStore& store) {
   const auto it = find(chunk.digest());
-  if (it == parts_.end() || chunk.offset() % kBlobChunkBytes != 0) return;
+  if (it == parts_.end() || chunk.offset() % kBlobChunkBytes != 0) return false;
   const auto index = static_cast<size_t>(chunk.offset() / kBlobChunkBytes);
   const auto asked = in_flight_.find({it->first, index});
-  if (asked == in_flight_.end()) return;
+  if (asked == in_flight_.end()) return false;
   Part& part = it->second;
   // Such as where the blob is not as long as was said.
-  if (chunk.data().size() != chunk_size(part.size, index)) return note_damage(it);
+  if (chunk.data().size() != chunk_size(part.size, index)) {
+    note_damage(it);
+    return false;
+  }
   in_flight_.erase(asked);
+  if (std::exchange(part.by_place, false) && part.asked < chunk_count(part.size)) {
+    unasked_.push_front(it->first);
+  }
   const size_t end = static_cast<size_t>(chunk.offset()) + chunk.data().size();
   if (part.data.size() < end) part.data.resize(end);
   const auto bytes = std::as_bytes(std::span(chunk.data()));
   std::copy(bytes.begin(), bytes.end(), part.data.begin() + static_cast<ptrdiff_t>(chunk.offset()));
-  if (++part.received == chunk_count(part.size)) complete(it, store);
+  return ++part.received == chunk_count(part.size) && complete(it, store);
 }
 
-void BlobFetch::complete(Parts::iterator it, BlobStore& store) {
+bool BlobFetch::complete(Parts::iterator it, BlobStore& store) {
   Part& part = it->second;
   if (Digest::of(part.data) != it->first) {
     part.data = {};
     part.asked = part.received = 0;
     unasked_.push_front(it->first);
-    return note_damage(it);
+    note_damage(it);
+    return false;
   }
-  store.put(it->first, std::make_shared<const std::vector<std::byte>>(std::move(part.data)));
+  store.put(it->first, std::make_shared<const Blob>(std::move(part.data)));
   parts_.erase(it);
+  return true;
 }
 
 void BlobFetch::note_damage(Parts::iterator it) {

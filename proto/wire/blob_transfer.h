@@ -25,15 +25,24 @@ v1::Envelope answer_blob_request(const v1::BlobRequest& request, const BlobData&
 /// again for what did not come, and verifies each blob before it counts.
 class BlobFetch {
  public:
-  /// `submission` goes into every request, for the other side to repeat in its answers.
-  explicit BlobFetch(uint64_t submission = 0) : submission_(submission) {}
+  /// `submission` goes into every request, for the other side to repeat in its answers. `by_place`:
+  /// first asks whether the other side shares the blob on this machine.
+  explicit BlobFetch(uint64_t submission = 0, bool by_place = false)
+      : submission_(submission), by_place_(by_place) {}
 
   /// Adds a blob to fetch. Once is enough; a size above kMaxBlobBytes is a failure.
   void want(const Digest& digest, uint64_t size);
+  /// The same, but asks for nothing until on_loaded() says that it is not to be had otherwise.
+  void hold(const Digest& digest, uint64_t size);
+  /// The verified blob that was found on this machine, or null.
+  void on_loaded(const Digest& digest, BlobData blob, BlobStore& store);
   /// What to ask now. Call after each chunk and at next_deadline().
   std::vector<v1::BlobRequest> requests(Time now);
   /// Blobs that are complete and right go to `store`. Chunks that were not asked for are ignored.
-  void on_chunk(const v1::BlobChunk& chunk, BlobStore& store);
+  /// True if one is complete by this chunk.
+  bool on_chunk(const v1::BlobChunk& chunk, BlobStore& store);
+  /// The size of the blob, which is held until on_loaded(); nothing if it was not asked for.
+  std::optional<uint64_t> on_place(const v1::BlobPlace& place);
   void on_missing(const v1::BlobMissing& missing);
 
   bool finished() const { return parts_.empty(); }
@@ -48,14 +57,18 @@ class BlobFetch {
     size_t asked = 0;             ///< so many chunks from the first on
     size_t received = 0;
     int corrupt = 0;
+    bool held = false;      ///< until on_loaded()
+    bool by_place = false;  ///< until that was answered, nothing but the first chunk is asked for
   };
   using Parts = std::map<Digest, Part>;
   Parts::iterator find(const std::string& hex);
-  void complete(Parts::iterator part, BlobStore& store);
+  Part* add(const Digest& digest, uint64_t size);
+  bool complete(Parts::iterator part, BlobStore& store);
   void note_damage(Parts::iterator part);
   v1::BlobRequest request(const Digest& digest, size_t chunk) const;
 
   uint64_t submission_;
+  bool by_place_;
   Parts parts_;
   std::deque<Digest> unasked_;  ///< of parts with chunks that were not asked for, in their order
   std::map<std::pair<Digest, size_t>, Time> in_flight_;  ///< when each was asked for

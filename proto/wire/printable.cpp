@@ -2,12 +2,11 @@
 
 namespace tessera {
 
-std::string printable(std::string_view text) {
-  constexpr size_t kMaxBytes = 1000;
+std::string printable(std::string_view text, size_t max_bytes) {
   const auto byte = [&text](size_t i) { return static_cast<unsigned char>(text[i]); };
   size_t size = text.size();
-  if (size > kMaxBytes) {
-    size = kMaxBytes;
+  if (size > max_bytes) {
+    size = max_bytes;
     while (size > 0 && (byte(size) & 0xc0) == 0x80) --size;
   }
   std::string result(text.substr(0, size));

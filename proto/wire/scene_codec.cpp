@@ -110,7 +110,8 @@ BlobStore take_blobs(v1::Scene& scene, const std::string& name) {
     if (!digest || Digest::of(bytes) != *digest)
       throw scene_error({name}, fmt::format("blob '{}' does not have that digest", blob.digest()),
                         "the BLAKE2b-256 of its data");
-    blobs.put(*digest, std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end()));
+    blobs.put(*digest,
+              std::make_shared<const Blob>(std::vector<std::byte>(bytes.begin(), bytes.end())));
     blob.clear_data();
   }
   scene.clear_blobs();
@@ -124,7 +125,7 @@ std::vector<v1::BlobRef> present_blobs(const v1::Scene& scene, const BlobStore& 
   return present;
 }
 
-std::string_view as_text(const std::vector<std::byte>& bytes) {
+std::string_view as_text(const Blob& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -159,7 +160,7 @@ void fetch_blobs(const std::string& path, SceneWithBlobs& read) {
       throw scene_error({file}, "the data do not have the digest of the file's name", "whole data");
     const auto view = std::as_bytes(std::span(bytes));
     read.blobs.put(digest,
-                   std::make_shared<const std::vector<std::byte>>(view.begin(), view.end()));
+                   std::make_shared<const Blob>(std::vector<std::byte>(view.begin(), view.end())));
   }
 }
 

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/text_format.h>
 
@@ -100,10 +101,10 @@ class Finder {
     const std::string name =
         field ? part.message->GetReflection()->GetString(*part.message, field) : "";
     if (!name.empty()) {
-      step += " '" + name + "'";
+      step += fmt::format(" '{}'", name);
     } else if (index >= 0 && !text.substr(step.size()).starts_with(": ")) {
       // Cameras are not numbered; of several without a name none is found.
-      step += " " + std::to_string(index + 1);
+      step += fmt::format(" {}", index + 1);
     }
     if (part.places && text.starts_with(step)) visit(part, text.substr(step.size()));
   }

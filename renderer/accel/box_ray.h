@@ -7,6 +7,7 @@
 #include <cstring>
 #include <type_traits>
 
+#include "renderer/accel/traversal_tree.h"
 #include "renderer/accel/wide_tree.h"
 #include "renderer/shapes/ray.h"
 
@@ -18,25 +19,31 @@ namespace tessera {
 /// where the offsets take in a margin that covers every rounding here and in the exact tests of
 /// what the box holds: no box with a hit is missed (after Ize, JCGT 2(2), 2013). Nothing in it is
 /// NaN or infinite, axis-parallel rays included. Real is float; double for rays outside of float's
-/// range.
+/// range, and where float is too coarse for the tree.
 template <typename Real>
 struct BoxRay {
   alignas(16) Real inverse[4], enter_offset[4], leave_offset[4];  ///< the fourth is not used
   int near_row[3];                                                ///< the far row is near_row ^ 1
   Real t_min, t_max;  ///< in single precision not negative
   double t_shift;  ///< t of the point that the box test starts from: where the ray enters the whole
+  double t_slack;  ///< in double only: see BoxMargin::time
 
   static constexpr double kMargin = 0x1p-19;
 
   /// An upper bound in box-test terms for hits up to `t`.
-  Real limit(double t) const { return static_cast<Real>((t - t_shift) + t * kMargin); }
+  Real limit(double t) const {
+    if constexpr (std::is_same_v<Real, double>)
+      return (t - t_shift) + (std::abs(t) * kMargin + t_slack);
+    else
+      return static_cast<Real>((t - t_shift) + t * kMargin);
+  }
 };
 
 /// What both precisions need first. Written without branches on signs: directions are random.
 struct RayFrame {
   double origin[3];  ///< moved to where the ray enters the whole, if it starts far away
   double inverse[3];
-  double t_shift, t_min, t_max;
+  double t_shift, t_min, t_max, t_slack;
   double margin;  ///< in space, on each axis
   bool misses, fits_float;
 };
@@ -47,12 +54,13 @@ inline double largest(const double* v) {
 
 /// Moves the origin of a ray from far away, where single precision is coarse, to the whole's box.
 inline void move_origin(RayFrame& f, const double* d, const Bounds3& whole, double extent,
-                        double shortest, double far_origin) {
+                        double shortest, double far_origin, double margin) {
   constexpr double kInf = Bounds3::kInfinity;
   const double low[3] = {whole.min.x, whole.min.y, whole.min.z};
   const double high[3] = {whole.max.x, whole.max.y, whole.max.z};
   const double pad = (far_origin + extent) * 0x1p-40;
-  double enter = std::min(0.0, f.t_min), leave = f.t_max * (1 + BoxRay<float>::kMargin);
+  double enter = std::min(0.0, f.t_min),
+         leave = f.t_max + std::abs(f.t_max) * BoxRay<float>::kMargin;
   for (int a = 0; a < 3; ++a) {
     const bool matters = std::abs(d[a]) >= shortest;
     const double t0 = ((low[a] - pad) - f.origin[a]) * f.inverse[a];
@@ -60,29 +68,39 @@ inline void move_origin(RayFrame& f, const double* d, const Bounds3& whole, doub
     enter = std::max(enter, matters ? std::min(t0, t1) : -kInf);
     leave = std::min(leave, matters ? std::max(t0, t1) : kInf);
   }
-  f.misses = enter > leave * (1 + 0x1p-40);
+  f.misses = enter > leave + std::abs(leave) * 0x1p-40;
   f.t_shift = std::max(0.0, enter);
   for (int a = 0; a < 3; ++a) f.origin[a] += d[a] * f.t_shift;
   const double size = std::max(extent, largest(f.origin));
-  f.margin = size * BoxRay<float>::kMargin + far_origin * 0x1p-46;
+  f.margin = size * margin + far_origin * 0x1p-46;
   f.fits_float = f.fits_float && size < 1e15;
 }
 
-inline RayFrame make_ray_frame(const Ray& ray, double t_max, const Bounds3& whole, double extent) {
+inline RayFrame make_ray_frame(const Ray& ray, double t_max, const Bounds3& whole, double extent,
+                               const BoxMargin& margin = {}) {
   const double d[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
-  RayFrame f{{ray.origin.x, ray.origin.y, ray.origin.z}, {}, 0, ray.t_min, t_max, 0, false, false};
+  RayFrame f{.origin = {ray.origin.x, ray.origin.y, ray.origin.z},
+             .inverse = {},
+             .t_shift = 0,
+             .t_min = ray.t_min,
+             .t_max = t_max,
+             .t_slack = 0,
+             .margin = 0,
+             .misses = false,
+             .fits_float = false};
   const double longest = largest(d), far_origin = largest(f.origin);
+  if (margin.time > 0) f.t_slack = extent / longest * margin.time;
   // A component too short to matter within the scene's extent gets a finite reciprocal; the margin
   // makes up for it.
-  const double shortest = longest * 0x1p-30;
+  const double shortest = longest * margin.space * 0x1p-11;
   for (int a = 0; a < 3; ++a)
     f.inverse[a] = 1 / (std::abs(d[a]) >= shortest ? d[a] : std::copysign(shortest, d[a]));
   // Then no product of sizes and reciprocals overflows or underflows.
   f.fits_float = extent > 1e-15 && extent < 1e14 && longest > 1e-9 && longest < 1e9 && f.t_min >= 0;
   if (far_origin <= 4 * extent) [[likely]]
-    f.margin = std::max(extent, far_origin) * BoxRay<float>::kMargin;
+    f.margin = std::max(extent, far_origin) * margin.space;
   else
-    move_origin(f, d, whole, extent, shortest, far_origin);
+    move_origin(f, d, whole, extent, shortest, far_origin, margin.space);
   return f;
 }
 
@@ -100,7 +118,12 @@ inline BoxRay<Real> make_box_ray(const RayFrame& f) {
     b.near_row[a] = 2 * a + backward;
   }
   b.t_shift = f.t_shift;
-  b.t_min = static_cast<Real>((f.t_min - f.t_shift) - std::abs(f.t_min) * BoxRay<Real>::kMargin);
+  b.t_slack = f.t_slack;
+  // In double all from the origin on: the margin may be too small to tell apart what is about
+  // t_min.
+  const double t_min = std::is_same_v<Real, double> ? std::min(f.t_min, 0.0) : f.t_min;
+  b.t_min = static_cast<Real>((t_min - f.t_shift) - std::abs(f.t_min) * BoxRay<Real>::kMargin -
+                              f.t_slack);
   if (std::is_same_v<Real, float>) b.t_min = std::max(b.t_min, Real{0}) + Real{0};  // never -0
   b.t_max = b.limit(f.t_max);
   return b;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "renderer/accel/spatial_splits.h"
 #include "renderer/accel/tree_boxes.h"
 
 namespace tessera {
@@ -15,33 +14,14 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-AcceleratorStatistics statistics_of(const WideTree& tree, size_t primitives, size_t references) {
-  return {.primitives = primitives,
-          .nodes = tree.nodes.size(),
-          .leaves = tree.leaves,
-          .references = references,
-          .depth = tree.depth};
-}
-
 }  // namespace
 
-MeshBvh::MeshBvh(const TriangleMesh& mesh, int threads, const BvhKernels& code, BvhQuality quality)
-    : closest_(code.mesh_closest), any_(code.mesh_any), packet_(code.mesh_packet) {
-  const Clock::time_point start = Clock::now();
-  tree_.bounds = mesh.bounds();
-  std::vector<BuildBox> boxes = triangle_boxes(mesh);
-  if (quality == BvhQuality::spatial_splits) {
-    SpatialSplits splits = split_spatially(mesh, std::move(boxes));
-    boxes = std::move(splits.boxes);
-    tree_.cut_planes = splits.planes;
-  }
-  const size_t references = boxes.size();
-  const WideTree tree = build_wide_tree(std::move(boxes), 4, threads);
-  lay_out(tree, mesh, tree_);
-  statistics_ = statistics_of(tree, mesh.triangles.size(), references);
-  statistics_.bytes = tree_.tree.units.bytes();
-  statistics_.build_seconds = seconds_since(start);
-}
+MeshBvh::MeshBvh(BuiltMeshTree built, const BvhKernels& code)
+    : tree_(std::move(built.tree)),
+      closest_(code.mesh_closest),
+      any_(code.mesh_any),
+      packet_(code.mesh_packet),
+      statistics_(built.statistics) {}
 
 void MeshBvh::closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
                            TraversalCounters& counters) const {

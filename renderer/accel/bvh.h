@@ -5,11 +5,9 @@
 
 #include "renderer/accel/accelerator.h"
 #include "renderer/accel/bvh_kernels.h"
+#include "renderer/accel/mesh_tree.h"
 
 namespace tessera {
-
-/// See spatial_splits.h. The hits are the same.
-enum class BvhQuality { standard, spatial_splits };
 
 /// Eight-wide bounding volume hierarchy over the triangles of a mesh. Boxes in single precision
 /// cull, the watertight test in double decides. It keeps its own copy of the vertices and does not
@@ -18,7 +16,9 @@ class MeshBvh final : public Accelerator {
  public:
   /// At least one triangle, all of them finite.
   MeshBvh(const TriangleMesh& mesh, int threads, const BvhKernels& code = kernels(),
-          BvhQuality quality = BvhQuality::standard);
+          BvhQuality quality = BvhQuality::standard)
+      : MeshBvh(build_mesh_tree(mesh, threads, quality), code) {}
+  explicit MeshBvh(BuiltMeshTree built, const BvhKernels& code = kernels());
   Bounds3 bounds() const override { return tree_.bounds; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override {
     return closest_(tree_, ray, hit, counters);
@@ -38,10 +38,10 @@ class MeshBvh final : public Accelerator {
   AcceleratorStatistics statistics_;
 };
 
-/// The same over instances. Endless ones are kept outside of the tree and always tested.
+/// The same over instances. What cannot be held is kept outside of the tree and always tested.
 class InstanceBvh final : public Accelerator {
  public:
-  /// At least one instance of finite bounds.
+  /// At least one instance that can_be_held().
   InstanceBvh(std::vector<Instance> instances, int threads, const BvhKernels& code = kernels());
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override {

@@ -20,91 +20,72 @@ HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
 
-/// The way out for rays that single precision cannot hold; kept apart so that the usual way stays
-/// short.
+/// The way out where single precision cannot hold a ray or tell a tree's boxes apart; kept apart so
+/// that the usual way stays short.
 HWY_NOINLINE bool mesh_closest_in_double(const MeshTree& mesh, const TriangleRay& ray,
                                          const RayFrame& frame, Hit& hit,
                                          TraversalCounters& counters) {
   const TriangleTester tester(mesh, ray);
-  bool found = false;
-  visit_in_double(mesh.tree, make_box_ray<double>(frame), counters.node_visits,
-                  [&](uint32_t leaf) HWY_ATTR {
-                    found |= tester.closest(leaf, hit, counters.primitive_tests);
-                    return false;
-                  });
-  return found;
+  BoxRay<double> box_ray = make_box_ray<double>(frame);
+  return closest_in_tree<true>(mesh.tree, box_ray, box_ray.t_max, counters.node_visits,
+                               [&](uint32_t leaf) HWY_ATTR {
+                                 if (!tester.closest(leaf, hit, counters.primitive_tests))
+                                   return false;
+                                 box_ray.t_max = box_ray.limit(hit.t);
+                                 return true;
+                               });
 }
 
 HWY_NOINLINE bool mesh_any_in_double(const MeshTree& mesh, const TriangleRay& ray,
                                      const RayFrame& frame, TraversalCounters& counters) {
   const TriangleTester tester(mesh, ray);
-  bool found = false;
-  visit_in_double(mesh.tree, make_box_ray<double>(frame), counters.node_visits,
-                  [&](uint32_t leaf)
-                      HWY_ATTR { return found = tester.any(leaf, counters.primitive_tests); });
-  return found;
+  BoxRay<double> box_ray = make_box_ray<double>(frame);
+  return any_in_tree<true>(mesh.tree, box_ray, counters.node_visits, [&](uint32_t leaf) HWY_ATTR {
+    return tester.any(leaf, counters.primitive_tests);
+  });
 }
 
 /// How the box test of a ray is set up; `wide`: single precision cannot hold it.
 enum class Setup { ready, misses, wide };
-HWY_NOINLINE Setup set_up_unusual(const Ray& ray, double t_max, const Bounds3& whole, float extent,
-                                  RayFrame& frame, BoxRay<float>& box_ray) {
+HWY_NOINLINE Setup set_up_unusual(const Ray& ray, double t_max, const Bounds3& whole,
+                                  const TraversalTree& tree, RayFrame& frame,
+                                  BoxRay<float>& box_ray) {
   const Vec3& d = ray.direction;
   if (!is_finite(ray.origin - Point3{}) || std::isnan(d.x) || std::isnan(d.y) || std::isnan(d.z))
     return Setup::misses;
-  frame = make_ray_frame(ray, t_max, whole, double{extent});
+  frame = make_ray_frame(ray, t_max, whole, double{tree.extent}, tree.margin);
   if (frame.misses) return Setup::misses;
-  if (!frame.fits_float) return Setup::wide;
+  if (!frame.fits_float || tree.usual_extent == 0) return Setup::wide;
   box_ray = make_box_ray<float>(frame);
   return Setup::ready;
 }
-HWY_INLINE Setup set_up(const Ray& ray, double t_max, const Bounds3& whole, float extent,
-                        RayFrame& frame, BoxRay<float>& box_ray) {
-  if (make_usual_box_ray(ray, t_max, extent, box_ray)) [[likely]]
+HWY_INLINE Setup set_up(const Ray& ray, double t_max, const Bounds3& whole,
+                        const TraversalTree& tree, RayFrame& frame, BoxRay<float>& box_ray) {
+  if (make_usual_box_ray(ray, t_max, tree.usual_extent, box_ray)) [[likely]]
     return Setup::ready;
-  return set_up_unusual(ray, t_max, whole, extent, frame, box_ray);
+  return set_up_unusual(ray, t_max, whole, tree, frame, box_ray);
 }
 
-/// Calls `leaf` for every leaf on the ray's line, before the ray and behind its hits too, until it
-/// returns true.
-template <typename Leaf>
-HWY_INLINE void visit_line(const MeshTree& mesh, Ray ray, uint64_t& visits, Leaf&& leaf) {
-  ray.t_min = 0;
-  ray.t_max = Bounds3::kInfinity;
+/// Calls `test(tester, leaf)` for every leaf on the ray's line, before the ray and behind its hits
+/// too, until it returns true: for rays whose t may be told far from the piece that they cross.
+template <typename Test>
+HWY_NOINLINE bool test_line(const MeshTree& mesh, const Ray& ray, uint64_t& visits, Test test) {
+  const TriangleRay prepared(ray);
+  if (!prepared.valid()) return false;
+  const TriangleTester tester(mesh, prepared);
+  const auto leaf = [&](uint32_t reference) HWY_ATTR { return test(tester, reference); };
+  Ray line = ray;
+  line.t_min = 0;
+  line.t_max = Bounds3::kInfinity;
   BoxRay<float> box_ray;
-  if (make_usual_box_ray(ray, ray.t_max, mesh.tree.extent, box_ray)) {
-    any_in_tree<true>(mesh.tree, box_ray, visits, leaf);
-    return;
-  }
-  ray.t_min = -Bounds3::kInfinity;
-  const RayFrame frame = make_ray_frame(ray, ray.t_max, mesh.bounds, mesh.tree.extent);
-  if (!frame.misses) visit_in_double(mesh.tree, make_box_ray<double>(frame), visits, leaf);
-}
-
-/// For rays whose t may be told far from the piece that they cross.
-HWY_NOINLINE bool mesh_closest_on_line(const MeshTree& mesh, const Ray& ray, Hit& hit,
-                                       TraversalCounters& counters) {
-  const TriangleRay prepared(ray);
-  if (!prepared.valid()) return false;
-  const TriangleTester tester(mesh, prepared);
-  bool found = false;
-  visit_line(mesh, ray, counters.node_visits, [&](uint32_t leaf) HWY_ATTR {
-    found |= tester.closest(leaf, hit, counters.primitive_tests);
-    return false;
-  });
-  return found;
-}
-
-HWY_NOINLINE bool mesh_any_on_line(const MeshTree& mesh, const Ray& ray,
-                                   TraversalCounters& counters) {
-  const TriangleRay prepared(ray);
-  if (!prepared.valid()) return false;
-  const TriangleTester tester(mesh, prepared);
-  bool found = false;
-  visit_line(mesh, ray, counters.node_visits, [&](uint32_t leaf) HWY_ATTR {
-    return found = tester.any(leaf, counters.primitive_tests);
-  });
-  return found;
+  if (make_usual_box_ray(line, line.t_max, mesh.tree.usual_extent, box_ray))
+    return any_in_tree<true>(mesh.tree, box_ray, visits, leaf);
+  line.t_min = -Bounds3::kInfinity;
+  const RayFrame frame =
+      make_ray_frame(line, line.t_max, mesh.bounds, double{mesh.tree.extent}, mesh.tree.margin);
+  if (frame.misses) return false;
+  BoxRay<double> wide_ray = make_box_ray<double>(frame);
+  return any_in_tree<true>(mesh.tree, wide_ray, visits, leaf);
 }
 
 bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCounters& counters) {
@@ -115,12 +96,19 @@ bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCount
            TriangleTester(mesh, prepared).closest(mesh.tree.root, hit, counters.primitive_tests);
   }
   if (mesh.cut_planes.count > 0 && mesh.cut_planes.must_visit_all(ray, mesh.tree.extent))
-      [[unlikely]]
-    return mesh_closest_on_line(mesh, ray, hit, counters);
+      [[unlikely]] {
+    bool found = false;
+    test_line(mesh, ray, counters.node_visits,
+              [&](const TriangleTester& tester, uint32_t leaf) HWY_ATTR {
+                found |= tester.closest(leaf, hit, counters.primitive_tests);
+                return false;
+              });
+    return found;
+  }
   RayFrame frame;
   BoxRay<float> box_ray;
   const Setup setup =
-      set_up(ray, std::min(ray.t_max, hit.t), mesh.bounds, mesh.tree.extent, frame, box_ray);
+      set_up(ray, std::min(ray.t_max, hit.t), mesh.bounds, mesh.tree, frame, box_ray);
   if (setup == Setup::misses) return false;
   const TriangleRay prepared(ray);
   if (setup == Setup::wide) [[unlikely]]
@@ -146,11 +134,14 @@ bool mesh_any(const MeshTree& mesh, const Ray& ray, TraversalCounters& counters)
            TriangleTester(mesh, prepared).any(mesh.tree.root, counters.primitive_tests);
   }
   if (mesh.cut_planes.count > 0 && mesh.cut_planes.must_visit_all(ray, mesh.tree.extent))
-      [[unlikely]]
-    return mesh_any_on_line(mesh, ray, counters);
+      [[unlikely]] {
+    return test_line(mesh, ray, counters.node_visits,
+                     [&](const TriangleTester& tester, uint32_t leaf)
+                         HWY_ATTR { return tester.any(leaf, counters.primitive_tests); });
+  }
   RayFrame frame;
   BoxRay<float> box_ray;
-  const Setup setup = set_up(ray, ray.t_max, mesh.bounds, mesh.tree.extent, frame, box_ray);
+  const Setup setup = set_up(ray, ray.t_max, mesh.bounds, mesh.tree, frame, box_ray);
   if (setup == Setup::misses) return false;
   const TriangleRay prepared(ray);
   if (setup == Setup::wide) [[unlikely]]
@@ -202,15 +193,17 @@ bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
   RayFrame frame;
   BoxRay<float> box_ray;
   const Setup setup =
-      set_up(ray, std::min(ray.t_max, hit.t), scene.tree_bounds, scene.tree.extent, frame, box_ray);
+      set_up(ray, std::min(ray.t_max, hit.t), scene.tree_bounds, scene.tree, frame, box_ray);
   if (setup == Setup::misses) return found;
   if (setup == Setup::wide) [[unlikely]] {
-    visit_in_double(scene.tree, make_box_ray<double>(frame), counters.node_visits,
-                    [&](uint32_t leaf) HWY_ATTR {
-                      found |= test(leaf);
-                      return false;
-                    });
-    return found;
+    BoxRay<double> wide_ray = make_box_ray<double>(frame);
+    const bool in_tree = closest_in_tree<false>(scene.tree, wide_ray, wide_ray.t_max,
+                                                counters.node_visits, [&](uint32_t leaf) HWY_ATTR {
+                                                  if (!test(leaf)) return false;
+                                                  wide_ray.t_max = wide_ray.limit(hit.t);
+                                                  return true;
+                                                });
+    return found || in_tree;
   }
   const bool in_tree = closest_in_tree<false>(scene.tree, box_ray, box_ray.t_max,
                                               counters.node_visits, [&](uint32_t leaf) HWY_ATTR {
@@ -237,13 +230,11 @@ bool instance_any(const InstanceTree& scene, const Ray& ray, TraversalCounters& 
   };
   RayFrame frame;
   BoxRay<float> box_ray;
-  const Setup setup = set_up(ray, ray.t_max, scene.tree_bounds, scene.tree.extent, frame, box_ray);
+  const Setup setup = set_up(ray, ray.t_max, scene.tree_bounds, scene.tree, frame, box_ray);
   if (setup == Setup::misses) return false;
   if (setup == Setup::wide) [[unlikely]] {
-    bool found = false;
-    visit_in_double(scene.tree, make_box_ray<double>(frame), counters.node_visits,
-                    [&](uint32_t at) HWY_ATTR { return found = test(at); });
-    return found;
+    BoxRay<double> wide_ray = make_box_ray<double>(frame);
+    return any_in_tree<false>(scene.tree, wide_ray, counters.node_visits, test);
   }
   return any_in_tree<false>(scene.tree, box_ray, counters.node_visits, test);
 }

@@ -34,7 +34,7 @@ struct InstanceTree {
   TraversalTree tree;  ///< leaves are those of the WideTree, over `slots`
   std::vector<uint32_t> slots;
   std::vector<Instance> instances;
-  std::vector<uint32_t> endless;  ///< instances outside of the tree, in ascending order
+  std::vector<uint32_t> endless;  ///< that it cannot hold, always tested; in ascending order
   Bounds3 tree_bounds;            ///< of those inside
 };
 

@@ -8,10 +8,11 @@
 namespace tessera {
 
 DeferredMesh::DeferredMesh(std::shared_ptr<const TriangleMesh> mesh, AcceleratorKind kind,
-                           int threads, std::shared_ptr<BuildCount> built)
+                           int threads, std::shared_ptr<BuildCount> built, const SharedTree& shared)
     : mesh_(std::move(mesh)),
       kind_(kind),
       threads_(threads),
+      shared_(shared),
       built_count_(std::move(built)),
       bounds_(mesh_->bounds()) {}
 
@@ -41,7 +42,7 @@ const Accelerator* DeferredMesh::accelerator_for(const Ray& ray) const {
   if (const Accelerator* built = built_.load(std::memory_order_acquire)) return built;
   if (passes_by(ray)) return nullptr;
   std::call_once(once_, [this] {
-    owned_ = make_mesh_accelerator(mesh_, kind_, threads_);
+    owned_ = make_mesh_accelerator(mesh_, kind_, threads_, shared_);
     if (built_count_) ++*built_count_;
     built_.store(owned_.get(), std::memory_order_release);
   });

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "renderer/accel/accelerator.h"
+#include "renderer/accel/mesh_tree.h"
 #include "renderer/shapes/triangle_mesh.h"
 
 namespace tessera {
@@ -19,7 +20,7 @@ class DeferredMesh final : public Accelerator {
  public:
   /// `kind` must be one that cannot be absent from the program. `built` may be null.
   DeferredMesh(std::shared_ptr<const TriangleMesh> mesh, AcceleratorKind kind, int threads,
-               std::shared_ptr<BuildCount> built);
+               std::shared_ptr<BuildCount> built, const SharedTree& shared = {});
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
@@ -34,6 +35,7 @@ class DeferredMesh final : public Accelerator {
   std::shared_ptr<const TriangleMesh> mesh_;
   AcceleratorKind kind_;
   int threads_;
+  SharedTree shared_;
   std::shared_ptr<BuildCount> built_count_;
   Bounds3 bounds_;
   mutable std::once_flag once_;

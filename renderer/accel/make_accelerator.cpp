@@ -29,14 +29,17 @@ const std::vector<std::string>& available_accelerators() {
 }
 
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
-                                                         AcceleratorKind kind, int threads) {
+                                                         AcceleratorKind kind, int threads,
+                                                         const SharedTree& shared) {
   TESSERA_CHECK(mesh->triangles.size() <= kMaxPrimitives,
                 fmt::format("{} > {}", mesh->triangles.size(), kMaxPrimitives));
   if (kind == AcceleratorKind::linear || mesh->triangles.size() <= kFewTriangles)
     return std::make_unique<MeshLinearScan>(std::move(mesh));
-  if (kind == AcceleratorKind::bvh) return std::make_unique<MeshBvh>(*mesh, threads);
-  if (kind == AcceleratorKind::bvh_splits)
-    return std::make_unique<MeshBvh>(*mesh, threads, kernels(), BvhQuality::spatial_splits);
+  if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::bvh_splits) {
+    const BvhQuality quality =
+        kind == AcceleratorKind::bvh ? BvhQuality::standard : BvhQuality::spatial_splits;
+    return std::make_unique<MeshBvh>(shared_mesh_tree(*mesh, threads, quality, shared));
+  }
   if (kind == AcceleratorKind::embree) {
     if (auto embree = EmbreeMesh::make(std::move(mesh), threads)) return embree;
     throw usage_error(
@@ -48,18 +51,20 @@ std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const T
 }
 
 std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
-                                                 AcceleratorKind kind, int threads) {
-  auto accelerator = make_mesh_accelerator(mesh, kind, threads);
+                                                 AcceleratorKind kind, int threads,
+                                                 const SharedTree& shared) {
+  auto accelerator = make_mesh_accelerator(mesh, kind, threads, shared);
   return std::make_shared<MeshShape>(std::move(mesh), std::move(accelerator));
 }
 
 std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
                                                           AcceleratorKind kind, int threads,
-                                                          std::shared_ptr<BuildCount> built) {
+                                                          std::shared_ptr<BuildCount> built,
+                                                          const SharedTree& shared) {
   TESSERA_CHECK(mesh->triangles.size() <= kMaxPrimitives,
                 fmt::format("{} > {}", mesh->triangles.size(), kMaxPrimitives));
   TESSERA_CHECK(kind != AcceleratorKind::embree, "may be absent, which is told before any ray");
-  auto accelerator = std::make_unique<DeferredMesh>(mesh, kind, threads, std::move(built));
+  auto accelerator = std::make_unique<DeferredMesh>(mesh, kind, threads, std::move(built), shared);
   return std::make_shared<MeshShape>(std::move(mesh), std::move(accelerator));
 }
 
@@ -67,7 +72,7 @@ std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instanc
                                                              AcceleratorKind kind, int threads) {
   size_t bounded = 0;
   for (const Instance& instance : instances)
-    if (const Bounds3 b = bounds_of(instance); is_bounded(b) && !b.empty()) ++bounded;
+    if (const Bounds3 b = bounds_of(instance); can_be_held(instance, b) && !b.empty()) ++bounded;
   if (kind == AcceleratorKind::linear || bounded <= kFewInstances)
     return std::make_unique<InstanceLinearScan>(std::move(instances));
   if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::bvh_splits ||

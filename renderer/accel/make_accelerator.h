@@ -8,6 +8,7 @@
 #include "renderer/accel/deferred_mesh.h"
 #include "renderer/accel/instance.h"
 #include "renderer/accel/mesh_shape.h"
+#include "renderer/accel/mesh_tree.h"
 
 namespace tessera {
 
@@ -19,14 +20,17 @@ const std::vector<std::string>& available_accelerators();
 
 /// Every triangle of `mesh` must be legal: see drop_degenerate().
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
-                                                         AcceleratorKind kind, int threads);
+                                                         AcceleratorKind kind, int threads,
+                                                         const SharedTree& shared = {});
 std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
-                                                 AcceleratorKind kind, int threads);
+                                                 AcceleratorKind kind, int threads,
+                                                 const SharedTree& shared = {});
 /// The same, but built by the first ray that may hit it: a mesh that no ray comes near costs no
 /// build. `built` counts it then.
 std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
                                                           AcceleratorKind kind, int threads,
-                                                          std::shared_ptr<BuildCount> built);
+                                                          std::shared_ptr<BuildCount> built,
+                                                          const SharedTree& shared = {});
 /// Hits carry the index into `instances`.
 std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,
                                                              AcceleratorKind kind, int threads);

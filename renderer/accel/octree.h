@@ -41,10 +41,10 @@ class MeshOctree final : public Accelerator {
   AcceleratorStatistics statistics_;
 };
 
-/// The same over instances. Endless ones are kept outside of the tree and always tested.
+/// The same over instances. What cannot be held is kept outside of the tree and always tested.
 class InstanceOctree final : public Accelerator {
  public:
-  /// At least one instance of finite bounds.
+  /// At least one instance that can_be_held().
   InstanceOctree(std::vector<Instance> instances, OctreeKind kind, int threads,
                  const BvhKernels& code = kernels());
   Bounds3 bounds() const override { return bounds_; }

@@ -169,7 +169,7 @@ bool mesh_packet(const MeshTree& mesh, std::span<const Ray> rays, std::span<Hit>
     for (const Ray& ray : rays)
       if (mesh.cut_planes.must_visit_all(ray, tree.extent)) return false;
   PacketRays packet;
-  if (rays.size() < 2 || !packet.set(rays, hits, tree.extent)) return false;
+  if (rays.size() < 2 || !packet.set(rays, hits, tree.usual_extent)) return false;
   alignas(TriangleRay) std::byte memory[kPacketSize][sizeof(TriangleRay)];
   const TriangleRay* prepared[kPacketSize];
   for (size_t r = 0; r < rays.size(); ++r) prepared[r] = new (memory[r]) TriangleRay(rays[r]);

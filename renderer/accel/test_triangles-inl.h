@@ -17,9 +17,6 @@ HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
 
-using DoubleTag = hn::CappedTag<double, 4>;
-using HalfFloatTag = hn::Rebind<float, DoubleTag>;
-
 /// The exact test, four triangles at a time: the operations and their order are those of shear() in
 /// triangle.h, so the edge functions have the same bits.
 class TriangleTester {

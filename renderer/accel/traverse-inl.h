@@ -25,6 +25,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using FloatTag = hn::CappedTag<float, 8>;
 using IntTag = hn::RebindToSigned<FloatTag>;
+using DoubleTag = hn::CappedTag<double, 4>;
+using HalfFloatTag = hn::Rebind<float, DoubleTag>;
 
 /// Room for every child left behind on the way down the deepest tree.
 constexpr size_t kStackSize = 7 * WideTree::kMaxDepth + 8;
@@ -110,6 +112,51 @@ struct RayLanes {
   static constexpr size_t kRow = 8 * sizeof(float);
 };
 
+/// The same in double, for rays outside of the range of float and for trees that it is too coarse
+/// for. What is not a number counts as entered.
+struct WideRayLanes {
+  using Lanes = hn::Vec<DoubleTag>;
+  const BoxRay<double>& ray;
+
+  /// Distances in `entered` are in single precision and not negative.
+  HWY_INLINE uint32_t enter(const WideNode& node, double t_max, int32_t* entered) const {
+    const DoubleTag tag;
+    const HalfFloatTag half;
+    uint32_t mask = 0;
+    for (size_t lane = 0; lane < 8; lane += hn::MaxLanes(tag)) {
+      const auto row = [&](int number) HWY_ATTR {
+        return hn::PromoteTo(tag, hn::Load(half, node.bounds[number] + lane));
+      };
+      auto first = hn::Set(tag, ray.t_min), last = hn::Set(tag, t_max);
+      for (int a = 0; a < 3; ++a) {
+        const auto inverse = hn::Set(tag, ray.inverse[a]);
+        const auto near =
+            hn::MulSub(row(ray.near_row[a]), inverse, hn::Set(tag, ray.enter_offset[a]));
+        const auto far =
+            hn::MulSub(row(ray.near_row[a] ^ 1), inverse, hn::Set(tag, ray.leave_offset[a]));
+        first = hn::IfThenElse(hn::Gt(near, first), near, first);
+        last = hn::IfThenElse(hn::Lt(far, last), far, last);
+      }
+      const auto distance = hn::Min(hn::Max(first, hn::Zero(tag)), hn::Set(tag, kFarthest));
+      hn::Store(hn::DemoteTo(half, hn::Abs(distance)), half,
+                reinterpret_cast<float*>(entered) + lane);
+      const auto is_there = hn::Le(row(0), row(1));
+      mask |= bits_of(tag, hn::AndNot(hn::Gt(first, last), is_there)) << lane;
+    }
+    return mask;
+  }
+  HWY_INLINE uint32_t name_child(uint32_t, uint32_t, uint32_t child) const { return child; }
+
+  static constexpr double kFarthest = 0x1p127;
+};
+
+/// A limit as `enter` gives distances.
+HWY_INLINE int32_t bits_of_limit(float t) { return std::bit_cast<int32_t>(t); }
+HWY_INLINE int32_t bits_of_limit(double t) {
+  const double inside = std::min(std::max(t, 0.0), WideRayLanes::kFarthest);
+  return std::bit_cast<int32_t>(static_cast<float>(inside));
+}
+
 /// Has the compiler take a ray's numbers from memory again. It would keep them all through the test
 /// of a leaf, which needs the registers: to write them out and read them back costs twice as much.
 template <typename Numbers>
@@ -117,6 +164,7 @@ HWY_INLINE void reload(Numbers& ray) {
   asm volatile("" : "+m"(ray));
 }
 HWY_INLINE RayLanes lanes_of(const BoxRay<float>& ray) { return RayLanes(ray); }
+HWY_INLINE WideRayLanes lanes_of(const BoxRay<double>& ray) { return {ray}; }
 
 HWY_INLINE const TreeUnit* unit_at(const TreeUnit* units, uint32_t reference) {
   return units + (reference & ~TraversalTree::kLeaf);
@@ -133,8 +181,8 @@ HWY_INLINE void prefetch(const TreeUnit* units, uint32_t reference) {
 
 /// Visits nodes nearest first. `leaf(reference)` tests a leaf and says whether a nearer hit was
 /// found, having lowered t_max. `kLeaves`: they are in the tree's array.
-template <bool kLeaves, typename Rays, typename Leaf>
-HWY_INLINE bool closest_in_tree(const TraversalTree& tree, Rays& rays, const float& t_max,
+template <bool kLeaves, typename Rays, typename Limit, typename Leaf>
+HWY_INLINE bool closest_in_tree(const TraversalTree& tree, Rays& rays, const Limit& t_max,
                                 uint64_t& visits, Leaf&& leaf) {
   const TreeUnit* units = tree.units.data();
   Entry stack[kStackSize];
@@ -143,7 +191,7 @@ HWY_INLINE bool closest_in_tree(const TraversalTree& tree, Rays& rays, const flo
   bool found = false;
   HWY_ALIGN int32_t entered[8];
   const auto pop = [&]() HWY_ATTR {
-    const Entry limit = make_entry(std::bit_cast<int32_t>(t_max), ~0u);
+    const Entry limit = make_entry(bits_of_limit(t_max), ~0u);
     do {
       if (top == stack) return false;
       --top;
@@ -212,8 +260,8 @@ HWY_INLINE bool closest_in_tree(const TraversalTree& tree, Rays& rays, const flo
 }
 
 /// `leaf(reference)` says whether anything in it is hit.
-template <bool kLeaves, typename Leaf>
-HWY_INLINE bool any_in_tree(const TraversalTree& tree, BoxRay<float>& ray, uint64_t& visits,
+template <bool kLeaves, typename Real, typename Leaf>
+HWY_INLINE bool any_in_tree(const TraversalTree& tree, BoxRay<Real>& ray, uint64_t& visits,
                             Leaf&& leaf) {
   const TreeUnit* units = tree.units.data();
   uint32_t stack[kStackSize];
@@ -222,7 +270,7 @@ HWY_INLINE bool any_in_tree(const TraversalTree& tree, BoxRay<float>& ray, uint6
   HWY_ALIGN int32_t entered[8];
   for (;;) {
     if (!(current & TraversalTree::kLeaf)) {
-      const RayLanes lanes(ray);
+      const auto lanes = lanes_of(ray);
       do {
         ++visits;
         const WideNode& node = *reinterpret_cast<const WideNode*>(units + current);
@@ -244,38 +292,6 @@ HWY_INLINE bool any_in_tree(const TraversalTree& tree, BoxRay<float>& ray, uint6
     reload(ray);
     if (top == stack) return false;
     current = *--top;
-  }
-}
-
-/// For rays outside of the range of float: the same visits in double, one box at a time. Anything
-/// that is not a number counts as entered. `leaf` returns true to stop.
-template <typename Leaf>
-void visit_in_double(const TraversalTree& tree, const BoxRay<double>& ray, uint64_t& visits,
-                     Leaf&& leaf) {
-  uint32_t stack[kStackSize];
-  size_t size = 0;
-  stack[size++] = tree.root;
-  while (size > 0) {
-    const uint32_t current = stack[--size];
-    if (current & TraversalTree::kLeaf) {
-      if (leaf(current)) return;
-      continue;
-    }
-    ++visits;
-    const WideNode& node = *reinterpret_cast<const WideNode*>(tree.units.data() + current);
-    for (int i = 0; i < 8; ++i) {
-      if (!(node.bounds[0][i] <= node.bounds[1][i])) continue;
-      double enter = ray.t_min, leave = ray.t_max;
-      for (int a = 0; a < 3; ++a) {
-        const double near =
-            double{node.bounds[ray.near_row[a]][i]} * ray.inverse[a] - ray.enter_offset[a];
-        const double far =
-            double{node.bounds[ray.near_row[a] ^ 1][i]} * ray.inverse[a] - ray.leave_offset[a];
-        if (near > enter) enter = near;
-        if (far < leave) leave = far;
-      }
-      if (!(enter > leave)) stack[size++] = node.child[i];
-    }
   }
 }
 

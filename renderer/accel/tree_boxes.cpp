@@ -1,5 +1,7 @@
 #include "renderer/accel/tree_boxes.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <span>
@@ -28,6 +30,29 @@ std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh) {
 
 namespace {
 
+/// Whether so many leaves are of the size of the box test's margin that single precision would not
+/// tell them apart: far from the origin, or beside something huge. They would all but be scanned.
+bool is_too_fine(const WideTree& tree) {
+  constexpr double kSmallest = 4 * BoxMargin{}.space;
+  const auto few = std::max<size_t>(64, tree.leaves / 1024);
+  size_t tiny = 0;
+  for (const WideNode& node : std::span{tree.nodes.data(), tree.nodes.size()}) {
+    for (size_t i = 0; i < 8; ++i) {
+      if (!NodeReference{node.child[i]}.is_leaf()) continue;
+      double size = 0;
+      for (int a = 0; a < 3; ++a)
+        size = std::max(size, double{node.bounds[2 * a + 1][i]} - node.bounds[2 * a][i]);
+      if (size < kSmallest * tree.extent) ++tiny;
+    }
+  }
+  return tiny > few;
+}
+
+void go_in_double(TraversalTree& tree, const BoxMargin& margin) {
+  tree.usual_extent = 0;
+  tree.margin = margin;
+}
+
 /// Nodes in their order, each followed by its leaves. `leaf_units(reference)` says how much room a
 /// leaf takes; `write_leaf(reference, unit)` fills it and gives what stands for it in its node.
 template <typename LeafUnits, typename WriteLeaf>
@@ -49,7 +74,7 @@ void lay_out_nodes(const WideTree& tree, TraversalTree& to, LeafUnits&& leaf_uni
     }
   }
   TESSERA_CHECK(end < TraversalTree::kLeaf, "a tree larger than 64 GB");
-  to.extent = tree.extent;
+  to.extent = to.usual_extent = tree.extent;
   to.units = AlignedArray<TreeUnit>(end);
   to.root = tree.root.is_leaf() ? write_leaf(tree.root, 0) : place[tree.root.bits];
   for (size_t n = 0; n < nodes.size(); ++n) {
@@ -96,12 +121,34 @@ void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to) {
         }
         return TraversalTree::kLeaf | static_cast<uint32_t>(unit);
       });
+  // The test of triangles errs by 2^-49 of their distance, and by 2^-30 of t or, where it would by
+  // more, stays in their boxes, which are exact. The rule of spatial splits wants the usual margin.
+  if (to.cut_planes.count == 0 && is_too_fine(tree))
+    go_in_double(to.tree, {.space = 0x1p-32, .time = 0x1p-26});
 }
+
+namespace {
+
+double condition_of(const Instance& instance) {
+  const Transform& t = instance.world_from_object;
+  return t.is_identity() ? 1 : condition(t.matrix(), t.inverse_matrix());
+}
+
+/// Whether rounding on the way into every instance and back stays far below 2^-30 of the extent.
+bool all_well_conditioned(const std::vector<Instance>& instances) {
+  return std::all_of(instances.begin(), instances.end(),
+                     [](const Instance& i) { return condition_of(i) <= 0x1p16; });
+}
+
+}  // namespace
 
 void lay_out(WideTree tree, InstanceTree& to) {
   lay_out_nodes(
       tree, to.tree, [](NodeReference) { return size_t{0}; },
       [](NodeReference leaf, size_t) { return leaf.bits; });
+  // t of a large sphere that is grazed errs by more than 2^-27 of its radius.
+  if (is_too_fine(tree) && all_well_conditioned(to.instances))
+    go_in_double(to.tree, {.space = 0x1p-30, .time = 0x1p-22});
   to.slots = std::move(tree.slots);
 }
 
@@ -116,7 +163,7 @@ std::vector<BuildBox> instance_boxes(InstanceTree& tree, Bounds3& bounds) {
     const Bounds3 b = bounds_of(tree.instances[i]);
     if (b.empty()) continue;
     bounds.extend(b);
-    if (is_bounded(b)) {
+    if (can_be_held(tree.instances[i], b)) {
       boxes.emplace_back(b, static_cast<uint32_t>(i));
       tree.tree_bounds.extend(b);
     } else {
@@ -126,12 +173,20 @@ std::vector<BuildBox> instance_boxes(InstanceTree& tree, Bounds3& bounds) {
   return boxes;
 }
 
-bool is_bounded(const Bounds3& b) {
+bool can_be_held(const Instance& instance, const Bounds3& b) {
   // Within single precision, with room for sums.
   constexpr double kLimit = 1e38;
   for (int a = 0; a < 3; ++a)
     if (!(b.min[a] > -kLimit && b.max[a] < kLimit)) return false;
-  return true;
+  return condition_of(instance) <= 0x1p26;
+}
+
+AcceleratorStatistics statistics_of(const WideTree& tree, size_t primitives, size_t references) {
+  return {.primitives = primitives,
+          .nodes = tree.nodes.size(),
+          .leaves = tree.leaves,
+          .references = references,
+          .depth = tree.depth};
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "renderer/accel/accelerator.h"
 #include "renderer/accel/bvh_kernels.h"
 
 namespace tessera {
@@ -14,12 +15,15 @@ std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh);
 void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to);
 void lay_out(WideTree tree, InstanceTree& to);
 size_t bytes_of(const InstanceTree& tree);
+/// What the tree alone tells.
+AcceleratorStatistics statistics_of(const WideTree& tree, size_t primitives, size_t references);
 
 /// One for each of tree.instances that a tree can hold; the endless ones are noted in `tree`.
 /// `bounds` becomes that of all.
 std::vector<BuildBox> instance_boxes(InstanceTree& tree, Bounds3& bounds);
 
-/// Whether a tree can hold these bounds.
-bool is_bounded(const Bounds3& bounds);
+/// Whether a tree can hold an instance: its bounds are finite, and rounding on the way into its
+/// frame cannot make it seem to be hit outside of them.
+bool can_be_held(const Instance& instance, const Bounds3& bounds);
 
 }  // namespace tessera

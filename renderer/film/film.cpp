@@ -1,11 +1,9 @@
 #include "renderer/film/film.h"
 
 #include <fmt/format.h>
-#include <sys/mman.h>
 
 #include <algorithm>
 #include <bit>
-#include <cstdint>
 #include <new>
 
 #include "base/digest.h"
@@ -18,24 +16,17 @@ static_assert(std::endian::native == std::endian::little, "pixels are hashed as 
 namespace {
 
 /// Black, but not yet there: a page comes with its first pixel, so that no tile waits for memory to
-/// be cleared. Where there can be huge pages they are asked for.
+/// be cleared.
 float* black(size_t size) {
-  auto* const values = static_cast<float*>(std::calloc(size, sizeof(float)));
+  auto* const values = static_cast<float*>(std::calloc(std::max<size_t>(size, 1), sizeof(float)));
   if (values == nullptr) throw std::bad_alloc();
-  constexpr uintptr_t kHugePage = uintptr_t{2} << 20;
-  const auto from = reinterpret_cast<uintptr_t>(values);
-  const uintptr_t first = (from + kHugePage - 1) / kHugePage * kHugePage;
-  const uintptr_t end = (from + size * sizeof(float)) / kHugePage * kHugePage;
-  if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
   return values;
 }
 
 }  // namespace
 
 Film::Film(const PixelRect& rect)
-    : rect_(rect),
-      size_(static_cast<size_t>(rect.area()) * kFilmChannels),
-      values_(black(std::max<size_t>(size_, 1))) {}
+    : rect_(rect), size_(static_cast<size_t>(rect.area()) * kFilmChannels), values_(black(size_)) {}
 
 void Film::write(const PixelRect& tile, int first_row, int rows, std::span<const float> values) {
   const auto row_size = static_cast<size_t>(tile.width()) * kFilmChannels;

@@ -41,6 +41,11 @@ bool is_plausible(const ImageRequest& request, const ImageReply& reply) {
   if (request.call == ImageRequest::encode) {
     return reply.payload_bytes <= most_encoded_bytes(request.layout.bytes());
   }
+  if (request.call == ImageRequest::decode_all) {
+    return reply.layout.is_legal(PixelLayout::kMostChannels) && reply.layout.bits == 32 &&
+           reply.payload_bytes >= reply.layout.bytes() &&
+           reply.payload_bytes - reply.layout.bytes() <= PixelLayout::kLongestNames;
+  }
   return reply.layout.is_legal() && reply.layout.bytes() == reply.payload_bytes;
 }
 

@@ -106,7 +106,7 @@ void convert_colors(const ColorManagement& names, Film& film) {
 std::vector<uint8_t> shown_bytes(const Film& film, const OutputSettings& settings) {
   if (!settings.color_management) return to_8_bit(film, settings);
   Film shown(film.rect());
-  std::copy(film.values().begin(), film.values().end(), shown.values().begin());
+  std::ranges::copy(film.values(), shown.values().begin());
   expose(shown, settings);
   convert_colors(*settings.color_management, shown);
   return to_8_bit(shown,
@@ -192,11 +192,16 @@ void write_image(const fs::path& path, const Film& film, const OutputSettings& s
   write_output_file(path.string(), as_text(file));
 }
 
-RgbImage read_image(const fs::path& path) {
-  const ImageCodec::Answer answer = decode(ImageRequest::decode_rgb, path.string(), path.string());
-  RgbImage image{answer.layout.width, answer.layout.height, {}};
-  image.values.resize(answer.payload.size() / sizeof(float));
-  std::memcpy(image.values.data(), answer.payload.data(), answer.payload.size());
+FloatImage read_image(const fs::path& path) {
+  const ImageCodec::Answer answer = decode(ImageRequest::decode_all, path.string(), path.string());
+  FloatImage image{answer.layout.width, answer.layout.height, {}, {}};
+  image.values.resize(answer.layout.bytes() / sizeof(float));
+  std::memcpy(image.values.data(), answer.payload.data(), answer.layout.bytes());
+  std::string_view names = as_text(answer.payload).substr(answer.layout.bytes());
+  for (int i = 0; i < answer.layout.channels; ++i) {
+    image.channels.emplace_back(names.substr(0, names.find('\0')));
+    names.remove_prefix(std::min(names.size(), image.channels.back().size() + 1));
+  }
   return image;
 }
 

@@ -22,10 +22,12 @@ struct ImageMetadata {
   int frame_width = 0, frame_height = 0;
 };
 
-/// A picture read back: rows from the top, three floats a pixel, numbers as the file has them
-/// (integers divided by their largest value, no transfer curve undone).
-struct RgbImage {
+/// A picture read back: rows from the top, for each pixel a float of each channel, numbers as the
+/// file has them (integers divided by their largest value, no transfer curve undone, alpha not
+/// multiplied in).
+struct FloatImage {
   int width = 0, height = 0;
+  std::vector<std::string> channels;  ///< their names, at least one
   std::vector<float> values;
 };
 
@@ -56,11 +58,10 @@ void check_color_management(const ColorManagement& names);
 void write_image(const std::filesystem::path& path, const Film& film,
                  const OutputSettings& settings, const ImageMetadata& metadata);
 
-/// The first three channels (one or two: the first thrice) of any file that OpenImageIO reads.
-/// Throws a scene error.
-RgbImage read_image(const std::filesystem::path& path);
-/// At most the first four channels of the same, without loss. Throws a scene error.
-/// `to_srgb`: colours of 8 bits are taken from an embedded colour profile to sRGB.
+/// All channels of the first picture in any file that OpenImageIO reads. Throws a scene error.
+FloatImage read_image(const std::filesystem::path& path);
+/// At most its first four channels, without loss. Throws a scene error. `to_srgb`: colours of 8
+/// bits are taken from an embedded colour profile to sRGB.
 TextureImage read_texture_image(const std::filesystem::path& path, bool to_srgb = false);
 /// The same of a file in memory, which errors call `name`.
 TextureImage decode_texture_image(const std::string& name, std::string_view file);

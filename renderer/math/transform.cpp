@@ -50,6 +50,17 @@ Affine inverse(const Affine& a) {
   return b;
 }
 
+double condition(const Affine& a, const Affine& inverse) {
+  double largest = 0;
+  for (const auto& row : a.m) {
+    double sum = 0;
+    for (size_t c = 0; c < 3; ++c)
+      for (size_t k = 0; k < 3; ++k) sum += std::abs(row[k]) * std::abs(inverse.m[k][c]);
+    largest = std::max(largest, sum);
+  }
+  return largest;
+}
+
 Affine translation(const Vec3& by) {
   return from_columns({1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {by.x, by.y, by.z});
 }

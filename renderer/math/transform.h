@@ -29,6 +29,10 @@ struct Affine {
 Affine operator*(const Affine& a, const Affine& b);
 /// By cofactors; the caller makes sure that the determinant is neither zero nor not finite.
 Affine inverse(const Affine& a);
+/// How much rounding grows on the way by `a` and back by its inverse: the largest row sum of
+/// |a| |inverse| (Skeel 1979). At most 3 for turns, and for scaling along the axes 1 however
+/// uneven.
+double condition(const Affine& a, const Affine& inverse);
 
 Affine translation(const Vec3& by);
 Affine scaling(const Vec3& by);

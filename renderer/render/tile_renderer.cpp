@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "renderer/integrator/integrator.h"
-#include "renderer/scene/scene.h"
+#include "renderer/scene/scene_builder.h"
 
 namespace tessera {
 
@@ -135,9 +135,9 @@ class SceneTileRenderer final : public TileRenderer {
 
 std::shared_ptr<const TileRenderer> make_tile_renderer(const v1::Scene& scene,
                                                        const BlobStore& blobs,
-                                                       const v1::FrameSettings& frame,
-                                                       int threads) {
-  return std::make_shared<SceneTileRenderer>(build_scene(scene, blobs, frame, threads));
+                                                       const v1::FrameSettings& frame, int threads,
+                                                       const SharedArena* arena) {
+  return std::make_shared<SceneTileRenderer>(build_scene(scene, blobs, frame, threads, arena));
 }
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/shared_arena.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
@@ -30,9 +31,11 @@ class TileRenderer {
 };
 
 /// Builds what tracing this frame needs. Throws Error where the scene is wrong. `threads` is how
-/// many it may use to build; they do not change the result.
+/// many it may use to build; trees are shared with other processes in `arena`, if there is one,
+/// which must outlive the tracer. Neither changes the result.
 std::shared_ptr<const TileRenderer> make_tile_renderer(const v1::Scene& scene,
                                                        const BlobStore& blobs,
-                                                       const v1::FrameSettings& frame, int threads);
+                                                       const v1::FrameSettings& frame, int threads,
+                                                       const SharedArena* arena = nullptr);
 
 }  // namespace tessera

@@ -1,12 +1,13 @@
+#include "renderer/scene/read_camera.h"
+
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
-
 #include <vector>
 
 #include "base/error.h"
 #include "renderer/math/elementary.h"
-#include "renderer/scene/read_settings.h"
 #include "renderer/scene/read_shading.h"
 #include "renderer/scene/read_transform.h"
 

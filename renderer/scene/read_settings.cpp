@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <vector>
+#include <algorithm>
+#include <cstdint>
+#include <string_view>
 
 #include "base/error.h"
+#include "renderer/accel/make_accelerator.h"
 #include "renderer/film/tile.h"
 #include "renderer/scene/check.h"
 
@@ -15,18 +17,29 @@ namespace {
 
 const Where kSettings{.kind = "settings"};
 
-IntegratorKind read_integrator(const std::string& name) {
-  if (name.empty() || name == "auto" || name == "whitted") return IntegratorKind::whitted;
+IntegratorKind integrator_kind(const std::string& name) {
   if (name == "normals") return IntegratorKind::normals;
   if (name == "depth") return IntegratorKind::depth;
-  const std::vector<std::string>& known = integrator_names();
-  throw scene_error(fmt::format("there is no integrator '{}'; expected one of {}{}", name,
-                                fmt::join(known, ", "), suggestion(name, known)));
+  return IntegratorKind::whitted;
 }
 
-int read_side(std::string_view name, uint32_t frame, bool in_scene, uint32_t scene, int fallback) {
-  const uint32_t side = frame != 0 ? frame : in_scene ? scene : static_cast<uint32_t>(fallback);
-  return static_cast<int>(checked(kSettings, name, side, {.min = 1, .max = kMaxFrameSide}));
+/// The first number that there is, held against 1 to `most`.
+uint32_t choose(std::string_view name, uint32_t frame, bool in_scene, uint32_t scene,
+                uint32_t fallback, uint32_t most) {
+  const uint32_t value = frame != 0 ? frame : in_scene ? scene : fallback;
+  checked(kSettings, name, value, {.min = 1, .max = static_cast<double>(most)});
+  return value;
+}
+
+/// The first name that there is, held against those that there are.
+std::string choose(std::string_view field, const std::string& frame, const std::string& scene,
+                   const std::vector<std::string>& names) {
+  const std::string& name = !frame.empty() ? frame : !scene.empty() ? scene : names.front();
+  if (std::find(names.begin(), names.end(), name) == names.end()) {
+    fail_value(kSettings, field, fmt::format("'{}'", name),
+               fmt::format("one of {}{}", fmt::join(names, ", "), suggestion(name, names)));
+  }
+  return name;
 }
 
 SamplePattern read_pattern(v1::Sampling::Pattern pattern, uint32_t samples) {
@@ -58,11 +71,7 @@ void check_square(uint32_t samples) {
 
 SamplerSettings read_sampling(const v1::Sampling& in, const v1::FrameSettings& frame) {
   SamplerSettings out;
-  out.samples_per_pixel = frame.samples_per_pixel() != 0 ? frame.samples_per_pixel()
-                          : in.has_samples_per_pixel()   ? in.samples_per_pixel()
-                                                         : 1;
-  checked(kSettings, "sampling.samples_per_pixel", out.samples_per_pixel,
-          {.min = 1, .max = 1 << 20});
+  out.samples_per_pixel = frame.samples_per_pixel();
   out.seed = frame.seed();
   out.pattern = read_pattern(in.pattern(), out.samples_per_pixel);
   if (out.pattern == SamplePattern::centered_grid || out.pattern == SamplePattern::corner_grid) {
@@ -95,18 +104,35 @@ const std::vector<std::string>& integrator_names() {
   return names;
 }
 
-RenderSettings read_settings(const v1::Settings& in, const v1::FrameSettings& frame) {
-  RenderSettings out;
-  out.width = read_side("width", frame.width(), in.has_width(), in.width(), out.width);
-  out.height = read_side("height", frame.height(), in.has_height(), in.height(), out.height);
-  if (int64_t{out.width} * out.height > kMaxFramePixels) {
-    fail_value(kSettings, "the frame", fmt::format("{}x{} pixels", out.width, out.height),
+v1::FrameSettings complete(v1::FrameSettings frame, const v1::Settings& in) {
+  frame.set_width(choose("width", frame.width(), in.has_width(), in.width(), kDefaultFrameWidth,
+                         kMaxFrameSide));
+  frame.set_height(choose("height", frame.height(), in.has_height(), in.height(),
+                          kDefaultFrameHeight, kMaxFrameSide));
+  if (int64_t{frame.width()} * frame.height() > kMaxFramePixels) {
+    fail_value(kSettings, "the frame", fmt::format("{}x{} pixels", frame.width(), frame.height()),
                fmt::format("at most {} in all", kMaxFramePixels));
   }
+  const v1::Sampling& sampling = in.sampling();
+  frame.set_samples_per_pixel(choose("sampling.samples_per_pixel", frame.samples_per_pixel(),
+                                     sampling.has_samples_per_pixel(), sampling.samples_per_pixel(),
+                                     1, kMaxSamplesPerPixel));
+  frame.set_integrator(
+      choose("integrator.kind", frame.integrator(), in.integrator().kind(), integrator_names()));
+  frame.set_accelerator(
+      choose("accelerator", frame.accelerator(), in.accelerator(), available_accelerators()));
+  return frame;
+}
+
+RenderSettings read_settings(const v1::Settings& in, const v1::FrameSettings& asked) {
+  const v1::FrameSettings frame = complete(asked, in);
+  RenderSettings out;
+  out.width = static_cast<int>(frame.width());
+  out.height = static_cast<int>(frame.height());
   out.time = checked(kSettings, "time", frame.time());
+  out.accelerator = *parse_accelerator(frame.accelerator());
   const v1::IntegratorSettings& integrator = in.integrator();
-  out.integrator =
-      read_integrator(frame.integrator().empty() ? integrator.kind() : frame.integrator());
+  out.integrator = integrator_kind(frame.integrator());
   if (integrator.has_max_depth()) {
     checked(kSettings, "integrator.max_depth", integrator.max_depth(),
             {.min = 0, .max = kMaxDepth});

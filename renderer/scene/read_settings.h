@@ -1,16 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
-#include "renderer/camera/camera.h"
+#include "renderer/accel/accelerator.h"
 #include "renderer/math/color.h"
 #include "renderer/sampler/sampler.h"
-#include "renderer/shading/light.h"
 
 namespace tessera {
 
@@ -20,10 +18,21 @@ enum class IntegratorKind { whitted, normals, depth };
 /// The names of --integrator; the first is the default.
 const std::vector<std::string>& integrator_names();
 
-/// The scene's settings with the frame's over them: all that tracing asks.
+inline constexpr uint32_t kDefaultFrameWidth = 960, kDefaultFrameHeight = 540;
+inline constexpr uint32_t kMaxSamplesPerPixel = 1 << 20;
+/// Recursion deeper than this is refused.
+inline constexpr uint32_t kMaxDepth = 10000;
+
+/// `frame` with what it leaves out, a number of 0 or an empty name, taken from the scene's settings
+/// or else the default. Its seed, camera and time are as they were. Throws a scene error for what
+/// is out of range or names nothing.
+v1::FrameSettings complete(v1::FrameSettings frame, const v1::Settings& settings);
+
+/// The scene's settings with the frame's over them: all that building and tracing ask.
 struct RenderSettings {
-  int width = 960, height = 540;
+  int width = 0, height = 0;
   double time = 0;
+  AcceleratorKind accelerator = AcceleratorKind::bvh;
   IntegratorKind integrator = IntegratorKind::whitted;
   uint32_t max_depth = 8;
   v1::IntegratorSettings::Shadows shadows = v1::IntegratorSettings::SHADOWS_ON;
@@ -32,27 +41,7 @@ struct RenderSettings {
   SamplerSettings sampler;
 };
 
-/// Recursion deeper than this is refused.
-inline constexpr uint32_t kMaxDepth = 10000;
-
-/// A width, height or sample count of 0 in `frame`, or an empty name, means the scene's.
+/// Completes `frame` first.
 RenderSettings read_settings(const v1::Settings& settings, const v1::FrameSettings& frame);
-
-struct CameraChoice {
-  CameraSettings settings;
-  /// Sits in the camera's frame.
-  const v1::Light* headlight = nullptr;
-  bool frame_all = false;
-};
-
-/// The light that a camera at `world_from_camera` carries.
-Light read_headlight(const v1::Light& light, const Affine& world_from_camera);
-
-/// The camera called `name`, or described so, or of that number counting from 1; empty: the first.
-/// Null where there is none.
-const v1::Camera* find_camera(const v1::Scene& scene, const std::string& name);
-
-/// The camera that find_camera finds, at `time`. Throws a scene error for an unknown one.
-CameraChoice read_camera(const v1::Scene& scene, const std::string& name, double time);
 
 }  // namespace tessera

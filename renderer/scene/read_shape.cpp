@@ -28,25 +28,46 @@ namespace {
   throw Error(error.code(), message.starts_with(path) ? message : path + ": " + message);
 }
 
-BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSource& source) {
+/// Of all that its triangles come from: blobs are named in it by their digests.
+Digest key_of(const v1::TriangleMesh& mesh, AcceleratorKind kind) {
+  return Digest::of(mesh.SerializeAsString() + static_cast<char>(kind));
+}
+
+/// The mesh with what the picture depends on; what became of it is noted in `built`.
+std::shared_ptr<TriangleMesh> take_mesh(const Where& where, const v1::Shape& shape,
+                                        const ShapeSource& source, BuiltShape& built) {
   auto mesh = std::make_shared<TriangleMesh>(
       read_mesh(where, shape.mesh(), source.blobs, static_cast<size_t>(shape.materials_size())));
-  BuiltShape built;
-  if (!source.keep_uvs) {
-    built.bytes_dropped = mesh->uvs.size() * sizeof(Float2);
-    mesh->uvs = {};
-  }
+  built.has_clear_vertices = std::any_of(mesh->colors.begin(), mesh->colors.end(),
+                                         [](const Float4& c) { return c.w < 1; });
+  const bool all_opaque = std::all_of(mesh->colors.begin(), mesh->colors.end(),
+                                      [](const Float4& c) { return c.w == 1; });
+  const auto drop = [&](auto& values) {
+    if (values.empty()) return;
+    built.bytes_dropped += values.size() * sizeof(values[0]);
+    ++built.attributes_dropped;
+    values = {};
+  };
+  if (!source.keep.normals) drop(mesh->normals);
+  if (!source.keep.uvs) drop(mesh->uvs);
+  if (!source.keep.colors && all_opaque) drop(mesh->colors);
   built.bytes = mesh->bytes();
   built.triangles_dropped = drop_degenerate(*mesh).total();
   built.triangles = mesh->triangles.size();
-  built.has_clear_vertices = std::any_of(mesh->colors.begin(), mesh->colors.end(),
-                                         [](const Float4& c) { return c.w < 1; });
+  return mesh;
+}
+
+BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSource& source) {
+  BuiltShape built;
+  auto mesh = take_mesh(where, shape, source, built);
   if (mesh->triangles.empty()) return built;
   built.is_deferred = source.deferred && source.accelerator != AcceleratorKind::embree;
+  SharedTree shared{source.arena, {}};
+  if (shared.arena != nullptr) shared.key = key_of(shape.mesh(), source.accelerator);
   built.shape = built.is_deferred
                     ? make_deferred_mesh_shape(std::move(mesh), source.accelerator, source.threads,
-                                               source.deferred)
-                    : make_mesh_shape(std::move(mesh), source.accelerator, source.threads);
+                                               source.deferred, shared)
+                    : make_mesh_shape(std::move(mesh), source.accelerator, source.threads, shared);
   return built;
 }
 
@@ -169,18 +190,9 @@ std::shared_ptr<const Shape> build_simple(const Where& where, const v1::Shape& s
 
 /// A mesh as a solid: CSG asks for crossings, which the accelerators do not know.
 BuiltShape build_solid(const Where& where, const v1::Shape& shape, const ShapeSource& source) {
-  if (!shape.has_mesh()) return {build_simple(where, shape, source.keep_uvs)};
-  auto mesh = std::make_shared<TriangleMesh>(
-      read_mesh(where, shape.mesh(), source.blobs, static_cast<size_t>(shape.materials_size())));
+  if (!shape.has_mesh()) return {build_simple(where, shape, source.keep.uvs)};
   BuiltShape built;
-  if (!source.keep_uvs) {
-    built.bytes_dropped = mesh->uvs.size() * sizeof(Float2);
-    mesh->uvs = {};
-  }
-  built.bytes = mesh->bytes();
-  built.triangles_dropped = drop_degenerate(*mesh).total();
-  built.triangles = mesh->triangles.size();
-  built.shape = std::make_shared<ClosedMesh>(std::move(mesh));
+  built.shape = std::make_shared<ClosedMesh>(take_mesh(where, shape, source, built));
   return built;
 }
 
@@ -201,6 +213,7 @@ BuiltShape read_csg(const CsgPlan& plan, const ShapeSource& source) {
         whole.triangles_dropped += built.triangles_dropped;
         whole.bytes += built.bytes;
         whole.bytes_dropped += built.bytes_dropped;
+        whole.attributes_dropped += built.attributes_dropped;
         nodes.push_back(tree.add(built.shape, Transform(step.csg_from_solid), first_material));
         first_material += static_cast<uint32_t>(material_count(*step.solid));
       } else {
@@ -218,7 +231,7 @@ BuiltShape read_csg(const CsgPlan& plan, const ShapeSource& source) {
 
 BuiltShape read_shape(const Where& where, const v1::Shape& shape, const ShapeSource& source) {
   if (shape.has_mesh()) return build_mesh(where, shape, source);
-  return {build_simple(where, shape, source.keep_uvs)};
+  return {build_simple(where, shape, source.keep.uvs)};
 }
 
 }  // namespace tessera

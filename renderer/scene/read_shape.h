@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "base/shared_arena.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
 #include "renderer/accel/accelerator.h"
@@ -12,12 +13,19 @@
 
 namespace tessera {
 
+/// What of a mesh some material of its shape looks at.
+struct KeptAttributes {
+  bool normals = false, uvs = false;
+  bool colors = false;  ///< else they are kept where some alpha is not 1
+};
+
 struct ShapeSource {
   const BlobStore& blobs;
   AcceleratorKind accelerator;
   int threads;
-  bool keep_uvs = false;  ///< some material of the shape looks at texture coordinates
+  KeptAttributes keep{};
   std::shared_ptr<BuildCount> deferred{};  ///< where set, trees are built when first needed
+  const SharedArena* arena = nullptr;      ///< where set, trees are shared in it
 };
 
 /// A built shape, and what building it left out.
@@ -28,6 +36,7 @@ struct BuiltShape {
   size_t triangles_dropped = 0;     ///< degenerate ones
   size_t bytes = 0;                 ///< of the arrays of its meshes
   size_t bytes_dropped = 0;         ///< of arrays that the picture does not depend on
+  size_t attributes_dropped = 0;    ///< how many these are
   bool has_clear_vertices = false;  ///< some vertex colour lets light through
 };
 

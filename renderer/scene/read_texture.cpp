@@ -66,7 +66,7 @@ ImageTextureSettings read_layout(const Where& where, const v1::Texture::Image& i
 }
 
 /// Whether every number of `bits` bits is finite.
-bool all_finite(const std::vector<std::byte>& texels, uint32_t bits) {
+bool all_finite(std::span<const std::byte> texels, uint32_t bits) {
   for (size_t i = 0; bits == 16 && i + 1 < texels.size(); i += 2) {
     uint16_t half;
     std::memcpy(&half, &texels[i], sizeof half);
@@ -110,7 +110,9 @@ std::shared_ptr<const ImageTexture> read_image_texture(const Where& where,
   settings.filter = read_filter(in.filter());
   settings.is_srgb = in.encoding() == v1::Texture::Image::ENCODING_SRGB;
   settings.texels_at_corners = in.texels_at_corners();
-  return std::make_shared<ImageTexture>(settings, find_texels(where, in, settings, blobs));
+  const BlobData texels = find_texels(where, in, settings, blobs);
+  return std::make_shared<ImageTexture>(settings,
+                                        std::shared_ptr<const std::byte>(texels, texels->data()));
 }
 
 void read_mapping(const Where& where, const v1::Texture& in, Texture& out) {

@@ -195,7 +195,9 @@ bool is_invertible(const Affine& affine) {
       if (!std::isfinite(value)) return false;
     }
   }
-  return true;
+  // Beyond, nothing but rounding is left of where it leads: it was flat before it was multiplied.
+  constexpr double kLargestCondition = 0x1p46;
+  return condition(affine, inverted) <= kLargestCondition;
 }
 
 }  // namespace tessera

@@ -5,9 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "proto/tessera/v1/farm.pb.h"
-#include "proto/tessera/v1/scene.pb.h"
-#include "proto/wire/blob_store.h"
 #include "renderer/accel/accelerator.h"
 #include "renderer/accel/deferred_mesh.h"
 #include "renderer/accel/instance.h"
@@ -87,17 +84,5 @@ struct Scene {
     for (; scoped != end; ++scoped) visit(*scoped);
   }
 };
-
-/// Bounds on what a description may unfold to.
-inline constexpr int kMaxNodeDepth = 200;
-inline constexpr size_t kMaxNodeVisits = size_t{1} << 24;
-inline constexpr size_t kMaxLights = 100000;
-inline constexpr size_t kMaxScopedLights = 10'000'000;  ///< summed over the scopes
-inline constexpr size_t kMaxInstances = size_t{1} << 22;
-
-/// Builds the frame's scene. Throws a scene error where the description is wrong, or names an
-/// integrator, camera or accelerator that there is not. `threads` do not change the result.
-std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
-                                         const v1::FrameSettings& frame, int threads);
 
 }  // namespace tessera

@@ -9,7 +9,6 @@
 #include "renderer/math/elementary.h"
 #include "renderer/scene/read_shading.h"
 #include "renderer/scene/read_transform.h"
-#include "renderer/scene/scene.h"
 
 namespace tessera {
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -32,6 +34,13 @@ struct SceneGraph {
       scopes;  ///< the other lights of each scope; the first is empty
   size_t hidden_nodes = 0, flat_nodes = 0, lights_off = 0, objects_used = 0;
 };
+
+/// Bounds on what a description may unfold to.
+inline constexpr int kMaxNodeDepth = 200;
+inline constexpr size_t kMaxNodeVisits = size_t{1} << 24;
+inline constexpr size_t kMaxLights = 100000;
+inline constexpr size_t kMaxScopedLights = 10'000'000;  ///< summed over the scopes
+inline constexpr size_t kMaxInstances = size_t{1} << 22;
 
 /// Unfolds the scene's nodes and objects at `time`. Throws a scene error for cycles, unknown names,
 /// and what is too deep or too much.

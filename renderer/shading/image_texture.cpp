@@ -50,7 +50,7 @@ uint64_t ImageTextureSettings::bytes() const {
 }
 
 ImageTexture::ImageTexture(const ImageTextureSettings& settings,
-                           std::shared_ptr<const std::vector<std::byte>> texels)
+                           std::shared_ptr<const std::byte> texels)
     : settings_(settings), texels_(std::move(texels)) {
   for (size_t i = 0; i < linear_.size(); ++i) {
     const double value = static_cast<double>(i) / 255;
@@ -67,7 +67,7 @@ ImageTexture::ImageTexture(const ImageTextureSettings& settings,
 }
 
 double ImageTexture::channel(size_t offset) const {
-  const std::byte* const at = texels_->data() + offset;
+  const std::byte* const at = texels_.get() + offset;
   if (settings_.bits == 16) {
     uint16_t value;
     std::memcpy(&value, at, sizeof value);
@@ -90,7 +90,7 @@ Texel ImageTexture::texel_at(const Level& level, int64_t x, int64_t y) const {
   const size_t channels = settings_.channels;
   Texel out;
   if (settings_.bits == 8) {
-    const std::byte* const at = texels_->data() + level.offset + pixel * channels;
+    const std::byte* const at = texels_.get() + level.offset + pixel * channels;
     const auto color = [&](size_t c) { return linear_[static_cast<size_t>(at[c])]; };
     out.color = settings_.has_color() ? Color{color(0), color(1), color(2)} : kWhite * color(0);
     if (settings_.has_alpha()) out.alpha = static_cast<double>(at[channels - 1]) / 255;
@@ -117,7 +117,7 @@ Texel ImageTexture::bilinear(const Level& level, double s, double t) const {
   const int64_t y0 = wrapped(iy, level.height, settings_.wrap_t);
   const int64_t y1 = wrapped(iy + 1, level.height, settings_.wrap_t);
   if (settings_.channels == 3 && settings_.bits == 8 && (x0 | x1 | y0 | y1) >= 0) [[likely]] {
-    const std::byte* const texels = texels_->data() + level.offset;
+    const std::byte* const texels = texels_.get() + level.offset;
     const auto color = [&](int64_t column, int64_t row) {
       const std::byte* const at = texels + 3 * (row * int64_t{level.width} + column);
       const auto channel_at = [&](int c) { return linear_[static_cast<size_t>(at[c])]; };

@@ -39,9 +39,8 @@ struct Texel {
 /// A picture to look colours up in. Immutable; thread-safe.
 class ImageTexture {
  public:
-  /// `texels` must hold at least settings.bytes(); they are shared, not copied.
-  ImageTexture(const ImageTextureSettings& settings,
-               std::shared_ptr<const std::vector<std::byte>> texels);
+  /// `texels` must point to at least settings.bytes(); they are shared, not copied.
+  ImageTexture(const ImageTextureSettings& settings, std::shared_ptr<const std::byte> texels);
 
   const ImageTextureSettings& settings() const { return settings_; }
 
@@ -66,7 +65,7 @@ class ImageTexture {
   Texel trilinear(double s, double t, double level) const;
 
   ImageTextureSettings settings_;
-  std::shared_ptr<const std::vector<std::byte>> texels_;
+  std::shared_ptr<const std::byte> texels_;
   std::vector<Level> levels_;
   std::array<double, 256> linear_{};  ///< of 8-bit colours
 };

@@ -55,6 +55,17 @@ struct Material {
            (model == MaterialModel::physical &&
             (inputs != kNoMaterialInputs || roughness < 1 || clearcoat > 0));
   }
+  /// Whether what it shows depends on normals that differ from the true ones.
+  bool uses_shading_normal() const {
+    return model != MaterialModel::unlit || inputs != kNoMaterialInputs || is_mirror() ||
+           (transmission == Transmission::refract && transparency > 0);
+  }
+  /// Whether what it shows depends on vertex colours, their alpha apart.
+  bool uses_vertex_color() const {
+    if (model != MaterialModel::classic && model != MaterialModel::unlit) return true;
+    return inputs != kNoMaterialInputs || vertex_color_replaces_diffuse ||
+           !is_black(model == MaterialModel::unlit ? emission : diffuse);
+  }
   /// Whether more than the classic formulas is needed to shade it.
   bool is_rich() const {
     return inputs != kNoMaterialInputs || alpha < 1 || model >= MaterialModel::physical;

@@ -78,7 +78,7 @@ class PointFinder {
     add_box(at->second, world, points_);
   }
 
-  static Point3 point(const std::vector<std::byte>& blob, size_t index) {
+  static Point3 point(const Blob& blob, size_t index) {
     std::array<float, 3> p;
     std::memcpy(p.data(), blob.data() + index * sizeof p, sizeof p);
     return {p[0], p[1], p[2]};

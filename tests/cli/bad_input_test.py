@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Wrong files, names, sizes and places: one clear line, the right exit code, nothing half-written."""
-import os
+import resource
 import socket
 import unittest
 
 import scenes
-from tessera_process import TesseraTest
+from tessera_process import PATIENCE, SLOWER, TesseraTest, heed_permissions
 
 
 class BadCommandLine(TesseraTest):
@@ -13,8 +13,8 @@ class BadCommandLine(TesseraTest):
         super().setUp()
         self.scene = self.write("scene.tessera", scenes.ONE_SPHERE)
 
-    def refused(self, *arguments, says):
-        result = self.run_program(*arguments)
+    def refused(self, *arguments, says, **options):
+        result = self.run_program(*arguments, **options)
         self.assert_error(result, 2, *says)
         self.assertEqual("", result.out)
         self.assertEqual(["scene.tessera", "tmp"], sorted(p.name for p in self.folder.iterdir()))
@@ -71,6 +71,15 @@ class BadCommandLine(TesseraTest):
         self.refused("convert", self.scene, "nowhere/s.json", says=["nowhere"])
         self.refused("convert", self.scene, "s.jsn", says=["s.jsn", ".json"])
 
+    def test_a_folder_that_cannot_be_written(self):
+        self.addCleanup(self.folder.chmod, 0o700)
+        self.folder.chmod(0o500)
+        for arguments in [("render", self.scene, "-o", "x.png"), ("convert", self.scene, "x.json"),
+                          ("render", self.scene, "-o", "tmp/x.png", "--stats", "x.json")]:
+            with self.subTest(arguments=arguments):
+                self.refused(*arguments, says=["'x.", "Permission denied"],
+                             preexec_fn=heed_permissions)
+
     def test_endpoints(self):
         for endpoint in ["", "nonsense", "tcp://", "http://127.0.0.1:80", "tcp://127.0.0.1:99999"]:
             with self.subTest(endpoint=endpoint):
@@ -89,13 +98,13 @@ class BadCommandLine(TesseraTest):
 
 
 class BadScenes(TesseraTest):
-    def refused(self, name, content, *parts):
+    def refused(self, name, content, *parts, **options):
         """`render` and `info` refuse this file, and nothing else is made."""
         path = self.write(name, content) if content is not None else self.folder / name
         before = sorted(p.name for p in self.folder.iterdir())
         for command in [("render", path, "--size", "16x16", "--workers", "2"), ("info", path)]:
             with self.subTest(command=command[0]):
-                result = self.run_program(*command)
+                result = self.run_program(*command, **options)
                 self.assert_error(result, 1, name, *parts)
                 self.assertEqual(before, sorted(p.name for p in self.folder.iterdir()))
 
@@ -180,11 +189,27 @@ class BadScenes(TesseraTest):
         self.refused("scene.tessera", 'includes { file: "/etc/passwd" format: "obj" }\n')
         self.refused("dots.tessera", 'includes { file: "../../etc/passwd" format: "obj" }\n')
 
-    @unittest.skipIf(os.geteuid() == 0, "root may read everything")
     def test_unreadable(self):
-        path = self.write("secret.obj", "v 0 0 0\n")
-        path.chmod(0)
-        self.refused("secret.obj", None)
+        self.write("secret.obj", "v 0 0 0\n").chmod(0)
+        self.refused("secret.obj", None, "Permission denied", preexec_fn=heed_permissions)
+
+
+class LittleMemory(TesseraTest):
+    @unittest.skipIf(SLOWER > 1, "sanitizers need the addresses themselves")
+    def test_is_one_clear_error(self):
+        path = self.write("scene.tessera", scenes.mesh_scene(60, 80))
+        codes = set()
+        for megabytes in range(30, 200, 10):
+            for workers in (0, 1):
+                with self.subTest(megabytes=megabytes, workers=workers):
+                    limit = (megabytes << 20, resource.RLIM_INFINITY)
+                    result = self.run_program(
+                        "render", path, "-o", "x.pfm", "--size", "32x32", "--quiet", "--workers", workers,
+                        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, limit))
+                    codes.add(result.code)
+                    self.assertIn(result.code, (0, 3), result.err)
+                    self.assertEqual(0, result.err.count("terminate"), result.err)
+        self.assertEqual({0, 3}, codes)
 
 
 class BadWorkers(TesseraTest):
@@ -197,7 +222,7 @@ class BadWorkers(TesseraTest):
         self.assertIn("99", worker.err)
         self.assertIsNone(serve.poll(), "the coordinator goes on")
         serve.terminate()
-        self.assertEqual(0, serve.wait(10))
+        self.assertEqual(0, serve.wait(PATIENCE))
 
 
 if __name__ == "__main__":

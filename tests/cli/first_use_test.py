@@ -10,7 +10,7 @@ import termios
 import unittest
 
 import scenes
-from tessera_process import PROGRAM, TesseraTest
+from tessera_process import PATIENCE, PROGRAM, TesseraTest
 
 SMALL = ["--size", "48x32", "--workers", "0", "--threads", "1"]
 MOVING = """
@@ -158,10 +158,10 @@ class Farm(TesseraTest):
         logs = {}
         for name, options in (("loud", []), ("quiet", ["--quiet"])):
             logs[name] = self.start("worker", "--connect", endpoint, "--threads", 1, *options)
-        self.assertEqual(0, render.wait(30))
+        self.assertEqual(0, render.wait(PATIENCE))
         serve.terminate()
-        self.assertEqual(0, serve.wait(10))
-        told = {name: worker.communicate(timeout=10)[1] for name, worker in logs.items()}
+        self.assertEqual(0, serve.wait(PATIENCE))
+        told = {name: worker.communicate(timeout=PATIENCE)[1] for name, worker in logs.items()}
         self.assertEqual("", told["quiet"])
         self.assertRegex(told["loud"], rf"(?s)connecting to {endpoint}\n.*connected, with 1 thread\n"
                          ".*the coordinator has ended: ")
@@ -218,7 +218,31 @@ class Compare(TesseraTest):
         self.assertRegex(shown.out, r"differing pixels +2 of 30\n")
         self.assertRegex(shown.out, r"all of them in +2,1,5,4\n")
         self.assertRegex(shown.out, r"worst pixel +4,3: \(0, 0, 0\) and \(0\.3529\d+, 0, 0\)\n")
+        self.assertRegex(shown.out, r"at most +R by 0\.3529\d+\n")
         self.assertNotIn("worst", self.run_program("compare", "a.ppm", "a.ppm").out)
+
+    def tga(self, name, *pixels):
+        """One row of blue, green, red and, if they have it, alpha."""
+        depth = len(pixels[0])
+        header = struct.pack("<BBBHHBHHHHBB", 0, 0, 2, 0, 0, 0, 0, 0, len(pixels), 1, 8 * depth,
+                             8 * (depth - 3) | 0x20)
+        self.write(name, header + b"".join(map(bytes, pixels)))
+
+    def test_alpha(self):
+        self.tga("a.tga", (9, 8, 7, 255), (9, 8, 7, 0))
+        self.tga("alpha.tga", (9, 8, 7, 255), (9, 8, 7, 51))
+        self.tga("both.tga", (9, 8, 7, 204), (9, 8, 58, 0))
+        self.tga("rgb.tga", (9, 8, 7), (9, 8, 7))
+        self.assertEqual(0, self.run_program("compare", "a.tga", "a.tga").code)
+        shown = self.run_program("compare", "a.tga", "alpha.tga")
+        self.assertEqual(1, shown.code)
+        self.assertRegex(shown.out, r"max difference +0\.2\d*\n")
+        self.assertRegex(shown.out, r"at most +A by 0\.2\d*\n")
+        # What nobody sees, behind an alpha of 0, is in the file all the same.
+        self.assertRegex(self.run_program("compare", "a.tga", "both.tga").out,
+                         r"at most +(R|A) by 0\.2\d*, (R|A) by 0\.(2|19)\d*\n")
+        self.assert_error(self.run_program("compare", "a.tga", "rgb.tga"), 1, "channels differ",
+                          "a.tga has R, G, B, A; rgb.tga has R, G, B")
 
     def test_missing(self):
         self.write("a.ppm", b"P6\n1 1\n255\n\0\0\0")
@@ -241,6 +265,30 @@ class Info(TesseraTest):
         shown = self.run_program("info", scene).out
         self.assertRegex(shown, r"camera +none: from \(0, 0, 10\) along -z")
         self.assertEqual(0, shown.count("bytes of blobs"))
+
+
+class HostileNames(TesseraTest):
+    NAME = "\x1b[2J\x07\u009b31m"
+
+    def assert_harmless(self, result):
+        for sign in self.NAME[0], self.NAME[4], self.NAME[5]:
+            self.assertNotIn(sign, result.out + result.err)
+        self.assertIn("[2J", result.out + result.err)
+
+    def test_no_terminal_is_told_what_to_do(self):
+        written = json.dumps(self.NAME)[1:-1].replace("\\u00", "\\x").replace(
+            "\\x9b", "\\302\\233")
+        camera = scenes.CAMERA.replace('"front"', f'"{written}"')
+        scene = self.write("scene.tessera", camera + scenes.material(written, "") +
+                           "nodes { shape { sphere { } } }\n")
+        self.assertEqual(self.NAME, json.loads(self.run_program("info", scene, "--json").out)["cameras"][0])
+        for options in (["info", scene], ["info", scene, "--json"],
+                        ["render", scene, "--camera", "no such"]):
+            with self.subTest(options=options):
+                self.assert_harmless(self.run_program(*options))
+        scene = self.write("scene.tessera", f'nodes {{ shape {{ materials: "{written}" sphere {{ }} }} }}')
+        for command in ("info", "render"):
+            self.assert_harmless(self.run_program(command, scene))
 
 
 class Grammar(TesseraTest):

@@ -6,7 +6,7 @@ import time
 import unittest
 
 import scenes
-from tessera_process import SLOWER, TesseraTest, catches, marked_processes, wait_until
+from tessera_process import PATIENCE, TesseraTest, catches, marked_processes, wait_until
 
 LONG = ["--size", "1600x1200", "--spp", "4096"]
 
@@ -19,17 +19,15 @@ class Interrupt(TesseraTest):
     def start_long_render(self, workers):
         process = self.start("render", self.scene, "-o", "picture.png", "--stats", "stats.json",
                              "--workers", workers, *LONG)
-        wait_until(lambda: len(marked_processes(self.mark)) == workers + 1, 10, "all run")
-        wait_until(lambda: catches(process, signal.SIGTERM), 10, "signals are caught")
+        wait_until(lambda: len(marked_processes(self.mark)) == workers + 1, "all run")
+        wait_until(lambda: catches(process, signal.SIGTERM), "signals are caught")
         time.sleep(0.4)
         return process
 
-    def assert_interrupted(self, process, seconds):
-        began = time.monotonic()
-        out, err = process.communicate(timeout=60)
+    def assert_interrupted(self, process):
+        out, err = process.communicate(timeout=PATIENCE)
         self.assertEqual(4, process.returncode, err)
-        self.assertLess(time.monotonic() - began, seconds * SLOWER)
-        wait_until(lambda: not marked_processes(self.mark), 5, "no process is left")
+        wait_until(lambda: not marked_processes(self.mark), "no process is left")
         self.assertEqual(["scene.tessera", "tmp"], sorted(p.name for p in self.folder.iterdir()))
         return err
 
@@ -39,51 +37,64 @@ class Interrupt(TesseraTest):
                 with self.subTest(signal=sent.name, workers=workers):
                     process = self.start_long_render(workers)
                     process.send_signal(sent)
-                    self.assertIn("interrupted", self.assert_interrupted(process, 5))
+                    self.assertIn("interrupted", self.assert_interrupted(process))
 
     def test_from_the_terminal_it_reaches_all(self):
         """Ctrl-C goes to the whole process group, workers included."""
         process = self.start("render", self.scene, "-o", "picture.png", "--workers", 3, *LONG,
                              start_new_session=True)
-        workers = wait_until(lambda: len(p := marked_processes(self.mark)) == 4 and p, 10, "all run")
+        workers = wait_until(lambda: len(p := marked_processes(self.mark)) == 4 and p, "all run")
         time.sleep(0.3)
         for each in workers:
             os.kill(each, signal.SIGINT)
-        self.assertIn("interrupted", self.assert_interrupted(process, 5))
+        self.assertIn("interrupted", self.assert_interrupted(process))
 
     def test_twice(self):
         process = self.start_long_render(3)
         process.send_signal(signal.SIGINT)
         process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=60)
+        process.communicate(timeout=PATIENCE)
         self.assertEqual(4, process.returncode)
-        wait_until(lambda: not marked_processes(self.mark), 5, "no process is left")
+        wait_until(lambda: not marked_processes(self.mark), "no process is left")
         self.assertFalse((self.folder / "picture.png").exists())
 
     def test_twice_at_any_moment_leaves_no_file(self):
         for i in range(24):
             process = self.start("render", self.scene, "-o", "picture.png", "-o", "picture.exr",
                                  "--size", "64x64", "--workers", 1 + i % 2)
-            time.sleep(0.02 + 0.012 * i)
+            wait_until(lambda: catches(process, signal.SIGTERM), "signals are caught")
+            time.sleep(0.012 * i)
             process.send_signal(signal.SIGINT)
             time.sleep(0.001 * (i % 4))
             process.send_signal(signal.SIGTERM)
-            process.communicate(timeout=60)
-            wait_until(lambda: not marked_processes(self.mark), 5, "no process is left")
+            process.communicate(timeout=PATIENCE)
+            self.assertIn(process.returncode, (0, 4))
+            wait_until(lambda: not marked_processes(self.mark), "no process is left")
             self.assertEqual([], list(self.temporary.iterdir()), i)
             self.assertEqual([], list(self.folder.glob(".tessera*")), i)
+
+    def test_a_command_that_has_nothing_to_finish_ends_at_once(self):
+        for arguments in [("convert", "forest:300000", "forest.json"), ("info", self.scene),
+                          ("bench", "precision")]:
+            with self.subTest(arguments=arguments):
+                process = self.start(*arguments)
+                wait_until(lambda: process.poll() is not None or catches(process, signal.SIGINT),
+                           "signals are caught")
+                process.send_signal(signal.SIGINT)
+                process.communicate(timeout=PATIENCE)
+                self.assertIn(process.returncode, (4, 0) if arguments[0] == "info" else (4,))
 
     def test_while_it_waits_for_workers(self):
         serve = self.start("serve", "--bind", "tcp://127.0.0.1:*")
         endpoint = serve.stdout.readline().split()[-1]
         process = self.start("render", self.scene, "-o", "picture.png", "--connect", endpoint, *LONG)
-        wait_until(lambda: catches(process, signal.SIGINT), 10, "signals are caught")
+        wait_until(lambda: catches(process, signal.SIGINT), "signals are caught")
         time.sleep(0.5)
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=20)
+        process.communicate(timeout=PATIENCE)
         self.assertEqual(4, process.returncode)
         serve.send_signal(signal.SIGINT)
-        self.assertEqual(0, serve.wait(10))
+        self.assertEqual(0, serve.wait(PATIENCE))
 
 
 if __name__ == "__main__":

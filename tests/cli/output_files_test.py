@@ -7,7 +7,7 @@ import time
 import unittest
 
 import scenes
-from tessera_process import SLOWER, Result, TesseraTest, wait_until
+from tessera_process import PATIENCE, SLOWER, Result, TesseraTest, wait_until
 
 SMALL = ["--size", "96x96", "--workers", "0", "--threads", "1"]
 ENDINGS = ["png", "exr", "jpg", "bmp", "tif", "tga", "ppm", "webp", "hdr", "pfm", "sgi"]
@@ -68,7 +68,7 @@ class OutputFiles(TesseraTest):
                 self.write(f"old.{ending}", "old")
                 process = self.start("render", self.scene, *SMALL, "-o", f"old.{ending}",
                                      preexec_fn=few_bytes)
-                out, err = process.communicate(timeout=60)
+                out, err = process.communicate(timeout=PATIENCE)
                 self.assert_error(Result(process.returncode, out, err), 3, f"old.{ending}",
                                   "File too large")
                 self.assertEqual(b"old", (self.folder / f"old.{ending}").read_bytes())
@@ -83,7 +83,7 @@ class OutputFiles(TesseraTest):
                                      "--tile", "16", "--workers", "2", "-o", "picture.png",
                                      **{stream: writer})
                 os.close(writer)
-                process.communicate(timeout=100)
+                process.communicate(timeout=PATIENCE)
                 self.assertEqual(0, process.returncode)
                 self.assertTrue((self.folder / "picture.png").exists())
 
@@ -94,12 +94,24 @@ class OutputFiles(TesseraTest):
             with self.subTest(files=files):
                 self.assert_error(self.run_program("render", self.scene, *SMALL, *files), 2, "twice")
 
+    def test_what_is_read_is_never_written(self):
+        self.assertEqual(0, self.run_program("convert", self.scene, "scene.json").code)
+        scene = self.folder / "scene.json"
+        before = scene.read_bytes()
+        os.symlink("scene.json", self.folder / "link.json")
+        os.link(scene, self.folder / "hard.json")
+        for place in ("scene.json", "./tmp/../scene.json", "link.json", "hard.json"):
+            for command in (("convert", scene, place), ("render", scene, *SMALL, "--stats", place)):
+                with self.subTest(command=command):
+                    self.assert_error(self.run_program(*command), 2, place, "the file that is read")
+                    self.assertEqual(before, scene.read_bytes())
+
     def test_an_interrupted_animation_tells_how_far_it_came(self):
         process = self.start("render", self.scene, "--size", "64x64", "--spp", "64", "--frames",
                              "1-5000", "-o", "anim.png", "--workers", "1")
-        wait_until(lambda: (self.folder / "anim.0002.png").exists(), 20, "two frames")
+        wait_until(lambda: (self.folder / "anim.0002.png").exists(), "two frames")
         process.terminate()
-        _, err = process.communicate(timeout=30)
+        _, err = process.communicate(timeout=PATIENCE)
         self.assertEqual(4, process.returncode)
         frames = len(list(self.folder.glob("anim.*.png")))
         self.assertIn(f"{frames} of 5000 frames", err)

@@ -40,7 +40,7 @@ class Render(TesseraTest):
     def test_piped_progress_is_plain_lines(self):
         began = time.monotonic()
         result = self.run_program("render", self.scene, "--size", "640x480", "--spp", "64",
-                                  "--tile", "16", "--workers", "2", seconds=120)
+                                  "--tile", "16", "--workers", "2")
         seconds = time.monotonic() - began
         self.assertEqual(0, result.code)
         self.assertNotIn("\r", result.err + result.out)
@@ -177,8 +177,7 @@ class OtherCommands(TesseraTest):
 
 class Bench(TesseraTest):
     def rows(self, *arguments):
-        result = self.run_program("bench", *arguments, "--rounds", "1", "--json", "rows.json",
-                                  seconds=300)
+        result = self.run_program("bench", *arguments, "--rounds", "1", "--json", "rows.json")
         self.assertEqual(0, result.code, result.err)
         return json.loads((self.folder / "rows.json").read_text())["rows"]
 

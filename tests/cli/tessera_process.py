@@ -1,4 +1,5 @@
 """Runs the real program for the end-to-end tests of this folder."""
+import ctypes
 import json
 import os
 import pathlib
@@ -13,6 +14,7 @@ import uuid
 PROGRAM = os.environ.get("TESSERA_PROGRAM") or str(
     pathlib.Path(__file__).parents[2] / "build/dev/bin/tessera")
 SLOWER = float(os.environ.get("TESSERA_TEST_SLOWDOWN", "1"))  # sanitizers
+PATIENCE = 120 * SLOWER  # seconds; what takes longer is taken for hung, so no machine is too slow
 MARK = "TESSERA_TEST_MARK"
 
 
@@ -46,14 +48,21 @@ def catches(process, sent):
     return int(status.split("SigCgt:")[1].split()[0], 16) >> (sent - 1) & 1 == 1
 
 
-def wait_until(condition, seconds, what):
-    """Polls until `condition()` is true; its value. Fails loudly after some seconds."""
-    deadline = time.monotonic() + seconds * SLOWER
+def heed_permissions():
+    """Between fork and exec: the program will find unreadable what others would, though run by root."""
+    PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2
+    for capability in (CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH):
+        ctypes.CDLL(None).prctl(PR_CAPBSET_DROP, capability)
+
+
+def wait_until(condition, what):
+    """Polls until `condition()` is true; its value."""
+    deadline = time.monotonic() + PATIENCE
     while True:
         if value := condition():
             return value
         if time.monotonic() > deadline:
-            raise AssertionError(f"after {seconds * SLOWER} s still not: {what}")
+            raise AssertionError(f"after {PATIENCE} s still not: {what}")
         time.sleep(0.002)
 
 
@@ -99,16 +108,16 @@ class TesseraTest(unittest.TestCase):
             process.kill()
         process.communicate()
 
-    def run_program(self, *arguments, seconds=60):
+    def run_program(self, *arguments, **options):
         """The ended process with .code, .out and .err."""
-        process = self.start(*arguments)
-        out, err = process.communicate(timeout=seconds * SLOWER)
+        process = self.start(*arguments, **options)
+        out, err = process.communicate(timeout=PATIENCE)
         return Result(process.returncode, out, err)
 
-    def render(self, scene, *options, seconds=60):
+    def render(self, scene, *options):
         """Renders and returns the --stats of a success."""
         result = self.run_program("render", scene, "-o", "picture.png", "--stats", "stats.json",
-                                  *options, seconds=seconds)
+                                  *options)
         self.assertEqual(0, result.code, result.err)
         return self.stats()
 

@@ -46,7 +46,7 @@ struct Accelerators {
     Accelerators a;
     a.all.push_back(std::make_unique<InstanceLinearScan>(instances));
     bool any_bounded = false;
-    for (const Instance& i : instances) any_bounded |= is_bounded(bounds_of(i));
+    for (const Instance& i : instances) any_bounded |= can_be_held(i, bounds_of(i));
     if (!any_bounded) return a;
     for (const BvhKernels& code : all_kernels())
       a.all.push_back(std::make_unique<InstanceBvh>(instances, 2, code));

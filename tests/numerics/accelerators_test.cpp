@@ -157,6 +157,65 @@ TEST(N18, DegenerateInputBuildsABoundedTree) {
   }
 }
 
+/// Primitives that each accelerator tests for a ray, on the average, at most: from about the middle
+/// of where `aim` draws its targets.
+template <typename Aim>
+double most_tests(const Accelerators& all, const Point3& from, Aim&& aim) {
+  constexpr int kRays = 200;
+  double most = 0;
+  for (size_t i = 1; i < all.all.size(); ++i) {
+    Random random(218, 1);
+    TraversalCounters counters;
+    for (int k = 0; k < kRays; ++k) {
+      Hit hit;
+      all.all[i]->closest_hit({from, aim(random) - from}, hit, counters);
+      all.all[i]->any_hit({from, aim(random) - from}, counters);
+    }
+    most = std::max(most, static_cast<double>(counters.primitive_tests) / (2 * kRays));
+  }
+  return most;
+}
+
+TEST(N18, TreesCullFarFromTheOriginAndBesideSomethingHuge) {
+  for (const double far : {0.0, 1e4, 1e6}) {
+    const Vec3 by{far, -far, 0.5 * far};
+    const auto mesh = std::make_shared<const TriangleMesh>(moved(icosphere(5), 1, by));
+    Accelerators all = Accelerators::over(mesh);
+    if (has_embree()) all.all.pop_back();  // its boxes all overlap there
+    EXPECT_LT(
+        most_tests(all, Point3{} + by, [&](Random& r) { return Point3{} + by + r.direction(); }),
+        64)
+        << "of " << mesh->triangles.size() << " at " << far;
+    std::vector<Instance> balls;
+    Random random(318, 1);
+    for (int i = 0; i < 3000; ++i)
+      balls.push_back(
+          {std::make_shared<Sphere>(Point3{} + by + random.in_cube(40), 0.5), Transform{}});
+    EXPECT_LT(most_tests(Accelerators::over(balls), Point3{} + by,
+                         [&](Random& r) { return Point3{} + by + r.direction(); }),
+              64)
+        << "at " << far;
+  }
+  Random random(418, 1);
+  TriangleMesh mesh;
+  add_triangle(mesh, random, {}, 1e7);
+  std::vector<Instance> balls{{std::make_shared<Sphere>(Point3{0, -1e7, 0}, 1e7 - 1), Transform{}}};
+  for (int i = 0; i < 3000; ++i) {
+    add_triangle(mesh, random, random.in_cube(1), 0.01);
+    balls.push_back({std::make_shared<Sphere>(Point3{} + random.in_cube(1), 0.01), Transform{}});
+  }
+  const auto aim = [](Random& r) { return Point3{} + r.in_cube(1); };
+  Accelerators all = Accelerators::over(std::make_shared<const TriangleMesh>(std::move(mesh)));
+  if (has_embree()) all.all.pop_back();
+  // The octrees' voxels are no narrower than 2^-19 of the whole.
+  std::erase_if(all.all, [](const auto& a) { return dynamic_cast<const MeshOctree*>(a.get()); });
+  EXPECT_LT(most_tests(all, {0.1, 0.2, 0.3}, aim), 64);
+  all = Accelerators::over(balls);
+  std::erase_if(all.all,
+                [](const auto& a) { return dynamic_cast<const InstanceOctree*>(a.get()); });
+  EXPECT_LT(most_tests(all, {0.1, 0.2, 0.3}, aim), 64);
+}
+
 TEST(N18, TreesDoNotDependOnThreads) {
   const TriangleMesh mesh = triangle_soup(300000, 5);
   const MeshBvh one(mesh, 1), three(mesh, 3);
@@ -207,13 +266,15 @@ TEST(N20, AcceleratorsAgreeOnTrianglesSeenEdgeOn) {
             {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
       mesh.triangles.push_back({base, base + 1, base + 2});
     }
+    // Beside something huge boxes are told apart in double alone, and by a smaller margin.
+    if (seed % 12 == 0) add_triangle(mesh, random, {1e9, 1e9, 0}, 1e9);
     drop_degenerate(mesh);
     const auto shared = std::make_shared<const TriangleMesh>(mesh);
     const Accelerators all = Accelerators::over(shared);
     int wrong = 0;
     for (int i = 0; i < 1000; ++i) {
       // In the plane of a triangle, through two points of it, often close to a corner.
-      const auto t = random.below(shared->triangles.size());
+      const auto t = random.below(static_cast<size_t>(count));
       const auto [a, b, c] = shared->corners(t);
       const double corner = random.below(2) ? 1 : std::pow(10, random.uniform(-4, 0));
       const Point3 p = a + (b - a) * (corner * random.uniform());

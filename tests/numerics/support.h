@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "renderer/math/elementary.h"
+#include "renderer/math/precise_vec.h"
 #include "renderer/math/transform.h"
 
 namespace tessera::numerics {
@@ -87,24 +88,7 @@ class Random {
 using Quad = __float128;
 inline constexpr Quad kQuadInfinity = std::numeric_limits<double>::infinity();
 
-struct QuadVec {
-  Quad x = 0, y = 0, z = 0;
-  QuadVec() = default;
-  QuadVec(Quad x_, Quad y_, Quad z_) : x(x_), y(y_), z(z_) {}
-  QuadVec(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
-  QuadVec(const Point3& p) : x(p.x), y(p.y), z(p.z) {}
-};
-inline QuadVec operator+(const QuadVec& a, const QuadVec& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-inline QuadVec operator-(const QuadVec& a, const QuadVec& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-inline QuadVec operator*(const QuadVec& a, Quad s) { return {a.x * s, a.y * s, a.z * s}; }
-inline Quad dot(const QuadVec& a, const QuadVec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline QuadVec cross(const QuadVec& a, const QuadVec& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+using QuadVec = PreciseVec<Quad>;
 inline Quad length(const QuadVec& v) { return sqrtq(dot(v, v)); }
 
 inline double size_of(const Point3& p) { return tessera::length(p - Point3{}); }

@@ -11,10 +11,11 @@ uint64_t PixelLayout::bytes() const {
          static_cast<uint64_t>(channels) * static_cast<uint64_t>(bits / 8);
 }
 
-bool PixelLayout::is_legal() const {
-  return width >= 1 && height >= 1 && width <= kMostSide && height <= kMostSide &&
-         int64_t{width} * height <= kMostPixels && channels >= 1 && channels <= 4 &&
-         (bits == 8 || bits == 16 || bits == 32);
+bool PixelLayout::is_legal(int32_t most_channels) const {
+  if (width < 1 || height < 1 || width > kMostSide || height > kMostSide) return false;
+  const int64_t pixels = int64_t{width} * height;
+  return pixels <= kMostPixels && channels >= 1 && channels <= most_channels &&
+         pixels * channels <= 4 * kMostPixels && (bits == 8 || bits == 16 || bits == 32);
 }
 
 bool ImageChannel::send_bytes(const void* bytes, size_t size) {

@@ -16,12 +16,14 @@ struct PixelLayout {
   int32_t bits = 0;  ///< of a channel: 8 unsigned, 16 half float, 32 float
 
   uint64_t bytes() const;
-  /// Whether the sides are in 1..kMostSide, the pixels at most kMostPixels, the channels in 1..4
-  /// and the bits one of the three.
-  bool is_legal() const;
+  /// Whether the sides are in 1..kMostSide, the pixels at most kMostPixels, their numbers at most
+  /// four times as many, the channels in 1..most_channels and the bits one of the three.
+  bool is_legal(int32_t most_channels = 4) const;
 
   static constexpr int32_t kMostSide = 65536;
   static constexpr int64_t kMostPixels = int64_t{1} << 28;
+  static constexpr int32_t kMostChannels = 1024;  ///< of any file
+  static constexpr uint64_t kLongestNames = 64 * 1024;
 };
 
 /// No encoder makes more of so many bytes of incompressible pixels, headers included.
@@ -56,7 +58,8 @@ struct ColorNames {
 struct ImageRequest {
   enum Call : uint32_t {
     encode,        ///< payload: pixels, 3 channels; the reply: the file's bytes
-    decode_rgb,    ///< the first three channels (one or two: the first thrice) as floats
+    decode_all,    ///< payload: a path; the reply: all channels as floats, alpha not multiplied in,
+                   ///< then the channels' names, each ended by a zero
     decode_file,   ///< payload: a path; the reply: pixels as the file has them, at most 4 channels,
                    ///< in the fewest bits that hold them, alpha not multiplied in
     decode_bytes,  ///< the same of a payload that is the file itself

@@ -12,6 +12,10 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "renderer/image/plain/icc_profile.h"
@@ -33,7 +37,7 @@ class MemoryFile {
   MemoryFile& operator=(const MemoryFile&) = delete;
   ~MemoryFile() { close(file_); }
 
-  std::string path() const { return "/proc/self/fd/" + std::to_string(file_); }
+  std::string path() const { return OIIO::Strutil::sprintf("/proc/self/fd/%d", file_); }
 
   /// A limit on file sizes, which holds here too, shows now.
   void check_room(uint64_t bytes) const {
@@ -108,38 +112,45 @@ ImageAnswer encode(const ImageRequest& request, const std::vector<char>& pixels)
 }
 
 /// Room for a picture of the layout in `answer`, whose size is checked first.
-void* make_room(ImageAnswer& answer) {
-  if (!answer.layout.is_legal()) fail_image("its size is out of range");
+void* make_room(ImageAnswer& answer, int most_channels) {
+  if (!answer.layout.is_legal(most_channels)) fail_image("its size is out of range");
   answer.payload.resize(answer.layout.bytes());
   return answer.payload.data();
 }
 
-ImageAnswer decode_rgb(const std::string& path) {
-  const auto input = OIIO::ImageInput::open(path);
+/// A reader that leaves colours as the file has them.
+std::unique_ptr<OIIO::ImageInput> open(const std::string& path) {
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  auto input = OIIO::ImageInput::open(path, &config);
   if (!input) fail_image(OIIO::geterror());
+  return input;
+}
+
+/// The first channels, as many as the layout has, which it checks.
+void read_pixels(OIIO::ImageInput& input, OIIO::TypeDesc type, int most_channels,
+                 ImageAnswer& answer) {
+  void* const pixels = make_room(answer, most_channels);
+  // Some readers fill in what a truncated file lacks, and merely say so.
+  if (!input.read_image(0, 0, 0, answer.layout.channels, type, pixels) || input.has_error()) {
+    fail_image(input.geterror());
+  }
+}
+
+ImageAnswer decode_all(const std::string& path) {
+  const auto input = open(path);
   const OIIO::ImageSpec& spec = input->spec();
-  if (spec.nchannels < 1) fail_image("it has no channels");
-  ImageAnswer answer{{spec.width, spec.height, 3, 32}, {}};
-  auto* const values = static_cast<float*>(make_room(answer));
-  // One call reads a tiled or a scanline file alike; fewer channels are spread out in place after
-  // it.
-  const bool three = spec.nchannels >= 3;
-  const OIIO::stride_t pixel = 3 * sizeof(float);
-  if (!input->read_image(0, 0, 0, three ? 3 : 1, OIIO::TypeDesc::FLOAT, values, pixel)) {
-    fail_image(input->geterror());
-  }
-  if (!three) {
-    const size_t count = answer.payload.size() / pixel;
-    for (size_t i = 0; i < count; ++i) values[3 * i + 1] = values[3 * i + 2] = values[3 * i];
-  }
+  ImageAnswer answer{{spec.width, spec.height, spec.nchannels, 32}, {}};
+  read_pixels(*input, OIIO::TypeDesc::FLOAT, PixelLayout::kMostChannels, answer);
+  std::string names;
+  for (int i = 0; i < spec.nchannels; ++i) names.append(spec.channel_name(i)).push_back('\0');
+  if (names.size() > PixelLayout::kLongestNames) fail_image("its channels have too long names");
+  answer.payload.insert(answer.payload.end(), names.begin(), names.end());
   return answer;
 }
 
 ImageAnswer decode(const std::string& path, bool to_srgb) {
-  OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  const auto input = OIIO::ImageInput::open(path, &config);
-  if (!input) fail_image(OIIO::geterror());
+  const auto input = open(path);
   const OIIO::ImageSpec& spec = input->spec();
   // Integers of 16 bits are more than half floats hold.
   const OIIO::TypeDesc type = spec.format == OIIO::TypeDesc::UINT8  ? OIIO::TypeDesc::UINT8
@@ -148,11 +159,7 @@ ImageAnswer decode(const std::string& path, bool to_srgb) {
   const int channels = std::min(spec.nchannels, 4);
   ImageAnswer answer{{spec.width, spec.height, channels, static_cast<int>(type.basesize()) * 8},
                      {}};
-  void* const texels = make_room(answer);
-  // Some readers fill in what a truncated file lacks, and merely say so.
-  if (!input->read_image(0, 0, 0, channels, type, texels) || input->has_error()) {
-    fail_image(input->geterror());
-  }
+  read_pixels(*input, type, channels, answer);
   const OIIO::ParamValue* const profile = to_srgb ? spec.find_attribute("ICCProfile") : nullptr;
   if (profile) {
     convert_to_srgb({static_cast<const unsigned char*>(profile->data()),
@@ -221,8 +228,8 @@ extern "C" __attribute__((visibility("default"))) void tessera_answer_image(
     case ImageRequest::encode:
       answer = encode(request, payload);
       return;
-    case ImageRequest::decode_rgb:
-      answer = decode_rgb(path());
+    case ImageRequest::decode_all:
+      answer = decode_all(path());
       return;
     case ImageRequest::decode_file:
       answer = decode(path(), request.to_srgb != 0);

@@ -173,11 +173,7 @@ TEST(N10, SliversInCombinationsDoNotHitThemselves) {
       Hit hit;
       TraversalCounters counters;
       if (!shape.closest_hit(ray, hit, counters)) continue;
-      const LocalSurface at = shape.surface(ray, hit);
-      SurfaceInteraction s;
-      s.point = at.point;
-      s.point_error = at.point_error;
-      s.geometric_normal = at.geometric_normal;
+      const SurfaceInteraction s = shape.surface(ray, hit);
       const Vec3 n = static_cast<Vec3>(s.geometric_normal);
       Vec3 away = random.direction();
       if (dot(away, n) < 0) away = -away;

@@ -49,11 +49,7 @@ TEST(N11, CombinationsDoNotHitThemselvesNorLoseTheFarWall) {
         TraversalCounters counters;
         if (!shape.closest_hit(ray, hit, counters)) continue;
         // Without what a further transform adds: the whole's own error bound has to do.
-        const LocalSurface at = shape.surface(ray, hit);
-        SurfaceInteraction s;
-        s.point = at.point;
-        s.point_error = at.point_error;
-        s.geometric_normal = at.geometric_normal;
+        const SurfaceInteraction s = shape.surface(ray, hit);
         const Vec3 n = static_cast<Vec3>(s.geometric_normal);
         Vec3 away = random.direction();
         if (k % 3 == 0) away = across(n, random) + n * std::abs(random.power(-10, -1));
@@ -89,12 +85,8 @@ TEST(N11, GrazingRaysOffCoincidingFacesSeeTheWall) {
     Hit hit, next;
     TraversalCounters counters;
     ASSERT_TRUE(shape.closest_hit(down, hit, counters));
-    const LocalSurface at = shape.surface(down, hit);
-    if (at.geometric_normal.y < 0.9) continue;
-    SurfaceInteraction s;
-    s.point = at.point;
-    s.point_error = at.point_error;
-    s.geometric_normal = at.geometric_normal;
+    const SurfaceInteraction s = shape.surface(down, hit);
+    if (s.geometric_normal.y < 0.9) continue;
     const Vec3 d{1, std::abs(random.power(-16, -1)), random.uniform(-0.5, 0.5)};
     ASSERT_TRUE(shape.closest_hit(spawn_ray(s, d), next, counters)) << "at " << i;
     ASSERT_NEAR(next.t, 1 - s.point.x, 1e-9) << "at " << i;

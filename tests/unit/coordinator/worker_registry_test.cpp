@@ -117,7 +117,7 @@ TEST(WorkerRegistry, RefusesWhomItSetAside) {
   WorkerRegistry registry(options());
   WorkerRecord* worker = registry.greet("p1", hello(1), {}).worker;
   worker->failures = 3;
-  registry.set_aside(*worker);
+  registry.set_aside(1, "it failed 3 tiles");
   EXPECT_EQ(registry.judge(hello(1, 2))->reason(), v1::Reject::QUARANTINED);
   EXPECT_THAT(registry.judge(hello(1, 2))->text(), HasSubstr("here:1001 failed 3 tiles"));
 }

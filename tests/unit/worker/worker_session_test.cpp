@@ -341,5 +341,71 @@ TEST_F(WorkerSessionTest, GivesBackWhatItHoldsWhenItLeaves) {
   EXPECT_EQ(sent(v1::Envelope::kBye).at(0).bye().reason(), "stopped");
 }
 
+TEST_F(WorkerSessionTest, LooksOnDiskBeforeItAsksAndKeepsWhatIsSent) {
+  SessionOptions with_disk = options();
+  with_disk.blob_sources.disk = true;
+  session = WorkerSession(with_disk, Time{0});
+  welcome(1);
+  start(7);
+  const auto looked = wants<LookForBlob>();
+  ASSERT_THAT(looked, SizeIs(1));
+  EXPECT_EQ(looked[0].lookup.digest, scene_digest);
+  EXPECT_EQ(looked[0].lookup.size, scene_size);
+  EXPECT_FALSE(looked[0].lookup.place);
+  EXPECT_THAT(sent(v1::Envelope::kBlobRequest), IsEmpty());
+  session.on_found({scene_digest, nullptr}, {});
+  serve_blobs();
+  const auto kept = wants<KeepBlob>();
+  ASSERT_THAT(kept, SizeIs(1));
+  EXPECT_EQ(kept[0].digest, scene_digest);
+  EXPECT_EQ(*kept[0].blob, *store.find(scene_digest));
+  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
+}
+
+TEST_F(WorkerSessionTest, WhatIsOnDiskIsNotAskedFor) {
+  SessionOptions with_disk = options();
+  with_disk.blob_sources.disk = true;
+  session = WorkerSession(with_disk, Time{0});
+  welcome(1);
+  start(7);
+  session.on_found({scene_digest, store.find(scene_digest)}, {});
+  EXPECT_THAT(sent(v1::Envelope::kBlobRequest), IsEmpty());
+  EXPECT_THAT(wants<KeepBlob>(), IsEmpty());
+  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
+}
+
+TEST_F(WorkerSessionTest, MapsWhatTheCoordinatorSharesAndFetchesWhatIsNotThere) {
+  SessionOptions local = options();
+  local.blob_sources.shared_memory = true;
+  for (const bool is_there : {true, false}) {
+    session = WorkerSession(local, Time{0});
+    welcome(1);
+    start(7);
+    const auto asked = sent(v1::Envelope::kBlobRequest);
+    ASSERT_THAT(asked, SizeIs(1));
+    EXPECT_TRUE(asked[0].blob_request().place());
+    v1::Envelope message;
+    message.mutable_blob_place()->set_digest(scene_digest.hex());
+    message.mutable_blob_place()->set_process_id(12);
+    message.mutable_blob_place()->set_file(34);
+    session.on_message(Channel::bulk, message, {});
+    session.on_message(Channel::bulk, message, {});  // doubled
+    const auto looked = wants<LookForBlob>();
+    ASSERT_THAT(looked, SizeIs(1));
+    ASSERT_TRUE(looked[0].lookup.place);
+    EXPECT_EQ(looked[0].lookup.place->process, 12);
+    EXPECT_EQ(looked[0].lookup.place->descriptor, 34);
+    session.on_found({scene_digest, is_there ? store.find(scene_digest) : nullptr}, {});
+    const auto again = sent(v1::Envelope::kBlobRequest);
+    EXPECT_THAT(again, SizeIs(is_there ? 0 : 1));
+    for (const auto& request : again) {
+      EXPECT_FALSE(request.blob_request().place());
+      session.on_message(Channel::bulk,
+                         answer_blob_request(request.blob_request(), store.find(scene_digest)), {});
+    }
+    EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
+  }
+}
+
 }  // namespace
 }  // namespace tessera

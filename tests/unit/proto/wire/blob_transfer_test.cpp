@@ -137,7 +137,7 @@ TEST(BlobFetch, TellsWhoseItIs) {
   ASSERT_EQ(requests.size(), 1u);
   EXPECT_EQ(requests[0].submission(), 77u);
   EXPECT_EQ(answer_blob_request(requests[0], nullptr).blob_missing().submission(), 77u);
-  const auto blob = std::make_shared<const std::vector<std::byte>>(1);
+  const auto blob = std::make_shared<const Blob>(std::vector<std::byte>(1));
   EXPECT_EQ(answer_blob_request(requests[0], blob).blob_chunk().submission(), 77u);
 }
 
@@ -158,7 +158,7 @@ TEST(BlobFetch, AMissingBlobIsAFailureThatNamesIt) {
 }
 
 TEST(BlobServer, NeverReadsPastTheEnd) {
-  const auto blob = std::make_shared<const std::vector<std::byte>>(random_bytes(100));
+  const auto blob = std::make_shared<const Blob>(random_bytes(100));
   v1::BlobRequest request;
   request.set_offset(90);
   request.set_length(0xffffffff);
@@ -167,6 +167,58 @@ TEST(BlobServer, NeverReadsPastTheEnd) {
   EXPECT_TRUE(answer_blob_request(request, blob).has_blob_missing());
   request.set_offset(~uint64_t{0});
   EXPECT_TRUE(answer_blob_request(request, blob).has_blob_missing());
+}
+
+TEST(BlobFetch, AsksForAPlaceFirstAndForChunksWhereThereIsNone) {
+  BlobStore from, to;
+  const auto bytes = random_bytes(3 * kBlobChunkBytes);
+  const auto shared = from.put(bytes), sent = from.put(random_bytes(2 * kBlobChunkBytes + 1));
+  BlobFetch fetch(0, true);
+  fetch.want(shared, bytes.size());
+  fetch.want(sent, 2 * kBlobChunkBytes + 1);
+  const auto asked = fetch.requests({});
+  ASSERT_EQ(asked.size(), 2u);  // nothing more before the answers
+  for (const auto& request : asked) EXPECT_TRUE(request.place());
+  EXPECT_EQ(fetch.requests(seconds(2)).size(), 2u);  // again: they may be lost
+  v1::BlobPlace place;
+  place.set_digest(shared.hex());
+  EXPECT_EQ(fetch.on_place(place), bytes.size());
+  EXPECT_FALSE(fetch.on_place(place));  // the second answer
+  place.set_digest(Digest::of("unknown").hex());
+  EXPECT_FALSE(fetch.on_place(place));
+  fetch.on_loaded(shared, from.find(shared), to);
+  fetch.on_loaded(shared, from.find(shared), to);
+  EXPECT_EQ(to.find(shared), from.find(shared));
+  // A chunk is an answer too.
+  fetch.on_chunk(answer_blob_request(asked[1], from.find(sent)).blob_chunk(), to);
+  fetch.on_chunk(answer_blob_request(asked[0], from.find(sent)).blob_chunk(), to);
+  serve(fetch, from, to);
+  EXPECT_TRUE(fetch.finished());
+  EXPECT_EQ(*to.find(sent), *from.find(sent));
+}
+
+TEST(BlobFetch, APlaceThatIsNoneAndAHeldBlobThatIsNotThereAreFetched) {
+  BlobStore from, to;
+  const auto one = from.put(random_bytes(2 * kBlobChunkBytes)), two = from.put(random_bytes(10));
+  BlobFetch fetch(0, true);
+  fetch.want(one, 2 * kBlobChunkBytes);
+  fetch.hold(two, 10);
+  EXPECT_EQ(fetch.requests({}).size(), 1u);
+  v1::BlobPlace place;
+  place.set_digest(one.hex());
+  ASSERT_TRUE(fetch.on_place(place));
+  EXPECT_TRUE(fetch.requests(seconds(5)).empty());
+  EXPECT_FALSE(fetch.finished());
+  fetch.on_loaded(one, nullptr, to);
+  fetch.on_loaded(two, nullptr, to);
+  for (const auto& request : fetch.requests({})) {
+    EXPECT_EQ(request.place(), request.digest() == two.hex());
+    fetch.on_chunk(
+        answer_blob_request(request, from.find(*Digest::parse(request.digest()))).blob_chunk(), to);
+  }
+  serve(fetch, from, to);
+  EXPECT_TRUE(fetch.finished());
+  EXPECT_EQ(to.size(), 2u);
 }
 
 }  // namespace

@@ -43,6 +43,25 @@ TEST(Crc32c, KnownAnswers) {
   EXPECT_EQ(crc32c(std::vector<std::byte>(32, std::byte{0xff})), 0x62a8ab43u);
 }
 
+// Long data go three blocks at a time.
+TEST(Crc32c, IsThatOfItsDefinitionAtEveryLength) {
+  const auto by_definition = [](std::span<const std::byte> data) {
+    uint32_t crc = ~0u;
+    for (const std::byte byte : data) {
+      crc ^= static_cast<uint32_t>(byte);
+      for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0x82f63b78u : 0);
+    }
+    return ~crc;
+  };
+  std::vector<std::byte> data(20'000);
+  uint32_t state = 1;
+  for (std::byte& byte : data) byte = static_cast<std::byte>((state = state * 1664525 + 1) >> 24);
+  for (const size_t size : {6143, 6144, 6145, 6151, 6152, 8192, 12287, 12288, 18432, 20000}) {
+    const auto part = std::span(data).first(size);
+    EXPECT_EQ(crc32c(part), by_definition(part)) << size;
+  }
+}
+
 TEST(Frame, ComesBackAsItWent) {
   const auto message = decode(encode(heartbeat()), kMaxFrame);
   ASSERT_TRUE(message);

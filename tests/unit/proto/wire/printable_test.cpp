@@ -25,6 +25,7 @@ TEST(Printable, ControlCharactersBecomeSpaces) {
 
 TEST(Printable, LongTextIsCutBetweenCharacters) {
   EXPECT_EQ(printable(std::string(1000, 'x')).size(), 1000u);
+  EXPECT_EQ(printable("abcd", 3), "abc");
   EXPECT_EQ(printable(std::string(1001, 'x')).size(), 1000u);
   for (size_t before = 996; before <= 1000; ++before) {
     const std::string cut = printable(std::string(before, 'x') + "\U0001f600\U0001f600");

@@ -141,5 +141,44 @@ TEST(SpatialSplits, ChangeNoHit) {
   EXPECT_GT(grazing, 3000u);
 }
 
+/// Triangles that are tested for a ray up to `t_max`.
+uint64_t tests_up_to(const MeshBvh& bvh, Ray ray, double t_max) {
+  TraversalCounters counters;
+  Hit hit;
+  ray.t_max = t_max;
+  bvh.closest_hit(ray, hit, counters);
+  return counters.primitive_tests;
+}
+
+TEST(SpatialSplits, RaysThatGrazeACutPlaneAreTestedAgainstAllOnTheirLine) {
+  const auto mesh = panes_in_soup();
+  const auto [a, b, c] = mesh->corners(0);
+  const Vec3 normal = normalize(cross(b - a, c - a));
+  std::mt19937_64 random(17);
+  std::uniform_real_distribution<> unit;
+  for (const BvhKernels& code : all_kernels()) {
+    const MeshBvh bvh(*mesh, 1, code, BvhQuality::spatial_splits);
+    uint64_t near = 0, far = 0;
+    for (int i = 0; i < 200; ++i) {
+      Ray ray{{unit(random), unit(random), unit(random)},
+              (b - a) * (unit(random) - 0.5) + (c - a) * (unit(random) - 0.5)};
+      const uint64_t all = tests_up_to(bvh, ray, Bounds3::kInfinity);
+      EXPECT_EQ(tests_up_to(bvh, ray, 1e-9), all) << code.name;
+      TraversalCounters counters, of_two;
+      ray.t_max = 1e-9;
+      bvh.any_hit(ray, counters);
+      EXPECT_EQ(counters.primitive_tests, all) << code.name;
+      const Ray twice[2] = {ray, ray};
+      Hit hits[2];
+      bvh.closest_hits(twice, hits, of_two);
+      EXPECT_EQ(of_two.primitive_tests, 2 * all) << code.name;
+      ray.direction = ray.direction + normal * (0.1 * length(ray.direction));
+      near += tests_up_to(bvh, ray, 1e-9);
+      far += tests_up_to(bvh, ray, Bounds3::kInfinity);
+    }
+    EXPECT_LT(near, far / 2);
+  }
+}
+
 }  // namespace
 }  // namespace tessera

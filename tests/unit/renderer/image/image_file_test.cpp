@@ -60,7 +60,7 @@ TEST_F(ImageFile, float_formats_keep_linear_values) {
   film.values()[5] = 1000;
   for (const char* name : {"a.exr", "a.pfm"}) {
     write_image(folder_ / name, film, {.tone_curve = ToneCurve::reinhard}, {});
-    const RgbImage image = read_image(folder_ / name);
+    const FloatImage image = read_image(folder_ / name);
     ASSERT_EQ(image.width, 16) << name;
     ASSERT_EQ(image.height, 4);
     EXPECT_TRUE(std::equal(image.values.begin(), image.values.end(), film.values().begin()))
@@ -75,7 +75,7 @@ TEST_F(ImageFile, byte_formats_hold_the_tone_mapped_bytes) {
   const std::vector<uint8_t> bytes = to_8_bit(film, display_);
   for (const char* name : {"a.png", "a.BMP", "a.tif", "a.tga", "a.ppm"}) {
     write_image(folder_ / name, film, display_, {});
-    const RgbImage image = read_image(folder_ / name);
+    const FloatImage image = read_image(folder_ / name);
     ASSERT_EQ(image.values.size(), bytes.size()) << name;
     for (size_t i = 0; i < bytes.size(); ++i) {
       ASSERT_EQ(std::lround(image.values[i] * 255), bytes[i]) << name << " " << i;
@@ -125,7 +125,7 @@ TEST_F(ImageFile, a_crop_knows_its_place) {
   EXPECT_EQ(exr_box(bytes, "displayWindow"), (std::array<int32_t, 4>{0, 0, 639, 479}));
   for (const char* name : {"a.exr", "a.tif", "a.png"}) {
     write_image(folder_ / name, film, display_, making);
-    const RgbImage image = read_image(folder_ / name);
+    const FloatImage image = read_image(folder_ / name);
     EXPECT_EQ(image.width, 3) << name;
     EXPECT_EQ(image.height, 2) << name;
     EXPECT_GT(image.values[4], 0.4f) << name;

@@ -287,5 +287,41 @@ TEST(Textured, counters_tell_what_is_used) {
   EXPECT_EQ(used["mesh_bytes"], 72u);
 }
 
+std::string floats(BlobStore& blobs, const std::string& field, const std::vector<float>& values) {
+  std::vector<std::byte> bytes(values.size() * sizeof(float));
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  const std::string size = std::to_string(bytes.size());
+  return field + " { size: " + size + " digest: '" + blobs.put(std::move(bytes)).hex() + "' } ";
+}
+
+TEST(Textured, attributes_that_nothing_shows_are_left_out) {
+  BlobStore blobs;
+  const std::string bare =
+      "nodes { shape { materials: 'm' mesh { inline_positions: [-1,-1,0, "
+      "1,-1,0, 0,1,0] inline_triangles: [0,1,2] ";
+  const std::string normals = "inline_normals: [1,0,1, 0,1,1, -1,0,1] ";
+  const auto colors = [&](float alpha) {
+    return floats(blobs, "colors", {1, 0, 0, 1, 0, 1, 0, 1, 0, 0, 1, alpha});
+  };
+  const auto check = [&](const std::string& look, const std::string& attributes, uint64_t dropped) {
+    const std::string with = material(look) + kHeadOn + bare + attributes + "} } } ";
+    const auto renderer = make_tile_renderer(parse_scene(with), blobs, frame_of(8, 8), 1);
+    EXPECT_EQ(renderer->build_counters()["attributes_dropped"], dropped) << with;
+    const auto without = render_text(material(look) + kHeadOn + bare + "} } } ", 8, 8).values;
+    EXPECT_EQ(render_rect(*renderer, {0, 0, 8, 8}).values == without, dropped > 0) << with;
+  };
+  check("unlit {}", normals, 1);
+  check("classic {}", normals, 0);
+  check("unlit { transparency { value: .5 } }", normals, 1);
+  check("classic { diffuse { value {} } emission { value { r: 1 } } }", colors(1), 1);
+  check("classic { diffuse { value {} } emission { value { r: 1 } } }", colors(0.5f), 0);
+  check("classic { diffuse { value {} } vertex_color_replaces_diffuse: true }", colors(1), 0);
+  check("classic {}", colors(1), 0);
+  check("unlit {}", colors(1), 0);
+  check("unlit { color { value {} } }", normals + colors(1), 2);
+  const std::string depth = "settings { integrator { kind: 'depth' } } ";
+  check("classic {} } " + depth + "materials { name: 'other' classic {}", normals + colors(1), 2);
+}
+
 }  // namespace
 }  // namespace tessera

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "renderer/scene/scene.h"
+#include "renderer/scene/scene_builder.h"
 #include "tests/unit/renderer/scene_text.h"
 
 namespace tessera {

@@ -14,10 +14,11 @@ namespace {
 using Wrap = ImageTextureSettings::Wrap;
 using Filter = ImageTextureSettings::Filter;
 
-std::shared_ptr<const std::vector<std::byte>> bytes(std::initializer_list<int> values) {
+std::shared_ptr<const std::byte> bytes(std::initializer_list<int> values) {
   std::vector<std::byte> texels;
   for (const int value : values) texels.push_back(static_cast<std::byte>(value));
-  return std::make_shared<const std::vector<std::byte>>(std::move(texels));
+  const auto owner = std::make_shared<const std::vector<std::byte>>(std::move(texels));
+  return {owner, owner->data()};
 }
 
 /// Two by two grey texels: 0 51 / 102 255.
@@ -74,7 +75,7 @@ TEST(ImageTexture, reads_srgb_and_floats) {
   std::vector<std::byte> raw(sizeof values);
   std::memcpy(raw.data(), values, sizeof values);
   const ImageTexture floats({.width = 1, .height = 1, .channels = 4, .bits = 32},
-                            std::make_shared<const std::vector<std::byte>>(raw));
+                            std::shared_ptr<const std::byte>(std::shared_ptr<void>(), raw.data()));
   EXPECT_EQ(floats.lookup(.3, .9).color, (Color{2.5, -1, double{1e-9f}}));
   EXPECT_EQ(floats.lookup(.3, .9).alpha, 1);
 }

@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "renderer/scene/scene.h"
+#include "renderer/scene/scene_builder.h"
 #include "scenes/generate/generate_forest.h"
 
 namespace tessera {

@@ -1,4 +1,4 @@
-#include "renderer/scene/scene.h"
+#include "renderer/scene/scene_builder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "renderer/scene/scene.h"
+#include "renderer/scene/scene_builder.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -13,6 +13,7 @@
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/scene/csg_plan.h"
 #include "renderer/scene/material_table.h"
+#include "renderer/scene/read_camera.h"
 #include "renderer/scene/read_shading.h"
 #include "renderer/scene/read_shape.h"
 #include "renderer/scene/scene_graph.h"
@@ -22,22 +23,12 @@ namespace tessera {
 
 namespace {
 
-AcceleratorKind read_accelerator(const v1::Settings& settings, const v1::FrameSettings& frame) {
-  const std::string& name =
-      frame.accelerator().empty() ? settings.accelerator() : frame.accelerator();
-  if (name.empty()) return AcceleratorKind::bvh;
-  if (const auto kind = parse_accelerator(name)) return *kind;
-  const std::vector<std::string>& known = available_accelerators();
-  throw scene_error(fmt::format("there is no accelerator '{}'; expected one of {}{}", name,
-                                fmt::join(known, ", "), suggestion(name, known)));
-}
-
 /// One shape's materials, and what follows for every instance of it.
 struct ShapeMaterials {
   uint32_t first = 0, count = 0;
   bool is_clear = false;       ///< may let shadow rays through
   bool has_secondary = false;  ///< may send a ray on
-  bool keep_uvs = false;       ///< some texture looks at texture coordinates
+  KeptAttributes keep;
   Cull cull = Cull::none;
 };
 
@@ -96,10 +87,10 @@ PixelRect seen_rect(const Scene& scene) {
 class SceneBuilder {
  public:
   SceneBuilder(const v1::Scene& description, const BlobStore& blobs, const v1::FrameSettings& frame,
-               int threads)
+               int threads, const SharedArena* arena)
       : description_(description),
         frame_(frame),
-        source_{blobs, read_accelerator(description.settings(), frame), threads},
+        source_{.blobs = blobs, .accelerator = {}, .threads = threads, .arena = arena},
         textures_(description, blobs),
         materials_(description, textures_) {}
 
@@ -109,6 +100,7 @@ class SceneBuilder {
     }
     scene_->settings = read_settings(description_.settings(), frame_);
     const RenderSettings& settings = scene_->settings;
+    source_.accelerator = settings.accelerator;
     CameraChoice choice = read_camera(description_, frame_.camera(), settings.time);
     scene_->sampler.emplace(settings.sampler);
     scene_->background = read_background(description_.background(), textures_);
@@ -216,6 +208,17 @@ class SceneBuilder {
     if (shape.materials().empty()) scene_->material_slots.push_back(materials_.use(where, ""));
   }
 
+  bool shows_normals(const Material& material) const {
+    const IntegratorKind view = scene_->settings.integrator;
+    if (view == IntegratorKind::depth) return material.inputs != kNoMaterialInputs;
+    return view == IntegratorKind::normals || material.uses_shading_normal();
+  }
+  bool shows_colors(const Material& material) const {
+    return scene_->settings.integrator == IntegratorKind::whitted
+               ? material.uses_vertex_color()
+               : material.inputs != kNoMaterialInputs;
+  }
+
   void classify(ShapeMaterials& entry) const {
     uint32_t one_sided = 0;
     for (uint32_t i = 0; i < entry.count; ++i) {
@@ -227,7 +230,9 @@ class SceneBuilder {
       for (size_t side = 0; side < count; ++side) {
         if (!sides[side]->is_opaque()) entry.is_clear = entry.has_secondary = true;
         if (sides[side]->is_mirror()) entry.has_secondary = true;
-        entry.keep_uvs |= materials_.needs_uv(side == 0 ? index : material->back);
+        entry.keep.uvs |= materials_.needs_uv(side == 0 ? index : material->back);
+        entry.keep.normals |= shows_normals(*sides[side]);
+        entry.keep.colors |= shows_colors(*sides[side]);
       }
     }
     if (one_sided == entry.count) {
@@ -246,8 +251,10 @@ class SceneBuilder {
     const auto build_one = [&](size_t i, int threads) {
       const Where where{.kind = graph_.shapes[i].path.c_str()};
       const v1::Shape& shape = *graph_.shapes[i].shape;
-      const ShapeSource source{source_.blobs, source_.accelerator, threads,
-                               shape_materials_[i].keep_uvs, scene_->built_when_hit};
+      ShapeSource source = source_;
+      source.threads = threads;
+      source.keep = shape_materials_[i].keep;
+      source.deferred = scene_->built_when_hit;
       shapes_[i] =
           shape.has_csg() ? read_csg(csg_plans_[i], source) : read_shape(where, shape, source);
     };
@@ -354,7 +361,7 @@ class SceneBuilder {
       if (built.is_deferred) ++deferred;
       mesh_bytes += built.bytes;
       mesh_bytes_dropped += built.bytes_dropped;
-      if (built.bytes_dropped > 0) ++attributes_dropped;
+      attributes_dropped += built.attributes_dropped;
     }
     if (graph_.flat_nodes > 0) {
       spdlog::warn("{} nodes are scaled to nothing or out of range: left out", graph_.flat_nodes);
@@ -379,8 +386,9 @@ class SceneBuilder {
 }  // namespace
 
 std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
-                                         const v1::FrameSettings& frame, int threads) {
-  return SceneBuilder(description, blobs, frame, threads).build();
+                                         const v1::FrameSettings& frame, int threads,
+                                         const SharedArena* arena) {
+  return SceneBuilder(description, blobs, frame, threads, arena).build();
 }
 
 }  // namespace tessera

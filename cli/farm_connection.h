@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "proto/transport/zmq_transport.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tessera {
+
+/// How a command reaches a coordinator, as the command line says it.
+struct FarmConnection {
+  std::string endpoint;    ///< empty: not given
+  std::string key_file;    ///< our secret key; empty: none
+  std::string server_key;  ///< the coordinator's public key: a file, or its digits
+};
+
+/// Adds --connect, --key and --server-key to any command that talks to a coordinator, in `group`;
+/// `connection` must outlive the parsing.
+void add_connection_options(CLI::App& command, FarmConnection& connection, bool required,
+                            const std::string& group = "Options");
+/// Reads the keys and begins to connect. Throws usage_error for a key that is missing or wrong.
+std::unique_ptr<ClientTransport> connect(const FarmConnection& connection);
+
+/// The secret key in the file that `option` names. Throws usage_error where it cannot be read, is
+/// no key, or can be read by everybody.
+KeyPair read_secret_key(const std::string& path, const std::string& option);
+/// The public key in a file that `tessera keygen` wrote, or that `text` spells.
+Key read_public_key(const std::string& text, const std::string& option);
+AllowList read_allow_list(const std::string& path, const std::string& option);
+
+}  // namespace tessera

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <zmq.hpp>
+
+#include "proto/transport/transport.h"
+
+namespace tessera {
+
+/// Finds out why a client's socket gets no connection. For this room alone; used by the socket's
+/// thread, and to be made again with each new socket.
+class HandshakeMonitor {
+ public:
+  HandshakeMonitor(zmq::context_t& context, zmq::socket_t& watched);
+
+  /// Takes notice of what has happened since. Does not block.
+  void read();
+  const std::optional<ConnectionTrouble>& trouble() const { return trouble_; }
+
+ private:
+  zmq::socket_t events_;
+  std::optional<ConnectionTrouble> trouble_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,166 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <deque>
+#include <span>
+#include <utility>
+#include <zmq.hpp>
+
+#include "base/error.h"
+#include "proto/transport/endpoint.h"
+#include "proto/transport/handshake_monitor.h"
+#include "proto/transport/zmq_sockets.h"
+#include "proto/transport/zmq_transport.h"
+
+namespace tessera {
+namespace {
+
+// Of what is kept for a connection that takes nothing. Nothing depends on delivery.
+constexpr size_t kMaxKept = 1024, kMaxKeptBytes = size_t{256} << 20;
+constexpr int kReconnectMs = 50, kReconnectMaxMs = 5000;
+
+class ZmqClient final : public ClientTransport {
+ public:
+  ZmqClient(const Endpoint& endpoint, const std::optional<ClientKeys>& keys)
+      : endpoint_(endpoint), keys_(keys) {
+    reconnect();
+  }
+
+  void reconnect() override {
+    control_.kept.clear();
+    control_.kept_bytes = 0;
+    open(control_, endpoint_, Channel::control);
+  }
+
+  void connect_bulk(const std::string& text) override {
+    if (text == bulk_endpoint_) return;
+    bulk_endpoint_ = text;
+    // "tcp://:PORT" is at the host that control was reached by.
+    constexpr std::string_view kSameHost = "tcp://:";
+    const std::string full =
+        text.starts_with(kSameHost) && endpoint_.tcp
+            ? fmt::format("tcp://{}:{}", endpoint_.host, text.substr(kSameHost.size()))
+            : text;
+    open(bulk_, parse_endpoint(full), Channel::bulk);
+  }
+
+  void wait(std::chrono::milliseconds timeout) override {
+    std::array<zmq::pollitem_t, 3> items;
+    size_t count = 0;
+    items[count++] = {nullptr, wake_.descriptor(), ZMQ_POLLIN, 0};
+    for (Line* line : {&control_, &bulk_}) {
+      if (!line->socket) continue;
+      const int events = ZMQ_POLLIN | (line->kept.empty() ? 0 : ZMQ_POLLOUT);
+      items[count++] = {line->socket.handle(), 0, static_cast<short>(events), 0};
+    }
+    poll_sockets(std::span(items).first(count), timeout);
+    wake_.clear();
+    if (monitor_) monitor_->read();
+    flush(control_);
+    flush(bulk_);
+  }
+
+  std::optional<ReceivedMessage> receive() override {
+    for (Line* line : {&control_, &bulk_}) {
+      if (!line->socket) continue;
+      while (true) {
+        auto parts = receive_parts(line->socket);
+        if (parts.empty()) break;
+        if (parts.size() != 1) continue;
+        ReceivedMessage message;
+        message.channel = line == &control_ ? Channel::control : Channel::bulk;
+        take_bytes(message, parts[0]);
+        return message;
+      }
+    }
+    return std::nullopt;
+  }
+
+  void send(Channel channel, MessageBytes bytes) override {
+    Line& line = channel == Channel::control ? control_ : bulk_;
+    flush(line);
+    const bool full =
+        line.kept.size() >= kMaxKept || line.kept_bytes + bytes.size() > kMaxKeptBytes;
+    if (full && !line.kept.empty()) return;
+    line.kept_bytes += bytes.size();
+    line.kept.push_back(wrap(std::move(bytes)));
+    flush(line);
+  }
+
+  std::optional<ConnectionTrouble> trouble() const override {
+    return monitor_ ? monitor_->trouble() : std::nullopt;
+  }
+
+  void wake() override { wake_.wake(); }
+
+ private:
+  struct Line {
+    zmq::socket_t socket;
+    std::deque<zmq::message_t> kept;  ///< until the connection takes them
+    size_t kept_bytes = 0;
+  };
+
+  void open(Line& line, const Endpoint& endpoint, Channel channel) {
+    if (line.socket) line.socket.set(zmq::sockopt::linger, 0);
+    line.socket = zmq::socket_t(context_, zmq::socket_type::dealer);
+    configure(line.socket, channel);
+    line.socket.set(zmq::sockopt::immediate, 1);
+    line.socket.set(zmq::sockopt::reconnect_ivl, kReconnectMs);
+    line.socket.set(zmq::sockopt::reconnect_ivl_max, kReconnectMaxMs);
+    if (endpoint.host.starts_with("[")) line.socket.set(zmq::sockopt::ipv6, 1);
+    if (keys_) protect(line.socket, *keys_);
+    if (&line == &control_ && endpoint.tcp) monitor_.emplace(context_, line.socket);
+    // A signal may come at any moment; who is told to end by one shall do so in order.
+    while (zmq_connect(line.socket.handle(), endpoint.str().c_str()) != 0) {
+      const zmq::error_t error;
+      if (error.num() == EINTR) continue;
+      throw usage_error(
+          fmt::format("cannot connect to endpoint '{}': {}; expected that of a "
+                      "coordinator",
+                      endpoint.str(), error.what()));
+    }
+  }
+
+  static void protect(zmq::socket_t& socket, const ClientKeys& keys) {
+    const auto buffer = [](const Key& key) { return zmq::const_buffer(key.data(), key.size()); };
+    socket.set(zmq::sockopt::curve_serverkey, buffer(keys.server));
+    socket.set(zmq::sockopt::curve_publickey, buffer(keys.own.public_key));
+    socket.set(zmq::sockopt::curve_secretkey, buffer(keys.own.secret_key));
+  }
+
+  static void flush(Line& line) {
+    if (!line.socket) return;
+    try {
+      while (!line.kept.empty()) {
+        const size_t size = line.kept.front().size();
+        if (!line.socket.send(line.kept.front(), zmq::send_flags::dontwait)) return;
+        line.kept.pop_front();
+        line.kept_bytes -= size;
+      }
+    } catch (const zmq::error_t& error) {
+      if (error.num() != EINTR) throw;
+    }
+  }
+
+  zmq::context_t context_{1};
+  Endpoint endpoint_;
+  std::optional<ClientKeys> keys_;
+  std::string bulk_endpoint_;
+  Line control_, bulk_;
+  std::optional<HandshakeMonitor> monitor_;  ///< of control_, over TCP
+  WakeUp wake_;
+};
+
+}  // namespace
+
+std::unique_ptr<ClientTransport> connect_client(const std::string& endpoint,
+                                                const std::optional<ClientKeys>& keys) {
+  const Endpoint parsed = parse_endpoint(endpoint);
+  if (parsed.tcp && parsed.port == 0) {
+    throw usage_error(fmt::format("endpoint '{}' has no port; expected tcp://HOST:PORT", endpoint));
+  }
+  return std::make_unique<ZmqClient>(parsed, keys);
+}
+
+}  // namespace tessera

@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <optional>
+#include <span>
+#include <utility>
+#include <zmq.hpp>
+
+#include "base/error.h"
+#include "proto/transport/endpoint.h"
+#include "proto/transport/peer_connections.h"
+#include "proto/transport/socket_file.h"
+#include "proto/transport/zap_handler.h"
+#include "proto/transport/zmq_sockets.h"
+#include "proto/transport/zmq_transport.h"
+
+namespace tessera {
+namespace {
+
+class ZmqServer final : public ServerTransport {
+ public:
+  ZmqServer(const Endpoint& endpoint, ServerSecurity security)
+      : control_(context_, zmq::socket_type::router), bulk_(context_, zmq::socket_type::router) {
+    if (security.keys) zap_.emplace(context_).set_allowed(std::move(security.allowed));
+    for (const auto& [socket, channel] :
+         {std::pair{&control_, Channel::control}, std::pair{&bulk_, Channel::bulk}}) {
+      configure(*socket, channel);
+      socket->set(zmq::sockopt::router_mandatory, 1);
+      if (security.keys) ZapHandler::protect(*socket, *security.keys);
+      if (endpoint.host.starts_with("[")) socket->set(zmq::sockopt::ipv6, 1);
+    }
+    Endpoint bulk = endpoint;
+    if (!endpoint.tcp) bulk.path += ".bulk";
+    if (endpoint.tcp && endpoint.port != 0) ++bulk.port;
+    // Both, before anything is bound: a bound socket takes the place of what is at its path.
+    for (const Endpoint& each : {endpoint, bulk}) {
+      if (has_file(each)) SocketFile::check_free(each.path);
+    }
+    endpoint_ = bind(control_, endpoint, control_file_);
+    bulk = parse_endpoint(bind(bulk_, bulk, bulk_file_));
+    bulk_endpoint_ = bulk.tcp ? fmt::format("tcp://:{}", bulk.port) : bulk.str();
+  }
+
+  std::string endpoint() const override { return endpoint_; }
+  std::string bulk_endpoint() const override { return bulk_endpoint_; }
+
+  void wait(std::chrono::milliseconds timeout) override {
+    std::array<zmq::pollitem_t, 4> items = {{{control_.handle(), 0, ZMQ_POLLIN, 0},
+                                             {bulk_.handle(), 0, ZMQ_POLLIN, 0},
+                                             {nullptr, wake_.descriptor(), ZMQ_POLLIN, 0}}};
+    if (zap_) items[3] = {zap_->socket().handle(), 0, ZMQ_POLLIN, 0};
+    poll_sockets(std::span(items).first(zap_ ? 4 : 3), timeout);
+    wake_.clear();
+    if (zap_) zap_->answer();
+  }
+
+  std::optional<ReceivedMessage> receive() override {
+    for (const Channel channel : {Channel::control, Channel::bulk}) {
+      while (true) {
+        auto parts = receive_parts(channel == Channel::control ? control_ : bulk_);
+        if (parts.empty()) break;
+        // Our own clients send one part behind the name of their connection.
+        if (parts.size() != 2) continue;
+        ReceivedMessage message;
+        message.channel = channel;
+        message.peer = parts[0].to_string();
+        if (zap_ && !admit(message, parts[1])) continue;
+        take_bytes(message, parts[1]);
+        return message;
+      }
+    }
+    return std::nullopt;
+  }
+
+  SendResult send(Channel channel, const PeerId& peer, MessageBytes bytes) override {
+    zmq::socket_t& socket = channel == Channel::control ? control_ : bulk_;
+    if (zap_ && is_shut_out(channel, peer)) return SendResult::gone;
+    constexpr auto kFlags = zmq::send_flags::dontwait;
+    try {
+      if (!socket.send(zmq::buffer(peer), kFlags | zmq::send_flags::sndmore)) {
+        return SendResult::full;
+      }
+      return socket.send(wrap(std::move(bytes)), kFlags) ? SendResult::sent : SendResult::full;
+    } catch (const zmq::error_t& error) {
+      if (error.num() == EHOSTUNREACH) return SendResult::gone;
+      if (error.num() == EINTR) return SendResult::full;
+      throw;
+    }
+  }
+
+  std::vector<PeerId> set_allowed(AllowList allowed) override {
+    if (!zap_) return {};
+    zap_->set_allowed(std::move(allowed));
+    return connections_.end_all_but(zap_->allowed());
+  }
+
+  void wake() override { wake_.wake(); }
+
+ private:
+  /// Notes who sent it. False where that key was taken off the list since it was let in.
+  bool admit(ReceivedMessage& message, const zmq::message_t& part) {
+    const AllowedKey* const sender = zap_->sender(part);
+    if (!sender) {
+      PeerConnections::end(part);
+      return false;
+    }
+    message.sender = *sender;
+    connections_.note(message.channel, message.peer, part);
+    return true;
+  }
+
+  bool is_shut_out(Channel channel, const PeerId& peer) const {
+    const std::string& key = connections_.key_of_peer(channel, peer);
+    return !key.empty() && !zap_->allowed().find(key);
+  }
+
+  /// Not those in the abstract name space.
+  static bool has_file(const Endpoint& endpoint) {
+    return !endpoint.tcp && !endpoint.path.starts_with("@");
+  }
+
+  static std::string bind(zmq::socket_t& socket, const Endpoint& endpoint, SocketFile& file) {
+    try {
+      socket.bind(endpoint.str());
+    } catch (const zmq::error_t& error) {
+      throw usage_error(
+          fmt::format("cannot bind endpoint '{}': {}; expected one that is free and "
+                      "on this machine",
+                      endpoint.str(), error.what()));
+    }
+    if (has_file(endpoint)) file.own(endpoint.path);
+    return socket.get(zmq::sockopt::last_endpoint);
+  }
+
+  zmq::context_t context_{1};
+  std::optional<ZapHandler> zap_;  ///< where there are keys
+  PeerConnections connections_;    ///< of those let in by a key
+  zmq::socket_t control_, bulk_;
+  SocketFile control_file_, bulk_file_;
+  WakeUp wake_;
+  std::string endpoint_, bulk_endpoint_;
+};
+
+}  // namespace
+
+std::unique_ptr<ServerTransport> bind_server(const std::string& endpoint, ServerSecurity security) {
+  const Endpoint parsed = parse_endpoint(endpoint);
+  if (!parsed.loopback() && !security.keys && !security.insecure) {
+    throw usage_error(
+        fmt::format("endpoint '{}' can be reached from other machines; expected keys (--key and "
+                    "--allow), or a loopback address such as tcp://127.0.0.1:PORT",
+                    endpoint));
+  }
+  return std::make_unique<ZmqServer>(parsed, std::move(security));
+}
+
+}  // namespace tessera

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <chrono>
+#include <span>
+#include <vector>
+#include <zmq.hpp>
+
+#include "proto/transport/transport.h"
+
+namespace tessera {
+
+/// What both ends of ZeroMQ share; for this room alone.
+
+/// Interrupts a wait from another thread.
+class WakeUp {
+ public:
+  WakeUp();
+  ~WakeUp();
+  WakeUp(const WakeUp&) = delete;
+  WakeUp& operator=(const WakeUp&) = delete;
+  int descriptor() const { return descriptor_; }
+  void wake();
+  void clear();
+
+ private:
+  int descriptor_;
+};
+
+/// Sets the limits of a socket, before it is bound or connected.
+void configure(zmq::socket_t& socket, Channel channel);
+/// Gives the bytes to zmq without copying them; its I/O thread frees them.
+zmq::message_t wrap(MessageBytes bytes);
+/// The bytes stay where they came in.
+void take_bytes(ReceivedMessage& message, zmq::message_t& part);
+/// All parts of the next message, or none.
+std::vector<zmq::message_t> receive_parts(zmq::socket_t& socket);
+/// Returns early where a signal comes.
+void poll_sockets(std::span<zmq::pollitem_t> items, std::chrono::milliseconds timeout);
+
+}  // namespace tessera

@@ -1,0 +1,35 @@
+#include "proto/wire/blob.h"
+
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace tessera {
+
+Blob::Blob(std::vector<std::byte> bytes)
+    : owned_(std::move(bytes)), data_(owned_.data()), size_(owned_.size()) {}
+
+Blob::~Blob() {
+  if (descriptor_ < 0) return;
+  munmap(const_cast<std::byte*>(data_), size_);
+  close(descriptor_);
+}
+
+BlobData Blob::map(int descriptor, uint64_t size) {
+  struct stat status {};
+  const bool right = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && size > 0 &&
+                     static_cast<uint64_t>(status.st_size) == size;
+  void* const data = right ? mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor, 0) : MAP_FAILED;
+  if (data == MAP_FAILED) {
+    close(descriptor);
+    return nullptr;
+  }
+  return BlobData(new Blob(descriptor, static_cast<const std::byte*>(data), size));
+}
+
+bool operator==(const Blob& a, const Blob& b) { return std::ranges::equal(a, b); }
+
+}  // namespace tessera

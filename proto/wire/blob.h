@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace tessera {
+
+class Blob;
+/// Immutable bytes, shared by whoever holds them; the bytes never move.
+using BlobData = std::shared_ptr<const Blob>;
+
+/// Bytes in memory of this process alone, or of a mapped file, whose pages all processes that map
+/// it share.
+class Blob {
+ public:
+  explicit Blob(std::vector<std::byte> bytes);
+  ~Blob();
+  Blob(const Blob&) = delete;
+  Blob& operator=(const Blob&) = delete;
+
+  /// The whole file behind `descriptor`, which this takes over and closes when the blob ends; null
+  /// where it is not `size` bytes long or cannot be mapped. Nobody may change or cut the file.
+  static BlobData map(int descriptor, uint64_t size);
+
+  const std::byte* data() const { return data_; }
+  size_t size() const { return size_; }
+  const std::byte* begin() const { return data_; }
+  const std::byte* end() const { return data_ + size_; }
+  /// Of the mapped file; -1: there is none.
+  int descriptor() const { return descriptor_; }
+
+  friend bool operator==(const Blob& a, const Blob& b);
+
+ private:
+  Blob(int descriptor, const std::byte* data, size_t size)
+      : data_(data), size_(size), descriptor_(descriptor) {}
+
+  std::vector<std::byte> owned_;
+  const std::byte* data_;
+  size_t size_;
+  int descriptor_ = -1;
+};
+
+}  // namespace tessera

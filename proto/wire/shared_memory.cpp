@@ -1,0 +1,63 @@
+#include "proto/wire/shared_memory.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace tessera {
+namespace {
+
+// Each takes a descriptor of ours: only those whose copies would hurt.
+constexpr size_t kLeastBytes = size_t{256} << 10;
+constexpr size_t kMostBlobs = 64;
+constexpr int kSeals = F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW;
+
+BlobData shared_copy(const Blob& blob) {
+  const int descriptor = memfd_create("tessera-blob", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  if (descriptor < 0) return nullptr;
+  size_t written = 0;
+  while (written < blob.size()) {
+    const ssize_t count = write(descriptor, blob.data() + written, blob.size() - written);
+    if (count <= 0) break;
+    written += static_cast<size_t>(count);
+  }
+  if (written < blob.size() || fcntl(descriptor, F_ADD_SEALS, kSeals | F_SEAL_SEAL) != 0) {
+    close(descriptor);
+    return nullptr;
+  }
+  return Blob::map(descriptor, blob.size());
+}
+
+}  // namespace
+
+void share_large_blobs(BlobStore& blobs) {
+  std::vector<std::pair<size_t, Digest>> large;
+  for (const auto& [digest, data] : blobs.all()) {
+    if (data->size() >= kLeastBytes) large.emplace_back(data->size(), digest);
+  }
+  std::sort(large.rbegin(), large.rend());
+  if (large.size() > kMostBlobs) large.resize(kMostBlobs);
+  for (const auto& [size, digest] : large) {
+    const BlobData blob = blobs.find(digest);
+    if (blob->descriptor() >= 0) continue;
+    if (BlobData shared = shared_copy(*blob)) blobs.replace(digest, std::move(shared));
+  }
+}
+
+BlobData map_shared_blob(const BlobPlace& place, uint64_t size) {
+  const std::string path = fmt::format("/proc/{}/fd/{}", place.process, place.descriptor);
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (descriptor < 0) return nullptr;
+  if ((fcntl(descriptor, F_GET_SEALS) & kSeals) != kSeals) {
+    close(descriptor);
+    return nullptr;
+  }
+  return Blob::map(descriptor, size);
+}
+
+}  // namespace tessera

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "base/shared_arena.h"
+#include "renderer/accel/accelerator.h"
+#include "renderer/accel/bvh_kernels.h"
+
+namespace tessera {
+
+/// See spatial_splits.h. The hits are the same.
+enum class BvhQuality { standard, spatial_splits };
+
+struct BuiltMeshTree {
+  MeshTree tree;
+  AcceleratorStatistics statistics;
+};
+
+/// At least one triangle, all of them finite.
+BuiltMeshTree build_mesh_tree(const TriangleMesh& mesh, int threads, BvhQuality quality);
+
+/// Where trees are shared with other processes of this machine, and what this one is called there.
+struct SharedTree {
+  const SharedArena* arena = nullptr;  ///< null: nowhere
+  Digest key;                          ///< of all that the mesh is made from
+};
+
+/// The same tree, built by one of the processes that share it, on all cores since the others wait;
+/// the others copy it. Small ones are built by each.
+BuiltMeshTree shared_mesh_tree(const TriangleMesh& mesh, int threads, BvhQuality quality,
+                               const SharedTree& shared);
+
+}  // namespace tessera

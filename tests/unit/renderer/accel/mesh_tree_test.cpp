@@ -1,0 +1,80 @@
+#include "renderer/accel/mesh_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "renderer/accel/bvh.h"
+#include "renderer/accel/linear_scan.h"
+
+namespace tessera {
+namespace {
+
+/// A sheet of hills of side x side cells.
+TriangleMesh hills(uint32_t side) {
+  TriangleMesh mesh;
+  for (uint32_t y = 0; y <= side; ++y) {
+    for (uint32_t x = 0; x <= side; ++x) {
+      const auto height = static_cast<float>(x * x % 7 + y * y % 5) / 8;
+      mesh.positions.push_back({static_cast<float>(x), height, static_cast<float>(y)});
+    }
+  }
+  for (uint32_t y = 0; y < side; ++y) {
+    for (uint32_t x = 0; x < side; ++x) {
+      const uint32_t a = y * (side + 1) + x, b = a + side + 1;
+      mesh.triangles.push_back({a, b, a + 1});
+      mesh.triangles.push_back({a + 1, b, b + 1});
+    }
+  }
+  return mesh;
+}
+
+bool same_units(const MeshTree& a, const MeshTree& b) {
+  return a.tree.units.size() == b.tree.units.size() &&
+         std::memcmp(a.tree.units.data(), b.tree.units.data(), a.tree.units.bytes()) == 0;
+}
+
+TEST(SharedMeshTree, IsTheTreeThatEachWouldBuild) {
+  const TriangleMesh mesh = hills(60);
+  const OwnedDescriptor memory = SharedArena::create();
+  const SharedArena arena(memory.get());
+  const SharedTree shared{&arena, Digest::of("hills")};
+  const BuiltMeshTree own = build_mesh_tree(mesh, 1, BvhQuality::standard);
+  const BuiltMeshTree first = shared_mesh_tree(mesh, 1, BvhQuality::standard, shared);
+  const SharedArena::Claim claim = arena.claim(shared.key);
+  ASSERT_TRUE(claim.size());
+  EXPECT_GT(*claim.size(), own.statistics.bytes);
+  const BuiltMeshTree second = shared_mesh_tree(mesh, 1, BvhQuality::standard, shared);
+  EXPECT_TRUE(same_units(own.tree, first.tree));
+  EXPECT_TRUE(same_units(own.tree, second.tree));
+  EXPECT_EQ(second.statistics.primitives, mesh.triangles.size());
+  EXPECT_EQ(second.statistics.build_seconds, first.statistics.build_seconds);
+
+  // All beside the array too: it answers as a scan does.
+  const MeshBvh bvh(shared_mesh_tree(mesh, 1, BvhQuality::standard, shared));
+  const MeshLinearScan scan(std::make_shared<TriangleMesh>(mesh));
+  EXPECT_EQ(bvh.bounds().min, scan.bounds().min);
+  EXPECT_EQ(bvh.bounds().max, scan.bounds().max);
+  int hits = 0;
+  for (int i = 0; i < 500; ++i) {
+    Ray ray{{i * 0.119, 9, 60 - i * 0.119}, {0.01 * (i % 11), -1, 0.02 * (i % 7)}};
+    Hit a, b;
+    TraversalCounters counters;
+    const bool hit = bvh.closest_hit(ray, a, counters);
+    ASSERT_EQ(hit, scan.closest_hit(ray, b, counters)) << i;
+    EXPECT_EQ(a, b) << i;
+    hits += hit ? 1 : 0;
+  }
+  EXPECT_GT(hits, 400);
+}
+
+TEST(SharedMeshTree, SmallOnesAreBuiltByEach) {
+  const OwnedDescriptor memory = SharedArena::create();
+  const SharedArena arena(memory.get());
+  const SharedTree shared{&arena, Digest::of("few")};
+  shared_mesh_tree(hills(10), 1, BvhQuality::standard, shared);
+  EXPECT_FALSE(arena.claim(shared.key).size());
+}
+
+}  // namespace
+}  // namespace tessera
