@@ -30,8 +30,8 @@ class CrtEvaluator {
  public:
   static constexpr uint64_t kMaxSteps = 5'000'000;
   static constexpr uint64_t kMaxTurns = 500'000;  ///< of one loop
-  static constexpr int kMaxCalls = 256;             ///< of macros inside each other
-  static constexpr int kMaxDepth = 3000;            ///< of expressions, through all calls
+  static constexpr int kMaxCalls = 256;           ///< of macros inside each other
+  static constexpr int kMaxDepth = 3000;          ///< of expressions, through all calls
   static constexpr size_t kMaxEntities = 250'000;
 
   /// `heap` and `diagnostics` must outlive this and the program.
