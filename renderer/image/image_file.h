@@ -60,8 +60,8 @@ void write_image(const std::filesystem::path& path, const Film& film,
 
 /// All channels of the first picture in any file that OpenImageIO reads. Throws a scene error.
 FloatImage read_image(const std::filesystem::path& path);
-/// At most its first four channels, without loss. Throws a scene error.
-/// `to_srgb`: colours of 8 bits are taken from an embedded colour profile to sRGB.
+/// At most its first four channels, without loss. Throws a scene error. `to_srgb`: colours of 8
+/// bits are taken from an embedded colour profile to sRGB.
 TextureImage read_texture_image(const std::filesystem::path& path, bool to_srgb = false);
 /// The same of a file in memory, which errors call `name`.
 TextureImage decode_texture_image(const std::string& name, std::string_view file);

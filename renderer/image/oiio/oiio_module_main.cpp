@@ -13,6 +13,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "renderer/image/plain/icc_profile.h"
@@ -34,7 +37,7 @@ class MemoryFile {
   MemoryFile& operator=(const MemoryFile&) = delete;
   ~MemoryFile() { close(file_); }
 
-  std::string path() const { return "/proc/self/fd/" + std::to_string(file_); }
+  std::string path() const { return OIIO::Strutil::sprintf("/proc/self/fd/%d", file_); }
 
   /// A limit on file sizes, which holds here too, shows now.
   void check_room(uint64_t bytes) const {
@@ -116,7 +119,7 @@ void* make_room(ImageAnswer& answer, int most_channels) {
 }
 
 /// A reader that leaves colours as the file has them.
-std::unique_ptr<OIIO::ImageInput> open_image(const std::string& path) {
+std::unique_ptr<OIIO::ImageInput> open(const std::string& path) {
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
   auto input = OIIO::ImageInput::open(path, &config);
@@ -135,21 +138,19 @@ void read_pixels(OIIO::ImageInput& input, OIIO::TypeDesc type, int most_channels
 }
 
 ImageAnswer decode_all(const std::string& path) {
-  const auto input = open_image(path);
+  const auto input = open(path);
   const OIIO::ImageSpec& spec = input->spec();
   ImageAnswer answer{{spec.width, spec.height, spec.nchannels, 32}, {}};
   read_pixels(*input, OIIO::TypeDesc::FLOAT, PixelLayout::kMostChannels, answer);
   std::string names;
   for (int i = 0; i < spec.nchannels; ++i) names.append(spec.channel_name(i)).push_back('\0');
-  if (names.size() > PixelLayout::kLongestNames) {
-    fail_image("its channels have too long names");
-  }
+  if (names.size() > PixelLayout::kLongestNames) fail_image("its channels have too long names");
   answer.payload.insert(answer.payload.end(), names.begin(), names.end());
   return answer;
 }
 
 ImageAnswer decode(const std::string& path, bool to_srgb) {
-  const auto input = open_image(path);
+  const auto input = open(path);
   const OIIO::ImageSpec& spec = input->spec();
   // Integers of 16 bits are more than half floats hold.
   const OIIO::TypeDesc type = spec.format == OIIO::TypeDesc::UINT8  ? OIIO::TypeDesc::UINT8

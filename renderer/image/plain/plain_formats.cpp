@@ -40,7 +40,7 @@ std::vector<std::pair<std::string, std::string>> image_texts(const ImageAttribut
   // Not every format has room for names of ours.
   std::string description;
   for (const auto& [name, text] : texts) {
-    description += (description.empty() ? "" : " ") + name + "=" + text;
+    description.append(description.empty() ? "" : " ").append(name).append("=").append(text);
   }
   texts.emplace_back("Software", attributes.software);
   texts.emplace_back("Description", description);

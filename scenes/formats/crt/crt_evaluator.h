@@ -28,10 +28,10 @@ struct CrtScope {
 /// Runs a script. What goes wrong is reported to the diagnostics; limits end the run.
 class CrtEvaluator {
  public:
-  static constexpr uint64_t kMaxSteps = 10'000'000;
-  static constexpr uint64_t kMaxTurns = 1'000'000;  ///< of one loop
-  static constexpr int kMaxCalls = 256;             ///< of macros inside each other
-  static constexpr int kMaxDepth = 3000;            ///< of expressions, through all calls
+  static constexpr uint64_t kMaxSteps = 5'000'000;
+  static constexpr uint64_t kMaxTurns = 500'000;  ///< of one loop
+  static constexpr int kMaxCalls = 256;           ///< of macros inside each other
+  static constexpr int kMaxDepth = 3000;          ///< of expressions, through all calls
   static constexpr size_t kMaxEntities = 250'000;
 
   /// `heap` and `diagnostics` must outlive this and the program.
