@@ -15,8 +15,9 @@
 namespace tessera {
 namespace {
 
-constexpr float kNodeCost = 1.6f;  // of visiting a node, in tests of a block of triangles
-constexpr int kMedianDepth = 24;   // below this, halves: so that the depth stays bounded
+// Of visiting a node, in tests of a block of triangles, or of an instance, which costs more.
+constexpr float kNodeCost = 1.6f, kNodeCostOverInstances = 0.25f;
+constexpr int kMedianDepth = 24;  // below this, halves: so that the depth stays bounded
 constexpr size_t kMinTask = 2048;
 
 using namespace binning;
@@ -156,7 +157,8 @@ class Builder {
     if (range.count() <= block_size_) return true;
     if (blocks(range.count()) > NodeReference::kMaxLeafBlocks / 2 || split.axis < 0) return false;
     const double area = range.box.half_area();
-    return static_cast<double>(blocks(range.count())) * area <= kNodeCost * area + split.cost;
+    const float node_cost = block_size_ == 1 ? kNodeCostOverInstances : kNodeCost;
+    return static_cast<double>(blocks(range.count())) * area <= node_cost * area + split.cost;
   }
 
   NodeReference build_range(Part& part, const Range& range, int depth,
