@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "coordinator/job.h"
+#include "job/job.h"
 
 namespace tessera {
 

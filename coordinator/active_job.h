@@ -10,13 +10,11 @@
 #include "base/monotonic.h"
 #include "coordinator/assembler.h"
 #include "coordinator/coordinator_options.h"
-#include "coordinator/job.h"
 #include "coordinator/tile_scheduler.h"
+#include "coordinator/tile_store.h"
+#include "job/job.h"
 
 namespace tessera {
-
-/// Throws usage_error for a frame, crop or tile size that cannot be.
-void check_job(const JobSpec& spec);
 
 /// A job from its submission to its end: its tiles, its film and its numbers.
 class ActiveJob {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/plural.h"
-#include "coordinator/job_messages.h"
+#include "job/job_messages.h"
 #include "proto/wire/printable.h"
 #include "proto/wire/scene_codec.h"
 

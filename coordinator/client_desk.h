@@ -9,7 +9,7 @@
 
 #include "base/monotonic.h"
 #include "coordinator/coordinator_options.h"
-#include "coordinator/job.h"
+#include "job/job.h"
 #include "proto/transport/transport.h"
 #include "proto/wire/blob_transfer.h"
 

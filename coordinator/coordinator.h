@@ -9,9 +9,9 @@
 #include "base/monotonic.h"
 #include "coordinator/active_job.h"
 #include "coordinator/coordinator_options.h"
-#include "coordinator/job.h"
 #include "coordinator/job_queue.h"
 #include "coordinator/worker_registry.h"
+#include "job/job.h"
 #include "proto/transport/transport.h"
 
 namespace tessera {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "job/check_job.h"
+
 namespace tessera {
 
 uint64_t JobQueue::enqueue(JobSpec spec, uint64_t submission) {

@@ -9,7 +9,7 @@
 #include "coordinator/active_job.h"
 #include "coordinator/client_desk.h"
 #include "coordinator/coordinator_options.h"
-#include "coordinator/job.h"
+#include "job/job.h"
 
 namespace tessera {
 

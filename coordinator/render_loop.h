@@ -8,8 +8,8 @@
 #include <string>
 
 #include "coordinator/coordinator_options.h"
-#include "coordinator/job.h"
 #include "coordinator/local_workers.h"
+#include "job/job.h"
 #include "proto/transport/transport.h"
 
 namespace tessera {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "coordinator/coordinator.h"
-#include "coordinator/job_client.h"
+#include "client/job_client.h"
 #include "tests/farm/fake_renderer.h"
 #include "worker/worker_session.h"
 

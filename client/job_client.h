@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/monotonic.h"
-#include "coordinator/job.h"
+#include "job/job.h"
 #include "proto/transport/transport.h"
 #include "proto/wire/blob_transfer.h"
 

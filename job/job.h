@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "coordinator/tile_store.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
@@ -15,6 +14,8 @@
 #include "renderer/film/tile.h"
 
 namespace tessera {
+
+class TileStore;
 
 /// One frame to render. A value; the blobs are shared.
 struct JobSpec {

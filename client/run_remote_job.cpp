@@ -1,4 +1,4 @@
-#include "coordinator/run_remote_job.h"
+#include "client/run_remote_job.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "base/monotonic.h"
-#include "coordinator/active_job.h"
-#include "coordinator/job_client.h"
+#include "client/job_client.h"
+#include "job/check_job.h"
 #include "proto/wire/frame.h"
 
 namespace tessera {

@@ -1,10 +1,10 @@
-#include "coordinator/job_client.h"
+#include "client/job_client.h"
 
 #include <algorithm>
 #include <cstring>
 #include <span>
 
-#include "coordinator/job_messages.h"
+#include "job/job_messages.h"
 #include "proto/wire/scene_codec.h"
 
 namespace tessera {

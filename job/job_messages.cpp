@@ -1,4 +1,4 @@
-#include "coordinator/job_messages.h"
+#include "job/job_messages.h"
 
 #include <array>
 #include <utility>
