@@ -17,6 +17,10 @@ using Action = std::function<ExitCode()>;
 void add_render_command(CLI::App& app, Action& action);
 void add_serve_command(CLI::App& app, Action& action);
 void add_worker_command(CLI::App& app, Action& action);
+void add_submit_command(CLI::App& app, Action& action);
+/// status, pause, resume and cancel.
+void add_job_commands(CLI::App& app, Action& action);
+void add_fetch_command(CLI::App& app, Action& action);
 void add_convert_command(CLI::App& app, Action& action);
 void add_info_command(CLI::App& app, Action& action);
 void add_compare_command(CLI::App& app, Action& action);

@@ -15,18 +15,17 @@
 #include "base/plural.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
+#include "cli/load_frame.h"
 #include "cli/output_settings.h"
 #include "cli/picture_warnings.h"
 #include "cli/progress_display.h"
 #include "cli/render_options.h"
 #include "cli/say.h"
 #include "cli/statistics.h"
-#include "cli/texture_decoder.h"
 #include "cli/tracing_farm.h"
 #include "coordinator/store/sqlite_tile_store.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/image/image_file.h"
-#include "scenes/formats/read_scene.h"
 
 namespace tessera {
 namespace {
@@ -155,15 +154,7 @@ class RenderRun {
 
   void read(int frame) {
     const auto start = Clock::now();
-    ReadOptions reading = options_.reading;
-    reading.decode_texture = decode_texture;
-    reading.decode_texture_bytes = decode_texture_bytes;
-    reading.frame = frame;
-    loaded_ = read_scene(options_.scene, reading);
-    for (v1::Camera& camera : *loaded_.scene.mutable_cameras()) {
-      if (options_.pinhole) camera.clear_lens();
-      if (options_.frame_all) camera.set_frame_all(true);
-    }
+    loaded_ = load_frame(options_, frame);
     parse_seconds_ = seconds_since(start);
     scene_digest_ = Digest::of(serialize_scene(loaded_.scene)).hex();
     if (options_.quiet) return;

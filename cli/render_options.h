@@ -49,6 +49,9 @@ struct RenderOptions {
 /// Adds the options of `render` to its command; `options` must outlive the parsing.
 void add_render_options(CLI::App& command, RenderOptions& options);
 
+/// Adds those of them that say what to render, for a command that leaves it to others.
+void add_scene_options(CLI::App& command, RenderOptions& options);
+
 /// Where the pictures go: the outputs asked for, or the scene's name with .png in the current
 /// folder.
 std::vector<std::filesystem::path> picture_paths(const RenderOptions& options);

@@ -7,14 +7,14 @@
 #include "base/log.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
+#include "cli/job_name.h"
 #include "cli/say.h"
 #include "coordinator/render_loop.h"
+#include "coordinator/store/sqlite_job_store.h"
 #include "proto/transport/zmq_transport.h"
 
 namespace tessera {
 namespace {
-
-constexpr char kDefaultEndpoint[] = "tcp://127.0.0.1:7117";
 
 struct ServeOptions {
   std::string endpoint = kDefaultEndpoint;
@@ -23,10 +23,11 @@ struct ServeOptions {
 
 ExitCode serve(const ServeOptions& options) {
   if (!options.http.empty()) throw usage_error("--http: does not exist yet in this version");
-  if (!options.store.empty()) throw usage_error("--store: does not exist yet in this version");
   catch_interrupts();
   configure_logging("info", "serve");
-  RenderLoop loop(bind_server(options.endpoint), CoordinatorOptions{});
+  std::shared_ptr<JobStore> store;
+  if (!options.store.empty()) store = std::make_shared<SqliteJobStore>(options.store);
+  RenderLoop loop(bind_server(options.endpoint), CoordinatorOptions{}, std::move(store));
   say("serving at {}\n", loop.endpoint());
   std::fflush(stdout);
   loop.serve(interrupted());
@@ -41,15 +42,19 @@ void add_serve_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("serve", "Coordinate a farm: take jobs, hand out tiles");
   command->footer(
       "Runs until Ctrl-C or SIGTERM. Only loopback addresses can be bound: there are no keys yet.\n"
+      "With --store, jobs and finished tiles outlive it, however it ends: start it again with the\n"
+      "same folder and the jobs go on.\n"
       "Example, in three terminals:\n"
-      "  tessera serve\n"
+      "  tessera serve --store farm\n"
       "  tessera worker --connect tcp://127.0.0.1:7117 --threads 4\n"
-      "  tessera render bunny.obj --connect tcp://127.0.0.1:7117");
+      "  tessera submit bunny.obj && tessera fetch bunny --wait");
   command->add_option("--bind", options->endpoint, "Where to listen, tcp://HOST:PORT or ipc://PATH")
       ->type_name("ENDPOINT")
       ->capture_default_str();
   command->add_option("--http", options->http, "Web page and metrics (not yet)")->type_name("ADDR");
-  command->add_option("--store", options->store, "Folder of jobs and finished tiles (not yet)")
+  command
+      ->add_option("--store", options->store,
+                   "Keep jobs and finished tiles in this folder [in memory]")
       ->type_name("DIR");
   command->callback([options, &action] { action = [options] { return serve(*options); }; });
 }

@@ -14,9 +14,9 @@
 #include <utility>
 
 #include "cli/interrupt.h"
+#include "client/run_remote_job.h"
 #include "coordinator/local_workers.h"
 #include "coordinator/render_loop.h"
-#include "client/run_remote_job.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
 #include "renderer/render/tile_renderer.h"

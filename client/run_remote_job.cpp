@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <random>
 #include <utility>
 
 #include "base/monotonic.h"
@@ -23,8 +22,7 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
                          const JobSpec& job, const ProgressCallback& progress,
                          const std::atomic<bool>& stop, Time patience) {
   check_job(job);
-  std::random_device random;
-  JobClient client(job, (uint64_t{random()} << 32 | random()) | 1, monotonic_now());
+  JobClient client(job, draw_submission(), monotonic_now());
   Time next_progress{};
   while (true) {
     if (!client.bulk_endpoint().empty()) transport.connect_bulk(client.bulk_endpoint());

@@ -20,14 +20,6 @@ std::vector<std::byte> as_bytes(std::string_view text) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// Names all that the pixels of the job depend on.
-Digest key_of(const JobSpec& spec) {
-  const PixelRect& crop = spec.crop;
-  return Digest::of(
-      fmt::format("{} {} {},{},{},{} {}", Digest::of(serialize_scene(spec.scene)).hex(),
-                  spec.frame.SerializeAsString(), crop.x0, crop.y0, crop.x1, crop.y1, kNumericsId));
-}
-
 int tile_size_of(const JobSpec& spec, const std::vector<FinishedTile>& kept,
                  const CoordinatorOptions& options) {
   if (spec.tile_size > 0) return spec.tile_size;
@@ -53,7 +45,16 @@ v1::JobStart start_of(uint64_t id, const JobSpec& spec, const Digest& scene, uin
   return start;
 }
 
+Digest key_of(const JobSpec& spec) {
+  return tile_key(Digest::of(serialize_scene(spec.scene)), spec.frame, spec.crop);
+}
+
 }  // namespace
+
+Digest tile_key(const Digest& scene, const v1::FrameSettings& frame, const PixelRect& crop) {
+  return Digest::of(fmt::format("{} {} {},{},{},{} {}", scene.hex(), frame.SerializeAsString(),
+                                crop.x0, crop.y0, crop.x1, crop.y1, kNumericsId));
+}
 
 ActiveJob::ActiveJob(uint64_t id, JobSpec spec, const CoordinatorOptions& options, Time now)
     : ActiveJob(id, spec, spec.store ? spec.store->find(key_of(spec)) : std::vector<FinishedTile>(),
@@ -63,6 +64,7 @@ ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>
                      const CoordinatorOptions& options, Time now)
     : id_(id),
       store_(spec.store),
+      must_keep_(spec.must_keep),
       tile_size_(tile_size_of(spec, kept, options)),
       samples_(spec.frame.samples_per_pixel()),
       assembler_(spec.crop, cut_tiles(spec.crop, tile_size_)),
@@ -79,24 +81,7 @@ ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>
 }
 
 void ActiveJob::restore(const std::vector<FinishedTile>& kept) {
-  std::map<std::pair<int, int>, uint32_t> tile_at;
-  const auto& tiles = assembler_.tiles();
-  if (!kept.empty()) {
-    for (uint32_t i = 0; i < tiles.size(); ++i)
-      tile_at.emplace(std::pair(tiles[i].x0, tiles[i].y0), i);
-  }
-  std::vector<uint32_t> restored;
-  for (const FinishedTile& tile : kept) {
-    const auto place = tile_at.find({tile.rect.x0, tile.rect.y0});
-    if (place == tile_at.end() || tiles[place->second] != tile.rect) continue;
-    for (v1::TileBand band : tile.kept.bands()) {
-      band.set_tile(place->second);
-      band.set_lease(place->second);
-      if (assembler_.add(band, kFromStore).completed_tile) restored.push_back(place->second);
-    }
-    // What is damaged is traced again.
-    if (!assembler_.complete(place->second)) assembler_.reopen(place->second);
-  }
+  const std::vector<uint32_t> restored = assembler_.restore(kept);
   scheduler_.restore(restored);
   report_.tiles_restored = restored.size();
 }
@@ -104,6 +89,10 @@ void ActiveJob::restore(const std::vector<FinishedTile>& kept) {
 void ActiveJob::keep(uint32_t tile) {
   if (!store_) return;
   unkept_.push_back(tile);
+  keep_rest();
+}
+
+void ActiveJob::keep_rest() {
   try {
     while (!unkept_.empty()) {
       const uint32_t next = unkept_.back();
@@ -115,9 +104,10 @@ void ActiveJob::keep(uint32_t tile) {
       store_->keep(key_, finished);
       unkept_.pop_back();
     }
+    store_trouble_.clear();
   } catch (const Error& error) {
-    // The picture does not suffer; only an end of this process would.
-    if (unkept_.size() == 1) spdlog::warn("{}; it will be tried again", error.what());
+    if (store_trouble_.empty()) spdlog::warn("{}; it will be tried again", error.what());
+    store_trouble_ = error.what();
   }
 }
 
@@ -186,13 +176,8 @@ void ActiveJob::interrupt() {
 }
 
 JobResult ActiveJob::finish() {
-  Film& film = assembler_.film();
   const auto& tiles = assembler_.tiles();
-  for (uint32_t tile = 0; tile < tiles.size(); ++tile) {
-    if (assembler_.complete(tile)) continue;
-    film.mark_hole(tiles[tile]);
-    report_.holes.push_back(tiles[tile]);
-  }
+  report_.holes = assembler_.mark_holes();
   if (!ended_ && !report_.holes.empty()) {
     const PixelRect& hole = report_.holes.front();
     fail(ExitCode::render_failed,
@@ -200,6 +185,7 @@ JobResult ActiveJob::finish() {
                      report_.holes.size(), tiles.size(), hole.x0, hole.y0, hole.width(),
                      hole.height(), report_.failure.empty() ? "" : ": ", report_.failure));
   }
+  report_.workers_seen = workers_seen_.size();
   report_.counters = assembler_.counters();
   report_.build_counters = assembler_.build_counters();
   report_.tiles_done = assembler_.tiles_done();
@@ -208,7 +194,7 @@ JobResult ActiveJob::finish() {
   if (first_assignment_ && last_result_) {
     report_.trace_seconds = to_seconds(*last_result_ - *first_assignment_);
   }
-  return {std::move(report_), std::move(film)};
+  return {std::move(report_), std::move(assembler_.film())};
 }
 
 }  // namespace tessera

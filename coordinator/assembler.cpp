@@ -69,6 +69,36 @@ void Assembler::note_build_counters(const v1::Counters& counters) {
   }
 }
 
+std::vector<uint32_t> Assembler::restore(const std::vector<FinishedTile>& kept) {
+  std::vector<uint32_t> restored;
+  if (kept.empty()) return restored;
+  std::map<std::pair<int, int>, uint32_t> tile_at;
+  for (uint32_t i = 0; i < tiles_.size(); ++i)
+    tile_at.emplace(std::pair(tiles_[i].x0, tiles_[i].y0), i);
+  for (const FinishedTile& tile : kept) {
+    const auto place = tile_at.find({tile.rect.x0, tile.rect.y0});
+    if (place == tile_at.end() || tiles_[place->second] != tile.rect) continue;
+    for (v1::TileBand band : tile.kept.bands()) {
+      band.set_tile(place->second);
+      band.set_lease(place->second);
+      if (add(band, kFromStore).completed_tile) restored.push_back(place->second);
+    }
+    // What is damaged is traced again.
+    if (!complete(place->second)) reopen(place->second);
+  }
+  return restored;
+}
+
+std::vector<PixelRect> Assembler::mark_holes() {
+  std::vector<PixelRect> holes;
+  for (uint32_t tile = 0; tile < tiles_.size(); ++tile) {
+    if (complete(tile)) continue;
+    film_.mark_hole(tiles_[tile]);
+    holes.push_back(tiles_[tile]);
+  }
+  return holes;
+}
+
 std::vector<v1::TileBand> Assembler::bands_of(uint32_t tile) const {
   const PixelRect& rect = tiles_[tile];
   const size_t row_values = static_cast<size_t>(rect.width()) * kFilmChannels;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coordinator/tile_scheduler.h"
+#include "coordinator/tile_store.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "renderer/film/film.h"
 #include "renderer/film/tile.h"
@@ -40,6 +41,8 @@ class Assembler {
   Assembler(const PixelRect& crop, std::vector<PixelRect> tiles);
 
   BandResult add(const v1::TileBand& band, WorkerId from);
+  /// Takes up tiles that were kept, as far as they are sound and of this grid. Which are complete.
+  std::vector<uint32_t> restore(const std::vector<FinishedTile>& kept);
   /// A complete tile as bands whose last has its counters.
   std::vector<v1::TileBand> bands_of(uint32_t tile) const;
   /// Forgets what there is of the tile: the next pixels of its rows are the first again.
@@ -55,6 +58,9 @@ class Assembler {
   void note_build_counters(const v1::Counters& counters);
   const CounterMap& build_counters() const { return build_counters_; }
   Film& film() { return film_; }
+  const Film& film() const { return film_; }
+  /// Marks what is not complete in the film. Call once, at the end. The holes.
+  std::vector<PixelRect> mark_holes();
 
  private:
   /// A tile of which some rows are there.

@@ -34,6 +34,7 @@ struct CoordinatorOptions {
   bool compress_pixels = false;  ///< saves network, costs time: for workers on other machines
   std::string bulk_endpoint;     ///< as in Welcome
   std::string host;              ///< of the coordinator: whose process ids are its own
+  uint64_t farm = 0;             ///< of the store; 0: jobs end with this process
   uint64_t epoch = 0;            ///< another at each start of a coordinator, below 2^44
 };
 

@@ -42,9 +42,10 @@ CoordinatorOptions completed(CoordinatorOptions options, const ServerTransport& 
 }  // namespace
 
 RenderLoop::RenderLoop(std::unique_ptr<ServerTransport> transport,
-                       const CoordinatorOptions& options)
+                       const CoordinatorOptions& options, std::shared_ptr<JobStore> store)
     : transport_(std::move(transport)),
-      coordinator_(std::make_unique<Coordinator>(completed(options, *transport_))),
+      coordinator_(
+          std::make_unique<Coordinator>(completed(options, *transport_), std::move(store))),
       greeting_(options.greeting) {}
 
 RenderLoop::~RenderLoop() = default;
@@ -114,12 +115,12 @@ void RenderLoop::receive() {
     }
     // Counted before the job may end with this very band, so the writing of the last one is not.
     if (message->has_tile_band()) {
-      coordinator_->note_assembling(monotonic_now() - start);
+      coordinator_->note_assembling(message->tile_band().job(), monotonic_now() - start);
     }
     const Time handling = monotonic_now();
     coordinator_->on_message(received->channel, received->peer, *message, handling);
     if (message->has_tile_band()) {
-      coordinator_->note_assembling(monotonic_now() - handling);
+      coordinator_->note_assembling(message->tile_band().job(), monotonic_now() - handling);
     }
     deliver();
   }
@@ -163,7 +164,7 @@ void RenderLoop::attend_local_workers(Time now) {
       coordinator_->on_process_ended(ended.pid, ended.crashed, ended.how, now);
     }
   } catch (const Error& error) {
-    coordinator_->fail_job(error.what(), now);
+    coordinator_->fail_jobs(error.what(), now);
   }
 }
 

@@ -15,11 +15,14 @@
 namespace tessera {
 
 class Coordinator;
+class JobStore;
 
 /// Moves messages between a ServerTransport, which it owns, and a Coordinator. Used by one thread.
 class RenderLoop {
  public:
-  RenderLoop(std::unique_ptr<ServerTransport> transport, const CoordinatorOptions& options);
+  /// `store` as for Coordinator.
+  RenderLoop(std::unique_ptr<ServerTransport> transport, const CoordinatorOptions& options,
+             std::shared_ptr<JobStore> store = nullptr);
   ~RenderLoop();
 
   /// Where workers connect to.

@@ -67,8 +67,10 @@ class TileScheduler {
   void set_suspect(WorkerId worker, bool suspect);
 
   /// A tile for this worker: the next pending one or, where there is none, a second copy of one
-  /// that takes long elsewhere.
-  std::optional<Lease> assign(WorkerId worker, Time now);
+  /// that takes long elsewhere. `busy`: it holds tiles of other jobs.
+  std::optional<Lease> assign(WorkerId worker, Time now, bool busy = false);
+  /// Whether the worker holds a tile that failed before: beside that, nothing else runs.
+  bool isolates(WorkerId worker) const;
   /// All leases that the worker holds, as of now. Returns how many of them are not ours any more
   /// yet still take up the worker; those of finished tiles are cancelled.
   size_t report(WorkerId worker, const std::vector<LeaseProgress>& held, Time now,
@@ -92,6 +94,9 @@ class TileScheduler {
   bool finished() const { return open_tiles_ == 0; }
   size_t held_by(WorkerId worker) const;
   bool has_pending() const { return !pending_.empty(); }
+  /// Leases now, and how long completed ones took, in the mean.
+  size_t live_count() const { return live_.size(); }
+  std::optional<double> mean_seconds() const;
   uint64_t retries() const { return retries_; }
   uint64_t speculative() const { return speculative_; }
 
@@ -115,9 +120,9 @@ class TileScheduler {
     std::vector<LeaseId> leases;
   };
 
-  bool may_trace(const Tile& tile, WorkerId worker, Time now) const;
-  std::optional<uint32_t> next_pending(WorkerId worker, Time now);
-  std::optional<uint32_t> next_straggler(WorkerId worker, Time now) const;
+  bool may_trace(const Tile& tile, WorkerId worker, Time now, bool busy) const;
+  std::optional<uint32_t> next_pending(WorkerId worker, Time now, bool busy);
+  std::optional<uint32_t> next_straggler(WorkerId worker, Time now, bool busy) const;
   Time straggler_age() const;
   Time lease_length(const Tile& tile) const;
   /// Forgets a live lease; the tile is pending if that was its last.

@@ -5,8 +5,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "base/monotonic.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/wire/blob_transfer.h"
 #include "renderer/render/tile_renderer.h"
@@ -18,30 +18,25 @@ namespace tessera {
 /// No blob that is here is asked for again. Not thread-safe.
 class SceneCache {
  public:
-  /// Starts to gather what the job needs, and forgets what none of the kept tracers and jobs may
-  /// need once the blobs exceed `budget_bytes`. False if `start` is malformed.
-  bool begin(const v1::JobStart& start, uint64_t budget_bytes);
-  /// The tracer for the job of begin(), if the same frame of the same scene was built before.
-  std::shared_ptr<const TileRenderer> built() const;
-  void keep(std::shared_ptr<const TileRenderer> renderer);
+  /// Has `fetch` want what the job needs and is not here. False if `start` is malformed.
+  bool want(const v1::JobStart& start, BlobFetch& fetch) const;
+  /// Forgets the blobs that none of these jobs needs, once all exceed `budget_bytes`.
+  void make_room(const std::vector<const v1::JobStart*>& jobs, uint64_t budget_bytes);
+  /// The tracer for the job, if the same frame of the same scene was built before.
+  std::shared_ptr<const TileRenderer> built(const v1::JobStart& start) const;
+  void keep(const v1::JobStart& start, std::shared_ptr<const TileRenderer> renderer);
 
-  BlobFetch& fetch() { return fetch_; }
-  const BlobFetch& fetch() const { return fetch_; }
   BlobStore& blobs() { return blobs_; }
-  /// What to build, once fetch() has finished; nothing if the scene's bytes are none.
-  std::optional<BuildRun> input() const;
+  /// What to build, once all blobs are here; nothing if the scene's bytes are none.
+  std::optional<BuildRun> input(const v1::JobStart& start) const;
 
  private:
   struct Built {
     std::string key;
     std::shared_ptr<const TileRenderer> renderer;
   };
-  void make_room(uint64_t budget_bytes);
 
-  v1::JobStart start_;
-  std::string key_;
   BlobStore blobs_;
-  BlobFetch fetch_;
   std::deque<Built> built_;  ///< the latest first
 };
 

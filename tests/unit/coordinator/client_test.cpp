@@ -14,9 +14,10 @@ class ClientTest : public CoordinatorTest {
     submit.set_submission(number);
     const std::string bytes = serialize_scene(spec.scene);
     const auto span = std::as_bytes(std::span(bytes));
-    submit.set_scene_digest(store.put({span.begin(), span.end()}).hex());
-    submit.set_scene_size(bytes.size());
-    *submit.mutable_frame() = spec.frame;
+    v1::JobFrame& frame = *submit.add_frames();
+    frame.set_scene_digest(store.put({span.begin(), span.end()}).hex());
+    frame.set_scene_size(bytes.size());
+    *frame.mutable_settings() = spec.frame;
     submit.mutable_crop()->set_x1(spec.crop.x1);
     submit.mutable_crop()->set_y1(spec.crop.y1);
     return message;
@@ -34,15 +35,19 @@ class ClientTest : public CoordinatorTest {
   v1::JobStatus ask(uint64_t number, bool cancel) {
     v1::Envelope message;
     message.mutable_job_query()->set_submission(number);
-    message.mutable_job_query()->set_cancel(cancel);
+    if (cancel) message.mutable_job_query()->set_action(v1::JobQuery::CANCEL);
     say("client", message);
     return status();
   }
   BlobStore store;
 };
 
-TEST_F(ClientTest, CancelsAQueuedJobAtOnce) {
-  coordinator.submit(job(), {});
+TEST_F(ClientTest, CancelsAJobAtOnceAlsoWhereItWasNotBegun) {
+  say("client", submission(41, job()));
+  for (const auto& chunk : chunks()) coordinator.on_message(Channel::bulk, "b", chunk, {});
+  EXPECT_EQ(ask(41, false).state(), v1::JobStatus::RUNNING);
+  EXPECT_EQ(ask(41, true).state(), v1::JobStatus::ENDED);
+  for (int i = 0; i < 8; ++i) coordinator.submit(job(), {});
   say("client", submission(42, job()));
   for (const auto& chunk : chunks()) coordinator.on_message(Channel::bulk, "b", chunk, {});
   EXPECT_EQ(ask(42, false).state(), v1::JobStatus::QUEUED);
@@ -83,8 +88,9 @@ TEST_F(ClientTest, TakesBlobsOnlyFromWhoWasAsked) {
 TEST_F(ClientTest, AreHeldToABudgetTogether) {
   const auto submit = [this](uint64_t number, uint64_t bytes) {
     v1::Envelope message = submission(number, job());
-    message.mutable_submit_job()->add_blobs(Digest::of(std::to_string(number)).hex());
-    message.mutable_submit_job()->add_blob_sizes(bytes);
+    v1::JobFrame& frame = *message.mutable_submit_job()->add_frames();
+    frame.set_scene_digest(Digest::of(std::to_string(number)).hex());
+    frame.set_scene_size(bytes);
     say("client", message);
     return status();
   };

@@ -106,8 +106,8 @@ TEST_F(CoordinatorTest, TellsTheJobAgainToAWorkerThatMissedIt) {
   EXPECT_EQ(heard(v1::Envelope::kJobStart).size(), told + 1);
   EXPECT_EQ(heard(v1::Envelope::kPing).size(), 1u);
   // And once more where SceneReady was lost, which the worker then repeats.
-  heartbeat.mutable_heartbeat()->set_job(id);
-  heartbeat.mutable_heartbeat()->set_ready(true);
+  heartbeat.mutable_heartbeat()->add_jobs()->set_job(id);
+  heartbeat.mutable_heartbeat()->mutable_jobs(0)->set_ready(true);
   say("p", heartbeat, seconds(3));
   EXPECT_EQ(heard(v1::Envelope::kJobStart).size(), told + 2);
   ready("p", id);
@@ -209,7 +209,7 @@ TEST_F(CoordinatorTest, ThreeFailedTilesSetAWorkerAsideAsLongAsThereIsAnother) {
   ready("p", id);
   v1::Envelope heartbeat;
   heartbeat.mutable_heartbeat()->set_session(1);
-  heartbeat.mutable_heartbeat()->set_job(id);
+  heartbeat.mutable_heartbeat()->add_jobs()->set_job(id);
   say("p", heartbeat);
   say("p", hello(1, 2));
   EXPECT_EQ(heard(v1::Envelope::kReject).size(), 4u);

@@ -88,7 +88,7 @@ TEST_F(Disagreement, ThatNobodyCanDecideFailsTheJob) {
   say("q", band(second, 2));
   v1::Envelope heartbeat;
   heartbeat.mutable_heartbeat()->set_session(1);
-  heartbeat.mutable_heartbeat()->set_job(id);
+  heartbeat.mutable_heartbeat()->add_jobs()->set_job(id);
   for (int second_of_time = 1; second_of_time <= 10; ++second_of_time) {
     EXPECT_FALSE(coordinator.take_result(id));
     say("q", heartbeat, seconds(second_of_time));
