@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
+#include "cli/option_values.h"
 
 namespace tessera {
 namespace {
@@ -40,25 +42,6 @@ size_t index_of(const std::vector<std::string>& names, const std::string& name) 
   return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
-void lay_over(const OutputOptions& options, OutputSettings& settings) {
-  static constexpr ToneCurve kCurves[] = {ToneCurve::clamp, ToneCurve::reinhard,
-                                          ToneCurve::reinhard_luminance, ToneCurve::filmic,
-                                          ToneCurve::linear};
-  static constexpr TransferCurve kTransfers[] = {TransferCurve::srgb, TransferCurve::display,
-                                                 TransferCurve::gamma};
-  if (options.tone_map) {
-    settings.tone_curve = kCurves[index_of(tone_map_names(), *options.tone_map)];
-  }
-  if (options.gamma) {
-    settings.gamma = *options.gamma;
-    settings.transfer = TransferCurve::gamma;
-  }
-  if (options.transfer) {
-    settings.transfer = kTransfers[index_of(transfer_names(), *options.transfer)];
-  }
-  if (options.exposure) settings.exposure = *options.exposure;
-}
-
 }  // namespace
 
 const std::vector<std::string>& tone_map_names() {
@@ -72,8 +55,9 @@ const std::vector<std::string>& transfer_names() {
   return names;
 }
 
-OutputSettings output_settings(const std::string& scene_file, const v1::Output& output,
+OutputSettings output_settings(const std::string& scene_file, const v1::Output& of_scene,
                                const OutputOptions& options) {
+  const v1::Output output = with_options(of_scene, options);
   OutputSettings result;
   result.tone_curve = tone_curve(output.tone_map());
   result.transfer = transfer_curve(output.transfer());
@@ -93,8 +77,51 @@ OutputSettings output_settings(const std::string& scene_file, const v1::Output& 
         fmt::format("settings: output.response has {} numbers", output.response_size()),
         "3 or none");
   }
-  lay_over(options, result);
   return result;
+}
+
+v1::Output with_options(v1::Output output, const OutputOptions& options) {
+  if (options.tone_map) {
+    output.set_tone_map(
+        static_cast<v1::Output::ToneMap>(index_of(tone_map_names(), *options.tone_map)));
+  }
+  if (options.gamma) {
+    output.set_gamma(*options.gamma);
+    output.set_transfer(v1::Output::GAMMA);
+  }
+  if (options.transfer) {
+    output.set_transfer(
+        static_cast<v1::Output::Transfer>(index_of(transfer_names(), *options.transfer)));
+  }
+  if (options.exposure) output.set_exposure(*options.exposure);
+  return output;
+}
+
+void add_output_options(CLI::App& command, OutputOptions& options) {
+  const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
+    command.add_option_function<std::string>(name, assign, text)
+        ->type_name(type)
+        ->group("From light to bytes (PNG, JPEG ...)");
+  };
+  const auto of_scene = [](const std::vector<std::string>& names) {
+    return fmt::format("{} or {} [the scene's, or {}]",
+                       fmt::join(names.begin(), names.end() - 1, ", "), names.back(),
+                       names.front());
+  };
+  add("--exposure", "STOPS", "Twice the light for each, before all else [the scene's, or 0]",
+      [&options](const std::string& text) { options.exposure = parse_number("--exposure", text); });
+  add("--tone-map", "KIND", of_scene(tone_map_names()), [&options](const std::string& text) {
+    options.tone_map = parse_choice("--tone-map", text, tone_map_names());
+  });
+  add("--transfer", "KIND", of_scene(transfer_names()), [&options](const std::string& text) {
+    options.transfer = parse_choice("--transfer", text, transfer_names());
+  });
+  add("--gamma", "G", "--transfer gamma with this exponent [the scene's, or 2.2]",
+      [&options](const std::string& text) {
+        const double gamma = parse_number("--gamma", text);
+        if (!(gamma > 0)) throw usage_error(fmt::format("--gamma: {}; expected above 0", text));
+        options.gamma = gamma;
+      });
 }
 
 }  // namespace tessera

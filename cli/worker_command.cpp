@@ -72,7 +72,8 @@ void add_worker_command(CLI::App& app, Action& action) {
       "  tessera worker --connect tcp://127.0.0.1:7117 --threads 8\n"
       "Where the coordinator has a list of keys, also --key and --server-key: see 'tessera help "
       "keygen'.");
-  add_connection_options(*command, options->connection, true);
+  add_connection_options(*command, options->connection);
+  command->get_option("--connect")->required();
   command
       ->add_option_function<std::string>(
           "--threads",

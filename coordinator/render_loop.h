@@ -10,18 +10,21 @@
 #include <string>
 
 #include "coordinator/coordinator_options.h"
-#include "coordinator/job.h"
 #include "coordinator/local_workers.h"
+#include "job/job.h"
 #include "proto/transport/transport.h"
 
 namespace tessera {
 
 class Coordinator;
+class JobStore;
 
 /// Moves messages between a ServerTransport, which it owns, and a Coordinator. Used by one thread.
 class RenderLoop {
  public:
-  RenderLoop(std::unique_ptr<ServerTransport> transport, const CoordinatorOptions& options);
+  /// `store` as for Coordinator.
+  RenderLoop(std::unique_ptr<ServerTransport> transport, const CoordinatorOptions& options,
+             std::shared_ptr<JobStore> store = nullptr);
   ~RenderLoop();
 
   /// Where workers connect to.

@@ -67,7 +67,7 @@ SchedulerEvents TileScheduler::leave(WorkerId worker, LossCause cause, Time now)
   return events;
 }
 
-bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now) const {
+bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now, bool busy) const {
   if (std::count(tile.disputed_by.begin(), tile.disputed_by.end(), worker) > 0) return false;
   if (tile.state == State::done) {
     const auto check = checks_.find(static_cast<uint32_t>(&tile - tiles_.data()));
@@ -77,7 +77,7 @@ bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now) const
     }
   }
   if (tile.failed_by.empty()) return true;
-  if (!holders_.at(worker).leases.empty()) return false;
+  if (busy || !holders_.at(worker).leases.empty()) return false;
   const auto has_failed = [&](WorkerId id) {
     return std::find(tile.failed_by.begin(), tile.failed_by.end(), id) != tile.failed_by.end();
   };
@@ -88,23 +88,23 @@ bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now) const
                      [&](const auto& other) { return has_failed(other.first); });
 }
 
-std::optional<uint32_t> TileScheduler::next_pending(WorkerId worker, Time now) {
+std::optional<uint32_t> TileScheduler::next_pending(WorkerId worker, Time now, bool busy) {
   for (auto it = pending_.begin(); it != pending_.end(); ++it) {
     const uint32_t tile = *it;
-    if (!may_trace(tiles_[tile], worker, now)) continue;
+    if (!may_trace(tiles_[tile], worker, now, busy)) continue;
     pending_.erase(it);
     return tile;
   }
   return std::nullopt;
 }
 
-std::optional<uint32_t> TileScheduler::next_check(WorkerId worker, Time now) {
+std::optional<uint32_t> TileScheduler::next_check(WorkerId worker, Time now, bool busy) {
   // Where there is other work, those that others are to do are not all looked at each time.
   constexpr size_t kFew = 64;
   const size_t most = pending_.empty() ? waiting_checks_.size() : kFew;
   for (size_t i = 0; i < std::min(most, waiting_checks_.size()); ++i) {
     const uint32_t tile = waiting_checks_[i];
-    if (!may_trace(tiles_[tile], worker, now)) continue;
+    if (!may_trace(tiles_[tile], worker, now, busy)) continue;
     waiting_checks_.erase(waiting_checks_.begin() + static_cast<ptrdiff_t>(i));
     return tile;
   }
@@ -120,7 +120,7 @@ Time TileScheduler::straggler_age() const {
   return std::max(options_.speculate_after, limit);
 }
 
-std::optional<uint32_t> TileScheduler::next_straggler(WorkerId worker, Time now) const {
+std::optional<uint32_t> TileScheduler::next_straggler(WorkerId worker, Time now, bool busy) const {
   if (live_.empty()) return std::nullopt;
   const bool within_budget =
       speculative_ < std::max<uint64_t>(kFreeCopies, tiles_.size() / kTilesPerCopy);
@@ -131,7 +131,7 @@ std::optional<uint32_t> TileScheduler::next_straggler(WorkerId worker, Time now)
   for (const auto& [id, lease] : live_) {
     const Tile& tile = tiles_[lease.tile];
     if (lease.worker == worker || tile.leases.size() >= kMaxLeasesOfTile) continue;
-    if (!may_trace(tile, worker, now)) continue;
+    if (!may_trace(tile, worker, now, busy)) continue;
     if (!holders_.at(lease.worker).suspect && now - lease.issued < age) continue;
     if (!slowest || lease.issued < slowest->issued) slowest = &lease;
   }
@@ -142,21 +142,30 @@ Time TileScheduler::lease_length(const Tile& tile) const {
   return options_.lease * (int64_t{1} << tile.failed_by.size());
 }
 
-std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now) {
+bool TileScheduler::isolates(WorkerId worker) const {
+  const auto it = holders_.find(worker);
+  return it != holders_.end() && it->second.leases.size() == 1 &&
+         !tiles_[tile_of(it->second.leases[0])].failed_by.empty();
+}
+
+std::optional<double> TileScheduler::mean_seconds() const {
+  if (durations_.empty()) return std::nullopt;
+  const Time sum = std::accumulate(durations_.begin(), durations_.end(), Time{0});
+  return to_seconds(sum) / static_cast<double>(durations_.size());
+}
+
+std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now, bool busy) {
   const auto it = holders_.find(worker);
   if (it == holders_.end() || it->second.suspect) return std::nullopt;
   Holder& holder = it->second;
-  // Beside a tile that failed before, nothing else runs.
-  if (holder.leases.size() == 1 && !tiles_[tile_of(holder.leases[0])].failed_by.empty()) {
-    return std::nullopt;
-  }
+  if (isolates(worker)) return std::nullopt;
   Lease lease;
-  if (const auto check = next_check(worker, now)) {
+  if (const auto check = next_check(worker, now, busy)) {
     lease.tile = *check;
     lease.check = true;
-  } else if (const auto next = next_pending(worker, now)) {
+  } else if (const auto next = next_pending(worker, now, busy)) {
     lease.tile = *next;
-  } else if (const auto straggler = next_straggler(worker, now)) {
+  } else if (const auto straggler = next_straggler(worker, now, busy)) {
     lease.tile = *straggler;
     lease.speculative = true;
     ++speculative_;
@@ -317,17 +326,9 @@ SchedulerEvents TileScheduler::requeue(uint32_t index) {
   return events;
 }
 
-bool TileScheduler::can_be_checked(uint32_t index) const {
-  const std::vector<WorkerId>& traced_by = checks_.at(index);
-  return std::any_of(holders_.begin(), holders_.end(), [&](const auto& holder) {
-    return std::find(traced_by.begin(), traced_by.end(), holder.first) == traced_by.end();
-  });
-}
-
 size_t TileScheduler::abandon_checks(Time now) {
-  const bool only_checks = open_tiles_ == 0 && !waiting_checks_.empty();
-  if (!only_checks || std::any_of(waiting_checks_.begin(), waiting_checks_.end(),
-                                  [this](uint32_t tile) { return can_be_checked(tile); })) {
+  // Whoever is there has traced them, or is stuck.
+  if (open_tiles_ > 0 || waiting_checks_.empty() || !live_.empty()) {
     uncheckable_since_.reset();
     return 0;
   }

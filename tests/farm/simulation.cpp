@@ -30,6 +30,7 @@ Simulation::Simulation(uint64_t seed,
   options_.epoch = 1;
   options_.host = kHost;
   options_.compress_pixels = draw() < 0.2;
+  options_.verify = draw() < 0.2 ? draw() : 0;
   if (adjust) adjust(faults_, options_);
   const int tile = 4 + static_cast<int>(draw(9));
   job_ = make_job(16 + static_cast<int>(draw(9)), 16 + static_cast<int>(draw(9)), tile);
@@ -361,7 +362,7 @@ void Simulation::thaw_all() {
     worker.cut_until = {};
     worker.slowness = std::min(worker.slowness, 1.0);
   }
-  join();
+  if (!faults_.one_alone) join();
 }
 
 void Simulation::submit() {
@@ -387,7 +388,7 @@ std::optional<JobResult> Simulation::run() {
   const Time start = now_;
   submit();
   if (faults_.restarts) at(now_ + draw_time(seconds(5)), [this] { restart_coordinator(); });
-  for (size_t i = 0; i < kWorkersAtStart; ++i)
+  for (size_t i = 0; i < (faults_.one_alone ? 1 : kWorkersAtStart); ++i)
     at(now_ + draw_time(milliseconds(500)), [this] { join(); });
   for (int i = 0; i < faults_.events; ++i) {
     at(now_ + draw_time(draw() < 0.5 ? Time(seconds(2)) : kTroubleTime),

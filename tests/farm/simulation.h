@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "client/job_client.h"
 #include "coordinator/coordinator.h"
-#include "coordinator/job_client.h"
 #include "tests/farm/fake_renderer.h"
 #include "worker/worker_session.h"
 
@@ -28,6 +28,7 @@ struct Faults {
   bool one_fails = false;    ///< the first worker fails its first two tiles
   bool one_hangs = false;    ///< the second worker's first tile never ends
   bool one_lies = false;     ///< the third worker's pixels are wrong
+  bool one_alone = false;    ///< there is but one worker
   bool bad_scene = false;    ///< no worker can build the scene
   bool restarts = false;     ///< the coordinator dies once, and another takes its place
 };

@@ -54,11 +54,11 @@ class WorkerSessionTest : public ::testing::Test {
     return result;
   }
 
-  void welcome(uint64_t number, Time now = {}, uint64_t epoch = 1) {
+  void welcome(uint64_t number, Time now = {}, uint64_t farm = 1) {
     v1::Envelope message;
     v1::Welcome& welcome = *message.mutable_welcome();
     welcome.set_session(number);
-    welcome.set_epoch(epoch);
+    welcome.set_farm(farm);
     welcome.set_heartbeat_ms(1000);
     welcome.set_lost_after_ms(5000);
     welcome.set_bulk_endpoint("tcp://:9");
@@ -165,8 +165,9 @@ TEST_F(WorkerSessionTest, TellsEachSecondWhatItHolds) {
   runs[0].run->progress.work_done = 99;
   session.on_tick(seconds(1));
   const auto heartbeat = sent(v1::Envelope::kHeartbeat).at(0).heartbeat();
-  EXPECT_EQ(heartbeat.job(), 7u);
-  EXPECT_TRUE(heartbeat.ready());
+  ASSERT_EQ(heartbeat.jobs_size(), 1);
+  EXPECT_EQ(heartbeat.jobs(0).job(), 7u);
+  EXPECT_TRUE(heartbeat.jobs(0).ready());
   ASSERT_EQ(heartbeat.progress_size(), 2);
   EXPECT_EQ(heartbeat.progress(0).work_done(), 99u);
   EXPECT_TRUE(heartbeat.progress(0).started());
@@ -276,6 +277,7 @@ TEST_F(WorkerSessionTest, CancelsATileAndAJob) {
   runs[0].run->started = true;
   v1::Envelope message;
   message.mutable_cancel_tile()->set_lease(2);
+  message.mutable_cancel_tile()->set_job(7);
   session.on_message(Channel::control, message, {});
   EXPECT_TRUE(runs[1].run->progress.cancelled);
   EXPECT_FALSE(runs[0].run->progress.cancelled);

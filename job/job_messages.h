@@ -1,6 +1,6 @@
 #pragma once
 
-#include "coordinator/job.h"
+#include "job/job.h"
 #include "proto/tessera/v1/farm.pb.h"
 
 namespace tessera {
