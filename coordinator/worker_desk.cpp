@@ -91,10 +91,6 @@ void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, Time now) 
   if (greeting.anew && hello.session() == 1) {
     spdlog::info("worker {} has come, with {}", worker.name(), counted(hello.threads(), "thread"));
   }
-  for (ActiveJob* job : jobs_.running()) {
-    job->note_worker(worker.id);
-    if (greeting.anew) act(*job, job->scheduler().leave(worker.id, LossCause::left, now), now);
-  }
   v1::Welcome& welcome = *send(peer).mutable_welcome();
   welcome.set_epoch(options_.epoch);
   welcome.set_farm(options_.farm != 0 ? options_.farm : options_.epoch);
@@ -107,6 +103,12 @@ void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, Time now) 
   welcome.set_lost_after_ms(milliseconds(options_.lost_after));
   welcome.set_compress_pixels(options_.compress_pixels);
   welcome.set_bulk_endpoint(options_.bulk_endpoint);
+  // Not before the welcome: what follows from it tells of jobs, and who is not welcomed yet does
+  // not listen.
+  for (ActiveJob* job : jobs_.running()) {
+    job->note_worker(worker.id);
+    if (greeting.anew) act(*job, job->scheduler().leave(worker.id, LossCause::left, now), now);
+  }
   fill(worker, now);
 }
 

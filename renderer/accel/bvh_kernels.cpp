@@ -1,8 +1,15 @@
 #include "renderer/accel/bvh_kernels.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <string>
+#include <string_view>
 
+#include "base/error.h"
 #include "renderer/shapes/triangle.h"
 
 // This file is compiled once for each instruction set. The sets named here add nothing we use.
@@ -262,15 +269,13 @@ namespace tessera {
 
 HWY_EXPORT(kernels_of_target);
 
-const BvhKernels& kernels() {
-  static const BvhKernels best = HWY_DYNAMIC_DISPATCH(kernels_of_target)();
-  return best;
-}
+namespace {
 
-std::span<const BvhKernels> all_kernels() {
-  static const std::vector<BvhKernels> all = [] {
-    kernels();  // chosen before the choice is tampered with
-    std::vector<BvhKernels> list;
+/// Those of every instruction set that this machine has, after the best of them.
+const std::vector<BvhKernels>& best_and_all() {
+  static const std::vector<BvhKernels> result = [] {
+    // The best is chosen before the choice is tampered with.
+    std::vector<BvhKernels> list{HWY_DYNAMIC_DISPATCH(kernels_of_target)()};
     for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
       hwy::SetSupportedTargetsForTest(target);
       hwy::GetChosenTarget().Update(hwy::SupportedTargets());
@@ -280,8 +285,29 @@ std::span<const BvhKernels> all_kernels() {
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     return list;
   }();
-  return all;
+  return result;
 }
+
+BvhKernels chosen_kernels() {
+  const char* const wanted = std::getenv("TESSERA_SIMD");
+  if (!wanted) return HWY_DYNAMIC_DISPATCH(kernels_of_target)();
+  std::vector<std::string> names;
+  for (const BvhKernels& code : all_kernels()) {
+    if (std::string_view(code.name) == wanted) return code;
+    names.emplace_back(code.name);
+  }
+  throw usage_error(fmt::format("TESSERA_SIMD: '{}'; expected one of {}{}", wanted,
+                                fmt::join(names, ", "), suggestion(wanted, names)));
+}
+
+}  // namespace
+
+const BvhKernels& kernels() {
+  static const BvhKernels chosen = chosen_kernels();
+  return chosen;
+}
+
+std::span<const BvhKernels> all_kernels() { return std::span(best_and_all()).subspan(1); }
 
 }  // namespace tessera
 #endif  // HWY_ONCE

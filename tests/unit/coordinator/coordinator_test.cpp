@@ -6,6 +6,15 @@
 namespace tessera::testing {
 namespace {
 
+TEST_F(CoordinatorTest, WelcomesAWorkerBeforeItTellsOfJobs) {
+  coordinator.submit(job(), {});
+  say("p", hello(1));
+  heard(v1::Envelope::kWelcome);
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_TRUE(all[0].has_welcome());
+  EXPECT_TRUE(all[1].has_job_start());
+}
+
 TEST_F(CoordinatorTest, TakesAJobFromHelloToPicture) {
   const uint64_t id = coordinator.submit(job(), {});
   say("p", hello(1));
