@@ -96,7 +96,11 @@ void Coordinator::on_blob_request(const PeerId& peer, const v1::BlobRequest& req
   const auto blob = digest ? jobs_->find_blob(*digest) : JobTable::FoundBlob{};
   OutgoingMessage answer{Channel::bulk, peer, answer_blob_request(request, blob.data)};
   // Films that clients fetch are no part of what the job costs.
-  if (blob.of) blob.of->report().bytes_scene += answer.message.blob_chunk().data().size();
+  if (blob.of) {
+    const uint64_t bytes = answer.message.blob_chunk().data().size();
+    blob.of->report().bytes_scene += bytes;
+    bytes_scene_ += bytes;
+  }
   outgoing_.push_back(std::move(answer));
 }
 
@@ -111,11 +115,38 @@ void Coordinator::on_process_ended(pid_t process, bool crashed, const std::strin
 }
 
 void Coordinator::on_tick(Time now) {
+  if (!first_tick_) first_tick_ = now;
   jobs_->keep_rest();
   workers_->on_tick(now);
   clients_->on_tick(now);
   settle(now);
   next_tick_ = now + (jobs_->running().empty() ? options_.heartbeat : kTick);
+}
+
+FarmSnapshot Coordinator::snapshot(Time now) const {
+  FarmSnapshot snapshot;
+  workers_->describe(snapshot, now);
+  jobs_->describe(snapshot, now);
+  snapshot.counters.bytes_scene = bytes_scene_;
+  snapshot.farm = options_.farm;
+  snapshot.epoch = options_.epoch;
+  snapshot.uptime_seconds = first_tick_ ? to_seconds(now - *first_tick_) : 0;
+  return snapshot;
+}
+
+std::vector<TileSnapshot> Coordinator::tiles(uint64_t job, uint32_t frame, Time now) const {
+  const ActiveJob* active = jobs_->running(job, frame);
+  return active ? active->tiles(now) : std::vector<TileSnapshot>();
+}
+
+std::optional<PreviewImage> Coordinator::preview(uint64_t job, uint32_t frame, int most_side) {
+  return jobs_->preview(job, frame, most_side);
+}
+
+v1::JobStatus Coordinator::ask(const v1::JobQuery& query, Time now) {
+  v1::JobStatus status = clients_->ask(query, now);
+  settle(now);
+  return status;
 }
 
 void Coordinator::shut_down(const std::string& reason) {

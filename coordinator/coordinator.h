@@ -10,6 +10,7 @@
 #include "base/monotonic.h"
 #include "coordinator/client_desk.h"
 #include "coordinator/coordinator_options.h"
+#include "coordinator/farm_snapshot.h"
 #include "coordinator/job_store.h"
 #include "coordinator/job_table.h"
 #include "coordinator/worker_desk.h"
@@ -65,6 +66,16 @@ class Coordinator {
 
   const WorkerRegistry& workers() const { return workers_->workers(); }
 
+  // For a page or a monitor; all on this thread.
+  FarmSnapshot snapshot(Time now) const;
+  /// Of a frame that is being traced, counted from 0; of any other none.
+  std::vector<TileSnapshot> tiles(uint64_t job, uint32_t frame, Time now) const;
+  /// The picture so far, no side longer than `most_side` > 0. Nothing where there is none yet.
+  /// Takes milliseconds, for a large film that was finished long ago up to a second.
+  std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
+  /// Asks and orders as a client does: cancel, pause, resume, priority. UNKNOWN: no such job.
+  v1::JobStatus ask(const v1::JobQuery& query, Time now);
+
  private:
   void on_blob_request(const PeerId& peer, const v1::BlobRequest& request);
   /// Begins and ends what is to, and tells whom it concerns.
@@ -77,6 +88,8 @@ class Coordinator {
   std::unique_ptr<ClientDesk> clients_;
   std::vector<OutgoingMessage> outgoing_;
   Time next_tick_{};
+  std::optional<Time> first_tick_;  ///< about when it was started
+  uint64_t bytes_scene_ = 0;
 };
 
 }  // namespace tessera

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <unordered_set>
 #include <utility>
 
 #include "base/log.h"
+#include "coordinator/job_status.h"
+#include "coordinator/preview.h"
 #include "job/check_job.h"
 #include "job/job_messages.h"
 #include "job/tile_grid.h"
@@ -29,25 +32,18 @@ PixelRect rect_of(const v1::PixelRect& r) { return {r.x0(), r.y0(), r.x1(), r.y1
 
 Digest digest_of(const std::string& hex) { return Digest::parse(hex).value_or(Digest{}); }
 
-/// What a client sees of a job's end.
-void log_end(uint64_t job, uint32_t frame, const v1::JobEnd& end) {
+void log_end(const FarmJob& job, uint32_t frame, const v1::JobEnd& end) {
+  const std::string of_it =
+      job.frame_count() > 1 ? fmt::format(" frame {} of {}", frame + 1, job.frame_count()) : "";
+  const std::string what = fmt::format("job {}{}", job.id(), of_it);
   switch (end.how()) {
     case v1::JobEnd::FAILED:
-      return spdlog::warn("frame {} of job {} failed: {}", frame, job, printable(end.failure()));
+      return spdlog::warn("{} failed: {}", what, printable(end.failure()));
     case v1::JobEnd::INTERRUPTED:
-      return spdlog::info("frame {} of job {} was cancelled, or its client is gone", frame, job);
+      return spdlog::info("{} was cancelled, or its client is gone", what);
     default:
-      return spdlog::info("frame {} of job {} is done, traced in {:.2f} s", frame, job,
-                          end.trace_seconds());
+      return spdlog::info("{} is done, traced in {:.2f} s", what, end.trace_seconds());
   }
-}
-
-/// Of a frame that was never begun.
-JobReport interrupted_report() {
-  JobReport report;
-  report.end = JobReport::End::interrupted;
-  report.exit_code = ExitCode::interrupted;
-  return report;
 }
 
 FilmShelf::Recipe recipe_of(const v1::KeptJob& kept, uint32_t frame) {
@@ -78,6 +74,45 @@ void JobTable::add(std::unique_ptr<FarmJob> job) {
   const uint64_t id = job->id();
   if (!job->ended()) open_.emplace(id, job.get());
   jobs_.emplace(id, std::move(job));
+}
+
+v1::JobStatus JobTable::status(const FarmJob& job, uint32_t frame, Time now) const {
+  return status_of(job, frame, store_trouble(), now);
+}
+
+void JobTable::describe(FarmSnapshot& snapshot, Time now) const {
+  snapshot.store_trouble = store_trouble();
+  snapshot.counters.tiles_restored = tiles_restored_;
+  snapshot.counters.jobs_accepted = jobs_accepted_;
+  for (const auto& [id, job] : jobs_) {
+    if (!job->local()) snapshot.jobs.push_back(tessera::describe(*job, now));
+  }
+}
+
+const ActiveJob* JobTable::running(uint64_t job, uint32_t frame) const {
+  const auto it = open_.find(job);
+  if (it == open_.end()) return nullptr;
+  for (const FarmJob::Running& running : it->second->running()) {
+    if (running.frame == frame) return running.active.get();
+  }
+  return nullptr;
+}
+
+std::optional<PreviewImage> JobTable::preview(uint64_t id, uint32_t frame, int most_side) {
+  FarmJob* const job = find(id);
+  if (!job || frame >= job->frame_count()) return std::nullopt;
+  const v1::Output& output = job->request().frames(static_cast<int>(frame)).output();
+  if (const ActiveJob* active = running(id, frame)) {
+    return make_preview(active->assembler().film(), output, active->assembler().tiles_done(),
+                        most_side);
+  }
+  const auto& end = job->end_of(frame);
+  const BlobData pixels = end ? films_.find(digest_of(end->film_digest())) : nullptr;
+  if (!pixels) return std::nullopt;
+  Film film(rect_of(job->request().crop()));
+  std::memcpy(film.values().data(), pixels->data(),
+              std::min(pixels->size(), film.values().size_bytes()));
+  return make_preview(film, output, from_message(*end).tiles_done, most_side);
 }
 
 uint64_t JobTable::frame_id(uint64_t job, uint32_t frame) const {
@@ -143,6 +178,7 @@ void JobTable::accept(v1::SubmitJob request, const std::vector<Digest>& blobs, T
   auto job = std::make_unique<FarmJob>(std::move(kept), now);
   by_submission_[job->request().submission()] = job->id();
   add(std::move(job));
+  ++jobs_accepted_;
 }
 
 FarmJob* JobTable::find(uint64_t id) {
@@ -209,53 +245,6 @@ void JobTable::forget(FarmJob& job) {
   const uint64_t id = job.id();
   open_.erase(id);
   jobs_.erase(id);
-}
-
-v1::JobStatus JobTable::status(const FarmJob& job, uint32_t frame, Time now) const {
-  const v1::SubmitJob& request = job.request();
-  v1::JobStatus status;
-  status.set_submission(request.submission());
-  status.set_job(job.id());
-  status.set_name(request.name());
-  status.set_priority(request.priority());
-  status.set_weight(std::max<uint32_t>(1, request.weight()));
-  status.set_animation(request.animation());
-  *status.mutable_crop() = request.crop();
-  status.set_state(job.ended()             ? v1::JobStatus::ENDED
-                   : job.kept().paused()   ? v1::JobStatus::PAUSED
-                   : job.running().empty() ? v1::JobStatus::QUEUED
-                                           : v1::JobStatus::RUNNING);
-  const JobProgress progress = job.progress(now);
-  status.set_tiles_done(progress.tiles_done);
-  status.set_tiles_total(progress.tiles_total);
-  status.set_tiles_restored(job.tiles_restored());
-  status.set_elapsed_seconds(progress.elapsed_seconds);
-  status.set_remaining_seconds(progress.remaining_seconds);
-  status.set_frames_done(job.frames_ended());
-  status.set_frames_total(job.frame_count());
-  if (frame < job.frame_count()) {
-    *status.mutable_frame() = request.frames(static_cast<int>(frame));
-    if (const auto& end = job.end_of(frame)) *status.mutable_end() = *end;
-  }
-  if (status.state() != v1::JobStatus::ENDED) {
-    status.set_failure(store_trouble());
-    return status;
-  }
-  if (job.kept().cancelled()) {
-    if (!status.has_end()) *status.mutable_end() = to_message(interrupted_report());
-    status.set_how(v1::JobEnd::INTERRUPTED);
-    status.set_exit_code(static_cast<uint32_t>(ExitCode::interrupted));
-    return status;
-  }
-  for (uint32_t i = 0; i < job.frame_count(); ++i) {
-    const auto& end = job.end_of(i);
-    if (!end || end->how() == v1::JobEnd::DONE) continue;
-    status.set_how(end->how());
-    status.set_exit_code(end->exit_code());
-    status.set_failure(end->failure());
-    break;
-  }
-  return status;
 }
 
 // ------------------------------------------------------------------------------ frames that run
@@ -394,6 +383,7 @@ void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
   try {
     auto active =
         std::make_unique<ActiveJob>(frame_id(job.id(), frame), spec_of(job, frame), options_, now);
+    tiles_restored_ += active->report().tiles_restored;
     changes.begun.push_back(active.get());
     job.begin(frame, std::move(active), now);
   } catch (const Error& error) {
@@ -422,7 +412,7 @@ void JobTable::finish(FarmJob& job, FarmJob::Running& running, Changes& changes)
 }
 
 void JobTable::file_end(FarmJob& job, uint32_t frame, v1::JobEnd end) {
-  log_end(job.id(), frame, end);
+  log_end(job, frame, end);
   v1::KeptJob::End kept;
   kept.set_frame(frame);
   *kept.mutable_end() = end;

@@ -72,6 +72,11 @@ JobResult RenderLoop::run(JobSpec job, const ProgressCallback& progress,
   }
 }
 
+void RenderLoop::observe(std::function<void(Coordinator&, Time)> look, Time every) {
+  observer_ = std::move(look);
+  observe_every_ = every;
+}
+
 void RenderLoop::serve(const std::atomic<bool>& stop) {
   while (!stop) step(kLongestWait);
 }
@@ -100,6 +105,10 @@ void RenderLoop::step(Time pause) {
   const Time now = monotonic_now();
   if (now >= coordinator_->next_deadline()) coordinator_->on_tick(now);
   if (local_workers_ && now >= next_look_) attend_local_workers(now);
+  if (observer_ && now >= next_observation_) {
+    next_observation_ = now + observe_every_;
+    observer_(*coordinator_, now);
+  }
   deliver();
 }
 

@@ -3,6 +3,7 @@
 #include <sys/types.h>
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -37,6 +38,9 @@ class RenderLoop {
   /// usage_error for a frame, crop or tile size that cannot be.
   JobResult run(JobSpec job, const ProgressCallback& progress, const std::atomic<bool>& stop);
 
+  /// Calls `look` from now on about so often, on the thread that runs or serves: for a page or a
+  /// monitor.
+  void observe(std::function<void(Coordinator&, Time now)> look, Time every);
   /// Serves workers and clients that submit jobs until `stop` is set.
   void serve(const std::atomic<bool>& stop);
 
@@ -63,6 +67,8 @@ class RenderLoop {
   std::map<pid_t, Time> silent_since_;  ///< local workers that have not said hello
   Time next_look_{};                    ///< at local workers
   uint64_t tiles_done_ = 0;             ///< when last looked at
+  std::function<void(Coordinator&, Time)> observer_;
+  Time observe_every_{}, next_observation_{};
 };
 
 }  // namespace tessera

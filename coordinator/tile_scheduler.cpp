@@ -128,6 +128,20 @@ bool TileScheduler::isolates(WorkerId worker) const {
          !tiles_[tile_of(it->second.leases[0])].failed_by.empty();
 }
 
+TileScheduler::TileView TileScheduler::view(uint32_t index) const {
+  const Tile& tile = tiles_[index];
+  TileView view;
+  view.done = tile.state == State::done;
+  view.given_up = tile.state == State::given_up;
+  view.copies = static_cast<uint8_t>(tile.leases.size());
+  if (!tile.leases.empty()) {
+    const Lease& lease = live_.at(tile.leases.front());
+    view.worker = lease.worker;
+    view.issued = lease.issued;
+  }
+  return view;
+}
+
 std::optional<double> TileScheduler::mean_seconds() const {
   if (durations_.empty()) return std::nullopt;
   const Time sum = std::accumulate(durations_.begin(), durations_.end(), Time{0});
@@ -154,7 +168,8 @@ std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now, bool busy)
   lease.worker = worker;
   lease.issued = now;
   lease.deadline = now + lease_length(tile);
-  if (tile.attempts++ > 0 && !lease.speculative) ++retries_;
+  lease.again = tile.attempts++ > 0 && !lease.speculative;
+  if (lease.again) ++retries_;
   tile.state = State::leased;
   tile.leases.push_back(lease.id);
   live_.emplace(lease.id, lease);
@@ -227,9 +242,10 @@ SchedulerEvents TileScheduler::complete(uint32_t index, LeaseId by, Time now) {
     const Lease lease = drop(id);
     if (id != by) {
       events.cancelled.push_back(lease);
-    } else if (durations_.size() < kDurationsKept) {
-      durations_.push_back(now - lease.issued);
+      continue;
     }
+    events.took = now - lease.issued;
+    if (durations_.size() < kDurationsKept) durations_.push_back(*events.took);
   }
   return events;
 }

@@ -25,6 +25,7 @@ struct Lease {
   uint64_t work_done = 0;
   bool started = false;  ///< as the worker said last
   bool speculative = false;
+  bool again = false;  ///< replaces one that came to nothing
 };
 
 /// One lease as its worker reports it.
@@ -46,6 +47,7 @@ struct SchedulerEvents {
   std::vector<Lease> cancelled;    ///< wanted no longer: tell their workers
   std::vector<uint32_t> given_up;  ///< tiles that failed too often
   std::vector<WorkerId> blamed;    ///< workers that failed a tile, once for each
+  std::optional<Time> took{};      ///< what completed, from its assignment on
 };
 
 /// Which tile of a job goes to whom. A tile is pending, leased (by one worker or two), done or
@@ -94,6 +96,13 @@ class TileScheduler {
   bool finished() const { return open_tiles_ == 0; }
   size_t held_by(WorkerId worker) const;
   bool has_pending() const { return !pending_.empty(); }
+  struct TileView {
+    bool done = false, given_up = false;
+    uint8_t copies = 0;   ///< live leases
+    WorkerId worker = 0;  ///< of the first of these
+    Time issued{};
+  };
+  TileView view(uint32_t tile) const;
   /// Leases now, and how long completed ones took, in the mean.
   size_t live_count() const { return live_.size(); }
   std::optional<double> mean_seconds() const;

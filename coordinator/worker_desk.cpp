@@ -89,6 +89,7 @@ void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, Time now) 
   if (!greeting.worker) return;
   WorkerRecord& worker = *greeting.worker;
   if (greeting.anew && hello.session() == 1) {
+    ++counters_.workers_seen;
     spdlog::info("worker {} has come, with {}", worker.name(), counted(hello.threads(), "thread"));
   }
   for (ActiveJob* job : jobs_.running()) {
@@ -183,12 +184,28 @@ void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBan
     return act(job, scheduler.fail(band.lease(), worker.id, now), now);
   }
   job.report().bytes_results += band.pixels().size();
+  counters_.bytes_results += band.pixels().size();
+  worker.bytes_results += band.pixels().size();
   job.note_result(now);
   if (result.duplicate_tile) ++job.report().duplicates;
+  if (result.duplicate_tile) ++counters_.duplicates;
   if (result.mismatch) return on_mismatch(job, *result.mismatch, now);
-  if (result.completed_tile) job.keep(tile);
-  if (result.completed_tile) act(job, scheduler.complete(tile, band.lease(), now), now);
+  if (result.completed_tile) on_completed(worker, job, band, now);
   if (band.last()) fill(worker, now);
+}
+
+void WorkerDesk::on_completed(WorkerRecord& worker, ActiveJob& job, const v1::TileBand& band,
+                              Time now) {
+  const uint32_t tile = TileScheduler::tile_of(band.lease());
+  job.keep(tile);
+  const SchedulerEvents events = job.scheduler().complete(tile, band.lease(), now);
+  const double seconds = to_seconds(events.took.value_or(Time{}));
+  job.note_tile_seconds(tile, seconds);
+  ++counters_.tiles_done;
+  counters_.tile_seconds += seconds;
+  ++worker.tiles_done;
+  worker.tile_seconds += seconds;
+  act(job, events, now);
 }
 
 std::string WorkerDesk::name_of(WorkerId id) {
@@ -199,6 +216,7 @@ std::string WorkerDesk::name_of(WorkerId id) {
 
 void WorkerDesk::on_mismatch(ActiveJob& job, const Mismatch& mismatch, Time now) {
   ++job.report().mismatches;
+  ++counters_.mismatches;
   const bool again = !job.scheduler().disputed_by(mismatch.tile).empty();
   const std::string what = fmt::format(
       "tile {} from row {}: workers {} and {} traced different "
@@ -246,7 +264,7 @@ void WorkerDesk::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& fa
 
 // ----------------------------------------------------------------------------------------- tiles
 
-size_t WorkerDesk::held_by(const WorkerRecord& worker) {
+size_t WorkerDesk::held_by(const WorkerRecord& worker) const {
   size_t held = 0;
   for (ActiveJob* job : jobs_.running()) held += job->scheduler().held_by(worker.id);
   return held;
@@ -280,6 +298,8 @@ bool WorkerDesk::give_tile(WorkerRecord& worker, Time now) {
       TileScheduler& scheduler = job->scheduler();
       const auto lease = scheduler.assign(worker.id, now, held > scheduler.held_by(worker.id));
       if (!lease) continue;
+      if (lease->speculative) ++counters_.speculative;
+      if (lease->again) ++counters_.retries;
       job->note_assignment(now);
       *send(worker.peer).mutable_assign() = job->assignment(*lease);
       return true;
@@ -309,6 +329,7 @@ void WorkerDesk::act(ActiveJob& job, const SchedulerEvents& events, Time now) {
     cancel.set_lease(lease.id);
     cancel.set_job(job.id());
   }
+  counters_.tiles_given_up += events.given_up.size();
   for (const uint32_t tile : events.given_up) {
     spdlog::error("tile {} is given up: it failed too often", tile);
   }
@@ -336,6 +357,7 @@ void WorkerDesk::lose(WorkerRecord& worker, LossCause cause, const std::string& 
   if (worker.state == WorkerState::lost) return;
   if (cause != LossCause::left) spdlog::warn("lost worker {}: {}", worker.name(), how);
   workers_.lose(worker);
+  if (cause != LossCause::left) ++counters_.workers_lost;
   for (ActiveJob* job : jobs_.running()) {
     job->note_lost_worker();
     act(*job, job->scheduler().leave(worker.id, cause, now), now);
@@ -351,6 +373,7 @@ void WorkerDesk::judge_failures(WorkerRecord& worker, Time now) {
   // The last one is kept, for want of a better.
   if (!others) return;
   workers_.set_aside(worker);
+  ++counters_.workers_set_aside;
   const auto reject = workers_.judge(worker.hello);
   if (reject) *send(worker.peer).mutable_reject() = *reject;
   lose(worker, LossCause::left, "it is set aside", now);
@@ -383,6 +406,28 @@ void WorkerDesk::note_stuck(const WorkerRecord& worker) {
 }
 
 std::vector<pid_t> WorkerDesk::take_stuck_processes() { return std::exchange(stuck_, {}); }
+
+void WorkerDesk::describe(FarmSnapshot& snapshot, Time now) const {
+  snapshot.counters = counters_;
+  for (const auto& [id, worker] : workers_.all()) {
+    FarmSnapshot::Worker& shown = snapshot.workers.emplace_back();
+    shown.id = id;
+    shown.name = worker.name();
+    shown.state = worker.state == WorkerState::active    ? FarmSnapshot::WorkerState::active
+                  : worker.state == WorkerState::suspect ? FarmSnapshot::WorkerState::suspect
+                                                         : FarmSnapshot::WorkerState::lost;
+    shown.threads = worker.hello.threads();
+    shown.credit = worker.hello.credit();
+    shown.tiles_held = held_by(worker);
+    shown.scenes = worker.jobs.size();
+    shown.tiles_done = worker.tiles_done;
+    shown.tile_seconds = worker.tile_seconds;
+    shown.bytes_results = worker.bytes_results;
+    shown.failures = worker.failures;
+    shown.silent_seconds = to_seconds(now - worker.last_heard);
+    shown.connected_seconds = to_seconds(now - worker.came);
+  }
+}
 
 void WorkerDesk::shut_down(const std::string& reason) {
   for (const WorkerRecord* worker : workers_.present()) {

@@ -9,6 +9,7 @@
 #include "base/monotonic.h"
 #include "coordinator/active_job.h"
 #include "coordinator/coordinator_options.h"
+#include "coordinator/farm_snapshot.h"
 #include "coordinator/job_table.h"
 #include "coordinator/worker_registry.h"
 #include "proto/transport/transport.h"
@@ -40,11 +41,14 @@ class WorkerDesk {
   std::vector<Outgoing> take_outgoing();
   std::vector<pid_t> take_stuck_processes();
   const WorkerRegistry& workers() const { return workers_; }
+  /// What it knows of: workers, and counters of tiles and of them.
+  void describe(FarmSnapshot& snapshot, Time now) const;
 
  private:
   void on_hello(const PeerId& peer, const v1::Hello& hello, Time now);
   void on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now);
   void on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBand& band, Time now);
+  void on_completed(WorkerRecord& worker, ActiveJob& job, const v1::TileBand& band, Time now);
   void on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now);
   void on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now);
   void on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed);
@@ -56,7 +60,7 @@ class WorkerDesk {
   void tell(WorkerRecord& worker, const ActiveJob& job, Time now);
   void fill(WorkerRecord& worker, Time now);
   bool give_tile(WorkerRecord& worker, Time now);
-  size_t held_by(const WorkerRecord& worker);
+  size_t held_by(const WorkerRecord& worker) const;
 
   void lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now);
   void note_stuck(const WorkerRecord& worker);
@@ -69,6 +73,7 @@ class WorkerDesk {
   WorkerRegistry workers_;
   std::vector<Outgoing> outgoing_;
   std::vector<pid_t> stuck_;
+  FarmSnapshot::Counters counters_;
 };
 
 }  // namespace tessera
