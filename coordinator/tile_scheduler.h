@@ -93,6 +93,9 @@ class TileScheduler {
 
   /// Whether this worker was ever given that lease.
   bool issued(LeaseId lease, WorkerId worker) const;
+  /// Takes a lease for issued that a coordinator before us gave, on the same store: what was traced
+  /// under it is as good. False where it cannot be one.
+  bool adopt(LeaseId lease, WorkerId worker);
   bool finished() const { return open_tiles_ == 0; }
   size_t held_by(WorkerId worker) const;
   bool has_pending() const { return !pending_.empty(); }
@@ -132,6 +135,9 @@ class TileScheduler {
   bool may_trace(const Tile& tile, WorkerId worker, Time now, bool busy) const;
   std::optional<uint32_t> next_pending(WorkerId worker, Time now, bool busy);
   std::optional<uint32_t> next_straggler(WorkerId worker, Time now, bool busy) const;
+  /// The worker goes on with a tile of adopt().
+  void go_on(const LeaseProgress& progress, WorkerId worker, Time now);
+  uint64_t epoch_tag() const;
   Time straggler_age() const;
   Time lease_length(const Tile& tile) const;
   /// Forgets a live lease; the tile is pending if that was its last.
@@ -148,7 +154,7 @@ class TileScheduler {
   std::map<WorkerId, Holder> holders_;
   std::map<WorkerId, std::vector<uint32_t>> vanished_with_;
   std::vector<Time> durations_;  ///< of completed leases
-  size_t open_tiles_;
+  size_t open_tiles_, adopted_ = 0;
   uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0;
 };
 

@@ -135,7 +135,11 @@ void WorkerDesk::look_at_jobs(WorkerRecord& worker, const v1::Heartbeat& heartbe
   std::map<uint64_t, bool> has;
   for (const auto& entry : heartbeat.jobs()) {
     has[entry.job()] = entry.ready();
-    if (jobs_.running(entry.job())) continue;
+    if (const ActiveJob* job = jobs_.running(entry.job())) {
+      // It has it from a coordinator before us.
+      if (!worker.jobs.contains(entry.job())) tell(worker, *job, now);
+      continue;
+    }
     send(worker.peer).mutable_cancel_job()->set_job(entry.job());
     worker.jobs.erase(entry.job());
   }
@@ -171,7 +175,7 @@ void WorkerDesk::on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Tim
 void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBand& band, Time now) {
   TileScheduler& scheduler = job.scheduler();
   const uint32_t tile = TileScheduler::tile_of(band.lease());
-  if (!scheduler.issued(band.lease(), worker.id)) {
+  if (!scheduler.issued(band.lease(), worker.id) && !scheduler.adopt(band.lease(), worker.id)) {
     spdlog::warn("worker {} sent pixels under a lease that it was not given", worker.name());
     return;
   }
