@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <memory>
 #include <thread>
@@ -22,6 +23,7 @@ struct WorkerCommandOptions {
   int threads = 0;
   int parent = 0;
   bool quiet = false;
+  double orphan_timeout = 60;
   unsigned protocol_major = 0;
 };
 
@@ -38,6 +40,8 @@ ExitCode work(const WorkerCommandOptions& options) {
                        ? options.threads
                        : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   worker.make_renderer = make_tile_renderer;
+  worker.orphan_timeout =
+      std::chrono::duration_cast<Time>(std::chrono::duration<double>(options.orphan_timeout));
   worker.protocol_major = options.protocol_major;
   const WorkerEnd end = run_worker(*transport, worker, interrupted());
   if (end.exit_code != ExitCode::done) throw Error(end.exit_code, end.reason);
@@ -56,6 +60,7 @@ void add_worker_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("worker", "Trace tiles for a coordinator");
   command->footer(
       "Connects again whenever the connection is lost. Give every machine of a farm one worker.\n"
+      "Ctrl-C or SIGTERM: it gives back its tiles and ends.\n"
       "Example:\n"
       "  tessera worker --connect tcp://127.0.0.1:7117 --threads 8");
   command
@@ -70,6 +75,21 @@ void add_worker_command(CLI::App& app, Action& action) {
           },
           "Threads that trace [one a core]")
       ->type_name("N");
+  command
+      ->add_option_function<std::string>(
+          "--orphan-timeout",
+          [options](const std::string& text) {
+            const double seconds = parse_number("--orphan-timeout", text);
+            if (!(seconds > 0 && seconds <= 1e6)) {
+              throw usage_error(
+                  fmt::format("--orphan-timeout: {}; expected above 0, at most 1000000", text));
+            }
+            options->orphan_timeout = seconds;
+          },
+          "End after so long without a word from the coordinator: until then finish its tiles, "
+          "keep "
+          "them, and connect again [60]")
+      ->type_name("SECONDS");
   command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   // Not for users: an empty group hides them from --help.
   command->add_option("--parent", options->parent)->group("");

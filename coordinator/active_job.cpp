@@ -106,7 +106,9 @@ void ActiveJob::keep_rest() {
     }
     store_trouble_.clear();
   } catch (const Error& error) {
-    if (store_trouble_.empty()) spdlog::warn("{}; it will be tried again", error.what());
+    if (store_trouble_.empty() && !must_keep_) {
+      spdlog::warn("{}; it will be tried again", error.what());
+    }
     store_trouble_ = error.what();
   }
 }

@@ -56,6 +56,10 @@ class Coordinator {
   Time next_deadline() const { return next_tick_; }
 
   std::vector<OutgoingMessage> take_outgoing();
+  /// From now on gives out no more tiles.
+  void drain() { workers_->drain(); }
+  /// Whether no worker holds a tile any more, and all that was traced is kept.
+  bool drained() const;
   /// Tells every worker to end, and the clients of jobs that have not ended why they do not.
   void shut_down(const std::string& reason);
   /// Processes of this host that hold a tile without progress, or are lost though they did not end:
@@ -81,6 +85,7 @@ class Coordinator {
   /// Begins and ends what is to, and tells whom it concerns.
   void settle(Time now);
   void collect_outgoing();
+  void tell_trouble();
 
   CoordinatorOptions options_;
   std::unique_ptr<JobTable> jobs_;  ///< apart, so that a coordinator can be moved
@@ -90,6 +95,7 @@ class Coordinator {
   Time next_tick_{};
   std::optional<Time> first_tick_;  ///< about when it was started
   uint64_t bytes_scene_ = 0;
+  std::string trouble_;  ///< with the store, as was told last
 };
 
 }  // namespace tessera

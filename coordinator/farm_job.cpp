@@ -70,9 +70,14 @@ size_t FarmJob::leases() const {
   return count;
 }
 
+void FarmJob::account(Time now) {
+  const double seconds = to_seconds(now - std::exchange(counted_until_, now));
+  worker_seconds_ += static_cast<double>(leases()) * seconds;
+}
+
 double FarmJob::share(Time now) {
+  account(now);
   const auto held = static_cast<double>(leases());
-  worker_seconds_ += held * to_seconds(now - std::exchange(counted_until_, now));
   const auto mean =
       running_.empty() ? std::nullopt : running_.front().active->scheduler().mean_seconds();
   const double weight = std::max<uint32_t>(1, kept_.request().weight());

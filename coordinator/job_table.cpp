@@ -286,6 +286,12 @@ std::vector<ActiveJob*> JobTable::by_need(Time now) {
   return result;
 }
 
+void JobTable::account(Time now) {
+  for (const auto& [id, job] : open_) {
+    if (!job->running().empty()) job->account(now);
+  }
+}
+
 std::vector<FarmJob*> JobTable::startable() {
   std::vector<FarmJob*> result;
   for (const auto& [id, job] : open_) {

@@ -59,6 +59,8 @@ class JobTable {
   std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
 
   // Frames that run.
+  /// Counts what workers hold until now; to be called before that changes.
+  void account(Time now);
   /// By the number that workers know.
   ActiveJob* running(uint64_t frame);
   /// Those of which tiles may be assigned, the neediest job's first: by priority, then by the share

@@ -77,8 +77,11 @@ void RenderLoop::observe(std::function<void(Coordinator&, Time)> look, Time ever
   observe_every_ = every;
 }
 
-void RenderLoop::serve(const std::atomic<bool>& stop) {
+void RenderLoop::serve(const std::atomic<bool>& stop, Time drain) {
   while (!stop) step(kLongestWait);
+  coordinator_->drain();
+  const Time end = monotonic_now() + drain;
+  while (monotonic_now() < end && !coordinator_->drained()) step(kLongestWait);
 }
 
 void RenderLoop::shut_down(const std::string& reason) {

@@ -41,8 +41,9 @@ class RenderLoop {
   /// Calls `look` from now on about so often, on the thread that runs or serves: for a page or a
   /// monitor.
   void observe(std::function<void(Coordinator&, Time now)> look, Time every);
-  /// Serves workers and clients that submit jobs until `stop` is set.
-  void serve(const std::atomic<bool>& stop);
+  /// Serves workers and clients that submit jobs until `stop` is set; then for at most `drain`
+  /// until the workers have sent what they trace.
+  void serve(const std::atomic<bool>& stop, Time drain = Time{0});
 
   /// Tells every worker to end. The message leaves while this object or, for up to 500 ms, its
   /// destructor lives.

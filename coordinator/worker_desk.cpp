@@ -113,7 +113,9 @@ void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, Time now) 
 
 void WorkerDesk::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now) {
   if (heartbeat.session() != worker.hello.session()) return;
-  send(worker.peer).mutable_ping()->set_session(heartbeat.session());
+  v1::Ping& ping = *send(worker.peer).mutable_ping();
+  ping.set_session(heartbeat.session());
+  ping.set_results(heartbeat.results());
   look_at_jobs(worker, heartbeat, now);
   std::map<uint64_t, std::vector<LeaseProgress>> held;
   for (const auto& entry : heartbeat.progress()) {
@@ -280,7 +282,7 @@ void WorkerDesk::fill(Time now) {
 
 void WorkerDesk::fill(WorkerRecord& worker, Time now) {
   if (worker.foreign > 0 || worker.state != WorkerState::active) return;
-  if (!jobs_.store_trouble().empty()) return;
+  if (draining_ || !jobs_.store_trouble().empty()) return;
   while (held_by(worker) < worker.hello.credit()) {
     if (!give_tile(worker, now)) return;
   }

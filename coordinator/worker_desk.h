@@ -36,6 +36,8 @@ class WorkerDesk {
   void follow(const JobTable::Changes& changes, Time now);
   /// Gives tiles to whoever has room.
   void fill(Time now);
+  /// Gives no more.
+  void drain() { draining_ = true; }
   void shut_down(const std::string& reason);
 
   std::vector<Outgoing> take_outgoing();
@@ -74,6 +76,7 @@ class WorkerDesk {
   std::vector<Outgoing> outgoing_;
   std::vector<pid_t> stuck_;
   FarmSnapshot::Counters counters_;
+  bool draining_ = false;
 };
 
 }  // namespace tessera

@@ -89,6 +89,7 @@ class WorkerLoop {
     SessionOptions result;
     result.hello = make_hello(options);
     result.orphan_timeout = options.orphan_timeout;
+    result.spool_bytes = options.spool_bytes;
     return result;
   }
 
