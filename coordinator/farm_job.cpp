@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "job/job_messages.h"
 #include "job/tile_grid.h"
 
 namespace tessera {
@@ -15,8 +16,6 @@ uint64_t total(const v1::JobEnd& end, const char* name) {
   const auto it = end.totals().values().find(name);
   return it == end.totals().values().end() ? 0 : it->second;
 }
-
-PixelRect rect_of(const v1::PixelRect& r) { return {r.x0(), r.y0(), r.x1(), r.y1()}; }
 
 }  // namespace
 

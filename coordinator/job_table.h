@@ -86,6 +86,7 @@ class JobTable {
   FoundBlob find_blob(const Digest& digest);
 
  private:
+  static FilmShelf::Recipe recipe_of(const v1::KeptJob& kept, uint32_t frame);
   void add(std::unique_ptr<FarmJob> job);
   uint64_t frame_id(uint64_t job, uint32_t frame) const;
   std::vector<FarmJob*> startable();
