@@ -48,7 +48,7 @@ TEST_P(FarmService, EveryScheduleEndsWithTheSamePictures) {
   // The schedules must really have met with trouble.
   EXPECT_GT(restarts, count / 4);
   EXPECT_GT(restored, count / 2);
-  EXPECT_GT(cancelled, count / 32);
+  EXPECT_GT(cancelled, count / 64);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, FarmService, ::testing::Range<uint64_t>(0, kShards));
