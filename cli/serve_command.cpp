@@ -19,6 +19,9 @@
 namespace tessera {
 namespace {
 
+/// How long tiles that are being traced may take, once it is told to end.
+constexpr Time kDrain = std::chrono::seconds(10);
+
 struct ServeOptions {
   std::string endpoint = kDefaultEndpoint;
   std::string key, allow;
@@ -80,7 +83,8 @@ ExitCode serve(const ServeOptions& options) {
                   std::move(store));
   say("serving at {}\n", loop.endpoint());
   std::fflush(stdout);
-  loop.serve(interrupted(), [&] {
+  // What is traced while no store keeps it is lost in any case.
+  loop.serve(interrupted(), options.store.empty() ? Time{0} : kDrain, [&] {
     if (take_hangup()) reload(loop, options);
   });
   loop.bid_farewell("the coordinator was told to end");
@@ -97,7 +101,8 @@ void add_serve_command(CLI::App& app, Action& action) {
       "keygen' tells how to have some. SIGHUP reads the list of keys again, and whoever is not on\n"
       "it any more is shut out.\n"
       "With --store, jobs and finished tiles outlive it, however it ends: start it again with the\n"
-      "same folder and the jobs go on.\n"
+      "same folder and the jobs go on. Told to end, it waits up to 10 s for tiles being traced; a\n"
+      "second signal ends it at once.\n"
       "Example, in three terminals:\n"
       "  tessera serve --store farm\n"
       "  tessera worker --connect tcp://127.0.0.1:7117 --threads 4\n"

@@ -113,7 +113,9 @@ void ActiveJob::keep_rest() {
     }
     store_trouble_.clear();
   } catch (const Error& error) {
-    if (store_trouble_.empty()) spdlog::warn("{}; it will be tried again", error.what());
+    if (store_trouble_.empty() && !must_keep_) {
+      spdlog::warn("{}; it will be tried again", error.what());
+    }
     store_trouble_ = error.what();
   }
 }
@@ -193,6 +195,35 @@ v1::Assign ActiveJob::assignment(const Lease& lease) const {
 
 void ActiveJob::note_assignment(Time now) {
   if (!first_assignment_) first_assignment_ = now;
+}
+
+void ActiveJob::note_tile_seconds(uint32_t tile, double seconds) {
+  tile_seconds_.resize(assembler_.tiles().size());
+  tile_seconds_[tile] = static_cast<float>(seconds);
+}
+
+std::vector<TileSnapshot> ActiveJob::tiles(Time now) const {
+  std::vector<TileSnapshot> result;
+  const auto& rects = assembler_.tiles();
+  for (uint32_t tile = 0; tile < rects.size(); ++tile) {
+    const TileScheduler::TileView view = scheduler_.view(tile);
+    TileSnapshot& shown = result.emplace_back();
+    shown.rect = rects[tile];
+    shown.copies = view.copies;
+    if (view.done) {
+      shown.state = TileSnapshot::State::done;
+      const WorkerId by = assembler_.done_by(tile);
+      shown.worker = by == kFromStore ? 0 : by;
+      if (!tile_seconds_.empty()) shown.seconds = tile_seconds_[tile];
+    } else if (view.given_up) {
+      shown.state = TileSnapshot::State::given_up;
+    } else if (view.copies > 0) {
+      shown.state = TileSnapshot::State::assigned;
+      shown.worker = view.worker;
+      shown.seconds = static_cast<float>(to_seconds(now - view.issued));
+    }
+  }
+  return result;
 }
 
 JobProgress ActiveJob::progress(Time now) const {

@@ -11,6 +11,7 @@
 #include "base/monotonic.h"
 #include "coordinator/assembler.h"
 #include "coordinator/coordinator_options.h"
+#include "coordinator/farm_snapshot.h"
 #include "coordinator/tile_scheduler.h"
 #include "coordinator/tile_store.h"
 #include "coordinator/tile_verifier.h"
@@ -46,9 +47,11 @@ class ActiveJob {
   BlobData find_blob(const Digest& digest) const { return blobs_.find(digest); }
 
   TileScheduler& scheduler() { return scheduler_; }
+  const TileScheduler& scheduler() const { return scheduler_; }
   Assembler& assembler() { return assembler_; }
   const Assembler& assembler() const { return assembler_; }
   JobReport& report() { return report_; }
+  const JobReport& report() const { return report_; }
 
   /// Takes note of a band that is sound: whose it is, and whether a second worker has now traced
   /// the whole tile too. `was_complete`: the tile, before it.
@@ -77,6 +80,8 @@ class ActiveJob {
   /// Notes for the times in the report and the estimate of what remains.
   void note_assignment(Time now);
   void note_result(Time now) { last_result_ = now; }
+  void note_tile_seconds(uint32_t tile, double seconds);
+  std::vector<TileSnapshot> tiles(Time now) const;
   JobProgress progress(Time now) const;
   /// Ends it: later calls change nothing.
   void fail(ExitCode code, std::string why);
@@ -113,6 +118,7 @@ class ActiveJob {
   bool ended_ = false;
   std::map<WorkerId, ExitCode> scene_failures_;
   std::set<WorkerId> workers_seen_;
+  std::vector<float> tile_seconds_;  ///< by tile; empty: of none
 };
 
 }  // namespace tessera

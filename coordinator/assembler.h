@@ -54,6 +54,8 @@ class Assembler {
   /// What the film has in that row of the tile.
   std::span<const float> row(uint32_t tile, int row) const;
   bool complete(uint32_t tile) const { return done_by_[tile] != 0; }
+  /// Whose pixels completed it; 0: it is not complete.
+  WorkerId done_by(uint32_t tile) const { return done_by_[tile]; }
   uint64_t tiles_done() const { return tiles_done_; }
   /// Sums over complete tiles, which stop at the largest number, and what building the scene
   /// counted.

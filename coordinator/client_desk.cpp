@@ -127,10 +127,12 @@ void ClientDesk::accept(Submission& submission, Time now) {
   const uint64_t id = request.submission();
   jobs_.accept(request, submission.blobs(), now);
   const FarmJob& job = *jobs_.find_submission(id);
-  spdlog::info("job {} has come: {}, {} of {}x{} pixels", job.id(),
-               request.name().empty() ? "no name" : printable(request.name()),
+  const std::string name = request.name().empty() ? "" : " (" + printable(request.name()) + ")";
+  spdlog::info("job {}{} has come: {} of {}x{} pixels, {} each, {} bytes of scene", job.id(), name,
                counted(job.frame_count(), "frame"), request.crop().x1() - request.crop().x0(),
-               request.crop().y1() - request.crop().y0());
+               request.crop().y1() - request.crop().y0(),
+               counted(request.frames(0).settings().samples_per_pixel(), "sample"),
+               submission.scene_bytes());
   if (!request.detached()) attached_[id] = {submission.peer, now};
   answer(submission.peer, jobs_.status(job, 0, now));
   forget(id);
@@ -146,22 +148,30 @@ void ClientDesk::forget(uint64_t id) {
 // ------------------------------------------------------------------------------------ questions
 
 void ClientDesk::on_query(const PeerId& peer, const v1::JobQuery& query, Time now) {
-  const auto it = submissions_.find(query.submission());
-  if (query.submission() != 0 && it != submissions_.end()) {
+  const uint64_t id = query.submission();
+  const auto it = submissions_.find(id);
+  if (it != submissions_.end()) {
     it->second.peer = peer;
     it->second.last_heard = now;
-    return on_query(peer, it->second, query);
+  } else if (const FarmJob* job = jobs_.find_submission(id); job && !job->request().detached()) {
+    attached_[id] = {peer, now};
   }
-  FarmJob* job =
-      query.submission() != 0 ? jobs_.find_submission(query.submission()) : jobs_.find(query.job());
-  if (job) return on_query(peer, *job, query, now);
-  v1::JobStatus unknown;
-  unknown.set_submission(query.submission());
-  unknown.set_job(query.job());
-  answer(peer, std::move(unknown));
+  answer(peer, ask(query, now));
 }
 
-void ClientDesk::on_query(const PeerId& peer, Submission& submission, const v1::JobQuery& query) {
+v1::JobStatus ClientDesk::ask(const v1::JobQuery& query, Time now) {
+  const uint64_t id = query.submission();
+  const auto it = submissions_.find(id);
+  if (it != submissions_.end()) return ask(it->second, query);
+  FarmJob* const job = id != 0 ? jobs_.find_submission(id) : jobs_.find(query.job());
+  if (job) return ask(*job, query, now);
+  v1::JobStatus unknown;
+  unknown.set_submission(id);
+  unknown.set_job(query.job());
+  return unknown;
+}
+
+v1::JobStatus ClientDesk::ask(Submission& submission, const v1::JobQuery& query) {
   const bool cancel = query.action() == v1::JobQuery::CANCEL;
   if (cancel && submission.status.state() == v1::JobStatus::FETCHING) {
     JobReport report;
@@ -172,30 +182,25 @@ void ClientDesk::on_query(const PeerId& peer, Submission& submission, const v1::
     submission.status.set_how(v1::JobEnd::INTERRUPTED);
     submission.status.set_exit_code(static_cast<uint32_t>(report.exit_code));
   }
-  answer(peer, submission.status);
+  return submission.status;
 }
 
-void ClientDesk::on_query(const PeerId& peer, FarmJob& job, const v1::JobQuery& query, Time now) {
-  const uint64_t submission = job.request().submission();
-  if (!job.request().detached() && query.submission() == submission) {
-    attached_[submission] = {peer, now};
-  }
-  std::string refused;
+v1::JobStatus ClientDesk::ask(FarmJob& job, const v1::JobQuery& query, Time now) {
+  v1::JobStatus status;
   try {
     act(job, query);
+    if (query.action() == v1::JobQuery::FORGET && job.ended()) {
+      status.set_job(job.id());
+      attached_.erase(job.request().submission());
+      jobs_.forget(job);
+      return status;
+    }
+    status = jobs_.status(job, query.frame(), now);
   } catch (const Error& error) {
-    refused = error.what();
+    status = jobs_.status(job, query.frame(), now);
+    status.set_failure(error.what());
   }
-  if (query.action() == v1::JobQuery::FORGET && refused.empty() && job.ended()) {
-    v1::JobStatus gone;
-    gone.set_job(job.id());
-    attached_.erase(submission);
-    jobs_.forget(job);
-    return answer(peer, std::move(gone));
-  }
-  v1::JobStatus status = jobs_.status(job, query.frame(), now);
-  if (!refused.empty()) status.set_failure(refused);
-  answer(peer, std::move(status));
+  return status;
 }
 
 void ClientDesk::act(FarmJob& job, const v1::JobQuery& query) {

@@ -35,6 +35,8 @@ class ClientDesk {
   void on_chunk(const v1::BlobChunk& chunk, Time now);
   void on_missing(const v1::BlobMissing& missing, Time now);
   void on_tick(Time now);
+  /// What a client that asks this is answered; what it orders is done.
+  v1::JobStatus ask(const v1::JobQuery& query, Time now);
   std::vector<Outgoing> take_outgoing();
   /// Tells clients that wait that nothing will come, for a reason outside.
   void close(const std::string& why);
@@ -42,8 +44,8 @@ class ClientDesk {
  private:
   void on_submit(const PeerId& peer, const v1::SubmitJob& request, Time now);
   void on_query(const PeerId& peer, const v1::JobQuery& query, Time now);
-  void on_query(const PeerId& peer, FarmJob& job, const v1::JobQuery& query, Time now);
-  void on_query(const PeerId& peer, Submission& submission, const v1::JobQuery& query);
+  v1::JobStatus ask(FarmJob& job, const v1::JobQuery& query, Time now);
+  static v1::JobStatus ask(Submission& submission, const v1::JobQuery& query);
   void on_list_query(const PeerId& peer, const v1::JobListQuery& query, Time now);
   void on_release(const v1::JobRelease& release);
   void act(FarmJob& job, const v1::JobQuery& query);

@@ -1,6 +1,9 @@
 #include "coordinator/coordinator.h"
 
+#include <algorithm>
 #include <utility>
+
+#include "base/log.h"
 
 #include "coordinator/memory_job_store.h"
 #include "proto/wire/blob_transfer.h"
@@ -81,6 +84,7 @@ std::vector<OutgoingMessage> Coordinator::take_outgoing() {
 
 void Coordinator::on_message(Channel channel, const PeerId& peer, const v1::Envelope& message,
                              Time now) {
+  jobs_->account(now);
   if (channel == Channel::bulk) {
     if (message.has_blob_request()) return on_blob_request(peer, message.blob_request());
     if (message.has_blob_chunk()) clients_->on_chunk(message.blob_chunk(), now);
@@ -105,26 +109,79 @@ void Coordinator::on_blob_request(const PeerId& peer, const v1::BlobRequest& req
     answer.message = answer_blob_request(request, blob.data);
   }
   // Films that clients fetch are no part of what the job costs.
-  if (blob.of) blob.of->report().bytes_scene += answer.message.blob_chunk().data().size();
+  if (blob.of) {
+    const uint64_t bytes = answer.message.blob_chunk().data().size();
+    blob.of->report().bytes_scene += bytes;
+    bytes_scene_ += bytes;
+  }
   outgoing_.push_back(std::move(answer));
 }
 
 void Coordinator::on_peer_gone(const PeerId& peer, Time now) {
+  jobs_->account(now);
   workers_->on_peer_gone(peer, now);
   settle(now);
 }
 
 void Coordinator::on_process_ended(pid_t process, bool crashed, const std::string& how, Time now) {
+  jobs_->account(now);
   workers_->on_process_ended(process, crashed, how, now);
   settle(now);
 }
 
 void Coordinator::on_tick(Time now) {
+  if (!first_tick_) first_tick_ = now;
+  jobs_->account(now);
   jobs_->keep_rest();
+  tell_trouble();
   workers_->on_tick(now);
   clients_->on_tick(now);
   settle(now);
   next_tick_ = now + (jobs_->running().empty() ? options_.heartbeat : kTick);
+}
+
+void Coordinator::tell_trouble() {
+  const std::string trouble = jobs_->store_trouble();
+  if (trouble.empty() == trouble_.empty()) return;
+  trouble_ = trouble;
+  if (trouble.empty()) {
+    spdlog::info("the store takes tiles again: jobs go on");
+  } else {
+    spdlog::error("{}; no tile is given out until that can be kept", trouble);
+  }
+}
+
+FarmSnapshot Coordinator::snapshot(Time now) const {
+  FarmSnapshot snapshot;
+  workers_->describe(snapshot, now);
+  jobs_->describe(snapshot, now);
+  snapshot.counters.bytes_scene = bytes_scene_;
+  snapshot.farm = options_.farm;
+  snapshot.epoch = options_.epoch;
+  snapshot.uptime_seconds = first_tick_ ? to_seconds(now - *first_tick_) : 0;
+  return snapshot;
+}
+
+std::vector<TileSnapshot> Coordinator::tiles(uint64_t job, uint32_t frame, Time now) const {
+  const ActiveJob* active = jobs_->running(job, frame);
+  return active ? active->tiles(now) : std::vector<TileSnapshot>();
+}
+
+std::optional<PreviewImage> Coordinator::preview(uint64_t job, uint32_t frame, int most_side) {
+  return jobs_->preview(job, frame, most_side);
+}
+
+v1::JobStatus Coordinator::ask(const v1::JobQuery& query, Time now) {
+  v1::JobStatus status = clients_->ask(query, now);
+  settle(now);
+  return status;
+}
+
+bool Coordinator::drained() const {
+  const auto running = jobs_->running();
+  return jobs_->store_trouble().empty() &&
+         std::all_of(running.begin(), running.end(),
+                     [](const ActiveJob* job) { return job->scheduler().live_count() == 0; });
 }
 
 void Coordinator::shut_down(const std::string& reason) {

@@ -10,6 +10,7 @@
 #include "base/monotonic.h"
 #include "coordinator/client_desk.h"
 #include "coordinator/coordinator_options.h"
+#include "coordinator/farm_snapshot.h"
 #include "coordinator/job_store.h"
 #include "coordinator/job_table.h"
 #include "coordinator/worker_desk.h"
@@ -55,6 +56,10 @@ class Coordinator {
   Time next_deadline() const { return next_tick_; }
 
   std::vector<OutgoingMessage> take_outgoing();
+  /// From now on gives out no more tiles.
+  void drain() { workers_->drain(); }
+  /// Whether no worker holds a tile any more, and all that was traced is kept.
+  bool drained() const;
   /// Tells every worker to end, and the clients of jobs that have not ended why they do not.
   void shut_down(const std::string& reason);
   /// Processes of this host that hold a tile without progress, or are lost though they did not end:
@@ -65,11 +70,22 @@ class Coordinator {
 
   const WorkerRegistry& workers() const { return workers_->workers(); }
 
+  // For a page or a monitor; all on this thread.
+  FarmSnapshot snapshot(Time now) const;
+  /// Of a frame that is being traced, counted from 0; of any other none.
+  std::vector<TileSnapshot> tiles(uint64_t job, uint32_t frame, Time now) const;
+  /// The picture so far, no side longer than `most_side` > 0. Nothing where there is none yet.
+  /// Takes milliseconds, for a large film that was finished long ago up to a second.
+  std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
+  /// Asks and orders as a client does: cancel, pause, resume, priority. UNKNOWN: no such job.
+  v1::JobStatus ask(const v1::JobQuery& query, Time now);
+
  private:
   void on_blob_request(const PeerId& peer, const v1::BlobRequest& request);
   /// Begins and ends what is to, and tells whom it concerns.
   void settle(Time now);
   void collect_outgoing();
+  void tell_trouble();
 
   CoordinatorOptions options_;
   std::unique_ptr<JobTable> jobs_;  ///< apart, so that a coordinator can be moved
@@ -77,6 +93,9 @@ class Coordinator {
   std::unique_ptr<ClientDesk> clients_;
   std::vector<OutgoingMessage> outgoing_;
   Time next_tick_{};
+  std::optional<Time> first_tick_;  ///< about when it was started
+  uint64_t bytes_scene_ = 0;
+  std::string trouble_;  ///< with the store, as was told last
 };
 
 }  // namespace tessera

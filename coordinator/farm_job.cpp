@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "job/job_messages.h"
 #include "job/tile_grid.h"
 
 namespace tessera {
@@ -15,8 +16,6 @@ uint64_t total(const v1::JobEnd& end, const char* name) {
   const auto it = end.totals().values().find(name);
   return it == end.totals().values().end() ? 0 : it->second;
 }
-
-PixelRect rect_of(const v1::PixelRect& r) { return {r.x0(), r.y0(), r.x1(), r.y1()}; }
 
 }  // namespace
 
@@ -70,9 +69,14 @@ size_t FarmJob::leases() const {
   return count;
 }
 
+void FarmJob::account(Time now) {
+  const double seconds = to_seconds(now - std::exchange(counted_until_, now));
+  worker_seconds_ += static_cast<double>(leases()) * seconds;
+}
+
 double FarmJob::share(Time now) {
+  account(now);
   const auto held = static_cast<double>(leases());
-  worker_seconds_ += held * to_seconds(now - std::exchange(counted_until_, now));
   const auto mean =
       running_.empty() ? std::nullopt : running_.front().active->scheduler().mean_seconds();
   const double weight = std::max<uint32_t>(1, kept_.request().weight());

@@ -49,6 +49,8 @@ class FarmJob {
   void begin(uint32_t frame, std::unique_ptr<ActiveJob> active, Time now);
   void end(uint32_t frame, v1::JobEnd end);
 
+  /// Counts what workers hold until now; to be called before that changes.
+  void account(Time now);
   /// Worker-seconds by weight: what it had until now, and will soon have had for the tiles that
   /// workers hold. The job that has least is next.
   double share(Time now);

@@ -12,6 +12,7 @@
 #include "coordinator/active_job.h"
 #include "coordinator/coordinator_options.h"
 #include "coordinator/farm_job.h"
+#include "coordinator/farm_snapshot.h"
 #include "coordinator/film_shelf.h"
 #include "coordinator/job_store.h"
 #include "job/job.h"
@@ -49,7 +50,17 @@ class JobTable {
   void forget(FarmJob& job);
   v1::JobStatus status(const FarmJob& job, uint32_t frame, Time now) const;
 
+  // For people.
+  /// Jobs of clients, and the counters of jobs.
+  void describe(FarmSnapshot& snapshot, Time now) const;
+  /// Null where that frame is not being traced.
+  const ActiveJob* running(uint64_t job, uint32_t frame) const;
+  /// Nothing where there is no such frame, or nothing of it yet.
+  std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
+
   // Frames that run.
+  /// Counts what workers hold until now; to be called before that changes.
+  void account(Time now);
   /// By the number that workers know.
   ActiveJob* running(uint64_t frame);
   /// Those of which tiles may be assigned, the neediest job's first: by priority, then by the share
@@ -75,6 +86,7 @@ class JobTable {
   FoundBlob find_blob(const Digest& digest);
 
  private:
+  static FilmShelf::Recipe recipe_of(const v1::KeptJob& kept, uint32_t frame);
   void add(std::unique_ptr<FarmJob> job);
   uint64_t frame_id(uint64_t job, uint32_t frame) const;
   std::vector<FarmJob*> startable();
@@ -95,6 +107,7 @@ class JobTable {
   std::vector<std::pair<uint64_t, v1::KeptJob::End>> unsaved_;  ///< ends that the store must take
   std::string trouble_;                                         ///< with those
   FilmShelf films_;
+  uint64_t tiles_restored_ = 0, jobs_accepted_ = 0;
 };
 
 }  // namespace tessera

@@ -79,11 +79,20 @@ JobResult RenderLoop::run(JobSpec job, const ProgressCallback& progress,
   }
 }
 
-void RenderLoop::serve(const std::atomic<bool>& stop, const std::function<void()>& each_round) {
+void RenderLoop::observe(std::function<void(Coordinator&, Time)> look, Time every) {
+  observer_ = std::move(look);
+  observe_every_ = every;
+}
+
+void RenderLoop::serve(const std::atomic<bool>& stop, Time drain,
+                       const std::function<void()>& each_round) {
   while (!stop) {
     step(kLongestWait);
     if (each_round) each_round();
   }
+  coordinator_->drain();
+  const Time end = monotonic_now() + drain;
+  while (monotonic_now() < end && !coordinator_->drained()) step(kLongestWait);
 }
 
 void RenderLoop::shut_down(const std::string& reason) {
@@ -110,6 +119,10 @@ void RenderLoop::step(Time pause) {
   const Time now = monotonic_now();
   if (now >= coordinator_->next_deadline()) coordinator_->on_tick(now);
   if (local_workers_ && now >= next_look_) attend_local_workers(now);
+  if (observer_ && now >= next_observation_) {
+    next_observation_ = now + observe_every_;
+    observer_(*coordinator_, now);
+  }
   deliver();
 }
 

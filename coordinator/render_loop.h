@@ -39,9 +39,14 @@ class RenderLoop {
   /// usage_error for a frame, crop or tile size that cannot be.
   JobResult run(JobSpec job, const ProgressCallback& progress, const std::atomic<bool>& stop);
 
-  /// Serves workers and clients that submit jobs until `stop` is set. `each_round`, where given, is
-  /// called at least every 50 ms.
-  void serve(const std::atomic<bool>& stop, const std::function<void()>& each_round = {});
+  /// Calls `look` from now on about so often, on the thread that runs or serves: for a page or a
+  /// monitor.
+  void observe(std::function<void(Coordinator&, Time now)> look, Time every);
+  /// Serves workers and clients that submit jobs until `stop` is set; then for at most `drain`
+  /// until the workers have sent what they trace. `each_round`, where given, is called at least
+  /// every 50 ms until then.
+  void serve(const std::atomic<bool>& stop, Time drain = Time{0},
+             const std::function<void()>& each_round = {});
   /// From now on nobody else is let in. Who is not on it any more is lost at once.
   void set_allowed(AllowList allowed);
 
@@ -71,6 +76,8 @@ class RenderLoop {
   Time next_look_{};                    ///< at local workers
   uint64_t tiles_done_ = 0;             ///< when last looked at
   std::set<std::string> told_refused_;  ///< names of keys, at most as many as are on the list
+  std::function<void(Coordinator&, Time)> observer_;
+  Time observe_every_{}, next_observation_{};
 };
 
 }  // namespace tessera

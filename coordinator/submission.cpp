@@ -49,6 +49,7 @@ Submission::Submission(v1::SubmitJob request, JobStore& store, Time now)
 void Submission::want(const Digest& digest, uint64_t size, JobStore& store) {
   if (!needed_.insert(digest).second) return;
   claimed_bytes_ = saturating_sum(claimed_bytes_, size);
+  scene_bytes_ = saturating_sum(scene_bytes_, size);
   if (!store.has_blob(digest)) fetch_.want(digest, size);
 }
 

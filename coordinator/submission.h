@@ -25,6 +25,7 @@ class Submission {
   const v1::SubmitJob& request() const { return request_; }
   /// What it may come to take: its scenes, its blobs as far as they are known, and its films.
   uint64_t claimed_bytes() const { return claimed_bytes_; }
+  uint64_t scene_bytes() const { return scene_bytes_; }
 
   void on_chunk(const v1::BlobChunk& chunk) { fetch_.on_chunk(chunk, pulled_); }
   void on_missing(const v1::BlobMissing& missing) { fetch_.on_missing(missing); }
@@ -45,7 +46,7 @@ class Submission {
   void read_scene(const Digest& digest, JobStore& store);
 
   v1::SubmitJob request_;
-  uint64_t claimed_bytes_ = 0;
+  uint64_t claimed_bytes_ = 0, scene_bytes_ = 0;
   BlobFetch fetch_;
   BlobStore pulled_;
   std::deque<Digest> unread_;  ///< scenes

@@ -17,11 +17,15 @@ constexpr uint64_t kFreeCopies = 4;
 constexpr double kStragglerFactor = 1.5;
 constexpr int kOverdueLeases = 3;
 constexpr size_t kDurationsKept = 1024;
+// The upper bits of a lease: which coordinator gave it, and which of its leases it is.
+constexpr int kEpochShift = 52, kCountShift = 32;
+constexpr uint64_t kEpochTags = uint64_t{1} << (64 - kEpochShift);
 
 }  // namespace
 
 TileScheduler::TileScheduler(size_t tiles, const CoordinatorOptions& options)
     : options_(options), tiles_(tiles), pending_(tiles), open_tiles_(tiles) {
+  leases_issued_ = epoch_tag() << (kEpochShift - kCountShift);
   std::iota(pending_.begin(), pending_.end(), 0u);
 }
 
@@ -148,6 +152,20 @@ bool TileScheduler::isolates(WorkerId worker) const {
          !tiles_[tile_of(it->second.leases[0])].failed_by.empty();
 }
 
+TileScheduler::TileView TileScheduler::view(uint32_t index) const {
+  const Tile& tile = tiles_[index];
+  TileView view;
+  view.done = tile.state == State::done;
+  view.given_up = tile.state == State::given_up;
+  view.copies = static_cast<uint8_t>(tile.leases.size());
+  if (!tile.leases.empty()) {
+    const Lease& lease = live_.at(tile.leases.front());
+    view.worker = lease.worker;
+    view.issued = lease.issued;
+  }
+  return view;
+}
+
 std::optional<double> TileScheduler::mean_seconds() const {
   if (durations_.empty()) return std::nullopt;
   const Time sum = std::accumulate(durations_.begin(), durations_.end(), Time{0});
@@ -173,14 +191,15 @@ std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now, bool busy)
     return std::nullopt;
   }
   Tile& tile = tiles_[lease.tile];
-  lease.id = ++leases_issued_ << 32 | lease.tile;
+  lease.id = ++leases_issued_ << kCountShift | lease.tile;
   lease.worker = worker;
   lease.issued = now;
   lease.deadline = now + lease_length(tile);
   if (tile.state == State::done) {
     lease.check = true;
   } else {
-    if (tile.attempts++ > 0 && !lease.speculative) ++retries_;
+    lease.again = tile.attempts++ > 0 && !lease.speculative;
+    if (lease.again) ++retries_;
     tile.state = State::leased;
   }
   tile.leases.push_back(lease.id);
@@ -212,6 +231,8 @@ size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& 
   std::map<LeaseId, LeaseProgress> by_id;
   for (const LeaseProgress& progress : held) {
     by_id.emplace(progress.lease, progress);
+    const bool ours = !holders_.contains(worker) || !adopt(progress.lease, worker);
+    if (!ours) go_on(progress, worker, now);
     const auto it = live_.find(progress.lease);
     if (it != live_.end() && it->second.worker == worker) {
       grew |= progress.work_done > it->second.work_done;
@@ -243,6 +264,34 @@ size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& 
   return foreign;
 }
 
+uint64_t TileScheduler::epoch_tag() const { return options_.epoch % kEpochTags; }
+
+bool TileScheduler::adopt(LeaseId lease, WorkerId worker) {
+  const bool of_another = options_.farm != 0 && lease >> kEpochShift != epoch_tag();
+  if (!of_another || tile_of(lease) >= tiles_.size() || issued_.contains(lease)) return false;
+  // No more than there are honest ones.
+  if (adopted_ >= tiles_.size() * kMaxLeasesOfTile) return false;
+  ++adopted_;
+  issued_.emplace(lease, worker);
+  return true;
+}
+
+void TileScheduler::go_on(const LeaseProgress& progress, WorkerId worker, Time now) {
+  const uint32_t index = tile_of(progress.lease);
+  Tile& tile = tiles_[index];
+  if (tile.state != State::pending || !may_trace(tile, worker, now, false)) return;
+  std::erase(pending_, index);
+  Lease lease{.id = progress.lease, .tile = index, .worker = worker, .issued = now};
+  lease.deadline = now + lease_length(tile);
+  lease.work_done = progress.work_done;
+  lease.started = progress.started;
+  ++tile.attempts;
+  tile.state = State::leased;
+  tile.leases.push_back(lease.id);
+  live_.emplace(lease.id, lease);
+  holders_.at(worker).leases.push_back(lease.id);
+}
+
 SchedulerEvents TileScheduler::complete(uint32_t index, LeaseId by, Time now) {
   SchedulerEvents events;
   Tile& tile = tiles_[index];
@@ -255,9 +304,10 @@ SchedulerEvents TileScheduler::complete(uint32_t index, LeaseId by, Time now) {
     const Lease lease = drop(id);
     if (id != by) {
       events.cancelled.push_back(lease);
-    } else if (durations_.size() < kDurationsKept) {
-      durations_.push_back(now - lease.issued);
+      continue;
     }
+    events.took = now - lease.issued;
+    if (durations_.size() < kDurationsKept) durations_.push_back(*events.took);
   }
   return events;
 }

@@ -26,6 +26,7 @@ struct Lease {
   bool started = false;  ///< as the worker said last
   bool speculative = false;
   bool check = false;  ///< of a tile whose pixels are there
+  bool again = false;  ///< replaces one that came to nothing
 };
 
 /// One lease as its worker reports it.
@@ -47,6 +48,7 @@ struct SchedulerEvents {
   std::vector<Lease> cancelled;    ///< wanted no longer: tell their workers
   std::vector<uint32_t> given_up;  ///< tiles that failed too often
   std::vector<WorkerId> blamed;    ///< workers that failed a tile, once for each
+  std::optional<Time> took{};      ///< what completed, from its assignment on
 };
 
 /// Which tile of a job goes to whom. A tile is pending, leased (by one worker or two), done or
@@ -103,9 +105,19 @@ class TileScheduler {
 
   /// Whether this worker was ever given that lease.
   bool issued(LeaseId lease, WorkerId worker) const;
+  /// Takes a lease for issued that a coordinator before us gave, on the same store: what was traced
+  /// under it is as good. False where it cannot be one.
+  bool adopt(LeaseId lease, WorkerId worker);
   bool finished() const { return open_tiles_ == 0 && checks_.empty(); }
   size_t held_by(WorkerId worker) const;
   bool has_pending() const { return !pending_.empty() || !waiting_checks_.empty(); }
+  struct TileView {
+    bool done = false, given_up = false;
+    uint8_t copies = 0;   ///< live leases
+    WorkerId worker = 0;  ///< of the first of these
+    Time issued{};
+  };
+  TileView view(uint32_t tile) const;
   /// Leases now, and how long completed ones took, in the mean.
   size_t live_count() const { return live_.size(); }
   std::optional<double> mean_seconds() const;
@@ -140,6 +152,9 @@ class TileScheduler {
   std::optional<uint32_t> next_check(WorkerId worker, Time now, bool busy);
   std::optional<uint32_t> next_straggler(WorkerId worker, Time now, bool busy) const;
   void forget_check(uint32_t tile);
+  /// The worker goes on with a tile of adopt().
+  void go_on(const LeaseProgress& progress, WorkerId worker, Time now);
+  uint64_t epoch_tag() const;
   Time straggler_age() const;
   Time lease_length(const Tile& tile) const;
   /// Forgets a live lease; the tile is pending if that was its last.
@@ -159,7 +174,7 @@ class TileScheduler {
   std::map<WorkerId, Holder> holders_;
   std::map<WorkerId, std::vector<uint32_t>> vanished_with_;
   std::vector<Time> durations_;  ///< of completed leases
-  size_t open_tiles_;
+  size_t open_tiles_, adopted_ = 0;
   uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0, verified_ = 0, unverified_ = 0;
 };
 

@@ -15,8 +15,6 @@ namespace tessera {
 namespace {
 
 constexpr int kMaxFailuresOfWorker = 3;
-/// Scenes that a worker is told of at one time.
-constexpr size_t kJobsOfWorker = 16;
 
 }  // namespace
 
@@ -89,6 +87,7 @@ void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, Time now) 
   if (!greeting.worker) return;
   WorkerRecord& worker = *greeting.worker;
   if (greeting.anew && hello.session() == 1) {
+    ++counters_.workers_seen;
     spdlog::info("worker {} has come, with {}", worker.name(), counted(hello.threads(), "thread"));
   }
   v1::Welcome& welcome = *send(peer).mutable_welcome();
@@ -114,7 +113,9 @@ void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, Time now) 
 
 void WorkerDesk::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now) {
   if (heartbeat.session() != worker.hello.session()) return;
-  send(worker.peer).mutable_ping()->set_session(heartbeat.session());
+  v1::Ping& ping = *send(worker.peer).mutable_ping();
+  ping.set_session(heartbeat.session());
+  ping.set_results(heartbeat.results());
   look_at_jobs(worker, heartbeat, now);
   std::map<uint64_t, std::vector<LeaseProgress>> held;
   for (const auto& entry : heartbeat.progress()) {
@@ -136,7 +137,11 @@ void WorkerDesk::look_at_jobs(WorkerRecord& worker, const v1::Heartbeat& heartbe
   std::map<uint64_t, bool> has;
   for (const auto& entry : heartbeat.jobs()) {
     has[entry.job()] = entry.ready();
-    if (jobs_.running(entry.job())) continue;
+    if (const ActiveJob* job = jobs_.running(entry.job())) {
+      // It has it from a coordinator before us.
+      if (!worker.jobs.contains(entry.job())) tell(worker, *job, now);
+      continue;
+    }
     send(worker.peer).mutable_cancel_job()->set_job(entry.job());
     worker.jobs.erase(entry.job());
   }
@@ -172,7 +177,7 @@ void WorkerDesk::on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Tim
 void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBand& band, Time now) {
   TileScheduler& scheduler = job.scheduler();
   const uint32_t tile = TileScheduler::tile_of(band.lease());
-  if (!scheduler.issued(band.lease(), worker.id)) {
+  if (!scheduler.issued(band.lease(), worker.id) && !scheduler.adopt(band.lease(), worker.id)) {
     spdlog::warn("worker {} sent pixels under a lease that it was not given", worker.name());
     return;
   }
@@ -186,30 +191,40 @@ void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBan
     return act(job, scheduler.fail(band.lease(), worker.id, now), now);
   }
   job.report().bytes_results += band.pixels().size();
+  counters_.bytes_results += band.pixels().size();
+  worker.bytes_results += band.pixels().size();
   job.note_result(now);
   if (result.duplicate_tile) ++job.report().duplicates;
+  if (result.duplicate_tile) ++counters_.duplicates;
   if (result.mismatch) return on_mismatch(job, std::move(*result.mismatch), now);
   act(job, job.note_band(band, worker.id, was_complete), now);
-  if (result.completed_tile) complete(job, tile, band.lease(), worker.id, now);
+  if (result.completed_tile) on_completed(worker, job, band.lease(), now);
   if (band.last()) fill(worker, now);
 }
 
-std::string WorkerDesk::name_of(WorkerId id) {
-  if (id == kFromStore) return "(before)";
-  const WorkerRecord* worker = workers_.by_id(id);
-  return worker ? worker->name() : "(forgotten)";
-}
-
-void WorkerDesk::complete(ActiveJob& job, uint32_t tile, LeaseId lease, WorkerId from, Time now) {
-  const auto completion = job.complete(tile, lease, from, now);
+void WorkerDesk::on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId lease, Time now) {
+  const uint32_t tile = TileScheduler::tile_of(lease);
+  const auto completion = job.complete(tile, lease, worker.id, now);
+  const double seconds = to_seconds(completion.events.took.value_or(Time{}));
+  job.note_tile_seconds(tile, seconds);
+  ++counters_.tiles_done;
+  counters_.tile_seconds += seconds;
+  ++worker.tiles_done;
+  worker.tile_seconds += seconds;
   act(job, completion.events, now);
   if (completion.conviction) convict(job, *completion.conviction, now);
   if (const auto& about = completion.undecided) {
     job.fail(ExitCode::render_failed,
              fmt::format("tile {}: workers {}, {} and {} traced three different pictures; expected "
                          "the same bits",
-                         tile, name_of(about->first), name_of(about->second), name_of(from)));
+                         tile, name_of(about->first), name_of(about->second), worker.name()));
   }
+}
+
+std::string WorkerDesk::name_of(WorkerId id) {
+  if (id == kFromStore) return "(before)";
+  const WorkerRecord* worker = workers_.by_id(id);
+  return worker ? worker->name() : "(forgotten)";
 }
 
 void WorkerDesk::convict(ActiveJob& job, const Conviction& conviction, Time now) {
@@ -228,6 +243,7 @@ void WorkerDesk::convict(ActiveJob& job, const Conviction& conviction, Time now)
 
 void WorkerDesk::on_mismatch(ActiveJob& job, Mismatch mismatch, Time now) {
   ++job.report().mismatches;
+  ++counters_.mismatches;
   const bool again = !job.scheduler().disputed_by(mismatch.tile).empty();
   const std::string what = fmt::format(
       "tile {} from row {}: workers {} and {} traced different "
@@ -272,81 +288,6 @@ void WorkerDesk::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& fa
                           present);
 }
 
-// ----------------------------------------------------------------------------------------- tiles
-
-size_t WorkerDesk::held_by(const WorkerRecord& worker) {
-  size_t held = 0;
-  for (ActiveJob* job : jobs_.running()) held += job->scheduler().held_by(worker.id);
-  return held;
-}
-
-void WorkerDesk::fill(Time now) {
-  for (WorkerRecord* worker : workers_.present()) fill(*worker, now);
-}
-
-void WorkerDesk::fill(WorkerRecord& worker, Time now) {
-  if (worker.foreign > 0 || worker.state != WorkerState::active) return;
-  if (!jobs_.store_trouble().empty()) return;
-  while (held_by(worker) < worker.hello.credit()) {
-    if (!give_tile(worker, now)) return;
-  }
-}
-
-bool WorkerDesk::give_tile(WorkerRecord& worker, Time now) {
-  const std::vector<ActiveJob*> jobs = jobs_.by_need(now);
-  // Beside a tile that failed before, nothing else runs.
-  for (ActiveJob* job : jobs_.running()) {
-    if (job->scheduler().isolates(worker.id)) return false;
-  }
-  const size_t held = held_by(worker);
-  // It builds one scene at a time.
-  bool builds = std::any_of(worker.jobs.begin(), worker.jobs.end(),
-                            [](const auto& known) { return !known.second.ready; });
-  for (ActiveJob* job : jobs) {
-    if (job->ended() || job->scene_failed_at(worker.id)) continue;
-    if (worker.ready_for(job->id())) {
-      TileScheduler& scheduler = job->scheduler();
-      const auto lease = scheduler.assign(worker.id, now, held > scheduler.held_by(worker.id));
-      if (!lease) continue;
-      job->note_assignment(now);
-      *send(worker.peer).mutable_assign() = job->assignment(*lease);
-      return true;
-    }
-    if (builds || worker.jobs.contains(job->id()) || worker.jobs.size() >= kJobsOfWorker) continue;
-    tell(worker, *job, now);
-    builds = true;
-  }
-  return false;
-}
-
-void WorkerDesk::follow(const JobTable::Changes& changes, Time now) {
-  for (WorkerRecord* worker : workers_.present()) {
-    for (const uint64_t job : changes.ended) {
-      if (worker->jobs.erase(job) > 0) send(worker->peer).mutable_cancel_job()->set_job(job);
-    }
-    for (ActiveJob* job : changes.begun) job->note_worker(worker->id);
-  }
-  if (!changes.ended.empty() || !changes.begun.empty()) fill(now);
-}
-
-void WorkerDesk::act(ActiveJob& job, const SchedulerEvents& events, Time now) {
-  for (const Lease& lease : events.cancelled) {
-    const WorkerRecord* worker = workers_.by_id(lease.worker);
-    if (!worker) continue;
-    v1::CancelTile& cancel = *send(worker->peer).mutable_cancel_tile();
-    cancel.set_lease(lease.id);
-    cancel.set_job(job.id());
-  }
-  for (const uint32_t tile : events.given_up) {
-    spdlog::error("tile {} is given up: it failed too often", tile);
-  }
-  for (const WorkerId id : events.blamed) {
-    WorkerRecord* worker = workers_.by_id(id);
-    if (worker) judge_failures(*worker, now);
-  }
-  if (!events.cancelled.empty() || job.scheduler().has_pending()) fill(now);
-}
-
 // --------------------------------------------------------------------------------------- workers
 
 void WorkerDesk::on_peer_gone(const PeerId& peer, Time now) {
@@ -364,6 +305,7 @@ void WorkerDesk::lose(WorkerRecord& worker, LossCause cause, const std::string& 
   if (worker.state == WorkerState::lost) return;
   if (cause != LossCause::left) spdlog::warn("lost worker {}: {}", worker.name(), how);
   workers_.lose(worker);
+  if (cause != LossCause::left) ++counters_.workers_lost;
   for (ActiveJob* job : jobs_.running()) {
     job->note_lost_worker();
     act(*job, job->scheduler().leave(worker.id, cause, now), now);
@@ -373,6 +315,7 @@ void WorkerDesk::lose(WorkerRecord& worker, LossCause cause, const std::string& 
 void WorkerDesk::set_aside(WorkerId id, const std::string& cause, Time now) {
   if (id == kFromStore) return;
   workers_.set_aside(id, cause);
+  ++counters_.workers_set_aside;
   WorkerRecord* const worker = workers_.by_id(id);
   if (!worker) return;
   const auto reject = workers_.judge(worker->hello);
@@ -423,6 +366,28 @@ void WorkerDesk::note_stuck(const WorkerRecord& worker) {
 }
 
 std::vector<pid_t> WorkerDesk::take_stuck_processes() { return std::exchange(stuck_, {}); }
+
+void WorkerDesk::describe(FarmSnapshot& snapshot, Time now) const {
+  snapshot.counters = counters_;
+  for (const auto& [id, worker] : workers_.all()) {
+    FarmSnapshot::Worker& shown = snapshot.workers.emplace_back();
+    shown.id = id;
+    shown.name = worker.name();
+    shown.state = worker.state == WorkerState::active    ? FarmSnapshot::WorkerState::active
+                  : worker.state == WorkerState::suspect ? FarmSnapshot::WorkerState::suspect
+                                                         : FarmSnapshot::WorkerState::lost;
+    shown.threads = worker.hello.threads();
+    shown.credit = worker.hello.credit();
+    shown.tiles_held = held_by(worker);
+    shown.scenes = worker.jobs.size();
+    shown.tiles_done = worker.tiles_done;
+    shown.tile_seconds = worker.tile_seconds;
+    shown.bytes_results = worker.bytes_results;
+    shown.failures = worker.failures;
+    shown.silent_seconds = to_seconds(now - worker.last_heard);
+    shown.connected_seconds = to_seconds(now - worker.came);
+  }
+}
 
 void WorkerDesk::shut_down(const std::string& reason) {
   for (const WorkerRecord* worker : workers_.present()) {

@@ -95,6 +95,7 @@ WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hel
   worker.last_heard = now;
   worker.state = WorkerState::active;
   if (anew) {
+    worker.came = now;
     worker.jobs.clear();
     worker.foreign = 0;
   }

@@ -32,6 +32,10 @@ struct WorkerRecord {
     bool ready = false;  ///< its scene is built
   };
   std::map<uint64_t, KnownJob> jobs;  ///< that it was sent
+  Time came{};                        ///< with its last session
+  uint64_t tiles_done = 0;            ///< that it was first to complete
+  double tile_seconds = 0;            ///< from assignment to completion, sum over those
+  uint64_t bytes_results = 0;         ///< of pixels, as they came
   size_t foreign = 0;                 ///< tiles that keep it busy though they are no longer its own
 
   bool ready_for(uint64_t job) const;
@@ -74,6 +78,7 @@ class WorkerRegistry {
   /// Those not lost.
   std::vector<WorkerRecord*> present();
   int present_count() const;
+  const std::map<WorkerId, WorkerRecord>& all() const { return workers_; }
 
  private:
   void forget_lost();

@@ -29,6 +29,8 @@ constexpr std::array<std::pair<const char*, Total>, 15> kTotals = {{
 
 }  // namespace
 
+PixelRect rect_of(const v1::PixelRect& r) { return {r.x0(), r.y0(), r.x1(), r.y1()}; }
+
 v1::JobEnd to_message(const JobReport& report) {
   v1::JobEnd end;
   end.set_how(static_cast<v1::JobEnd::How>(report.end));

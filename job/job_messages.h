@@ -9,4 +9,6 @@ namespace tessera {
 v1::JobEnd to_message(const JobReport& report);
 JobReport from_message(const v1::JobEnd& end);
 
+PixelRect rect_of(const v1::PixelRect& rect);
+
 }  // namespace tessera

@@ -10,7 +10,6 @@ namespace {
 
 constexpr Time kFirstHelloPause = std::chrono::seconds(1);
 constexpr Time kLongestHelloPause = std::chrono::seconds(8);
-constexpr size_t kMaxUnsent = 1024;
 // Assignments beyond what was offered: the coordinator has lost count, and will find out.
 constexpr size_t kCreditSlack = 4;
 
@@ -52,7 +51,13 @@ void WorkerSession::say_hello(Time now) {
   welcomed_ = false;
   options_.hello.set_session(options_.hello.session() + 1);
   *send().mutable_hello() = options_.hello;
+  // Workers that lost one coordinator must not all come back in the same moment.
+  const uint64_t mixed =
+      (options_.hello.worker_id() ^ options_.hello.session()) * 0x9e3779b97f4a7c15;
   next_hello_ = now + hello_pause_;
+  if (options_.hello.session() > 1) {
+    next_hello_ += hello_pause_ / 4 * static_cast<int64_t>(mixed >> 56) / 256;
+  }
   hello_pause_ = std::min(hello_pause_ * 2, kLongestHelloPause);
 }
 
@@ -75,7 +80,7 @@ void WorkerSession::cancel_runs(uint64_t job) {
 void WorkerSession::forget_job(uint64_t job) {
   cancel_runs(job);
   jobs_.erase(job);
-  std::erase_if(unsent_, [job](const v1::Envelope& message) { return job_of(message) == job; });
+  forget_results([job](const Result& result) { return job_of(result.message) == job; });
 }
 
 void WorkerSession::forget_jobs() {
@@ -114,8 +119,12 @@ void WorkerSession::on_message(Channel channel, const v1::Envelope& message, Tim
     case v1::Envelope::kShutdown:
       actions_.push_back(Quit{ExitCode::done, printable(message.shutdown().reason())});
       return;
+    case v1::Envelope::kPing:
+      if (message.ping().session() != options_.hello.session()) return;
+      return forget_results(
+          [&message](const Result& result) { return result.number <= message.ping().results(); });
     default:
-      return;  // a ping, which only shows life, or of a newer minor version
+      return;  // of a newer minor version
   }
 }
 
@@ -160,8 +169,7 @@ void WorkerSession::on_welcome(const v1::Welcome& welcome, Time now) {
   hello_pause_ = kFirstHelloPause;
   next_heartbeat_ = now + milliseconds(welcome.heartbeat_ms());
   if (!welcome.bulk_endpoint().empty()) actions_.push_back(ConnectBulk{welcome.bulk_endpoint()});
-  for (v1::Envelope& message : unsent_) send() = std::move(message);
-  unsent_.clear();
+  for (const Result& result : results_) send() = result.message;
 }
 
 bool WorkerSession::make_room(const v1::JobStart& start) {
@@ -323,11 +331,22 @@ void WorkerSession::on_traced(TraceOutcome outcome, Time) {
 }
 
 void WorkerSession::send_result(v1::Envelope message) {
-  if (welcomed_) {
-    send() = std::move(message);
-  } else if (unsent_.size() < kMaxUnsent) {
-    unsent_.push_back(std::move(message));
+  if (welcomed_) send() = message;
+  result_bytes_ += message.ByteSizeLong();
+  results_.push_back({++results_made_, std::move(message)});
+  // The oldest have most likely come, or were traced anew.
+  while (result_bytes_ > options_.spool_bytes) {
+    result_bytes_ -= results_.front().message.ByteSizeLong();
+    results_.pop_front();
   }
+}
+
+void WorkerSession::forget_results(const std::function<bool(const Result&)>& which) {
+  std::erase_if(results_, [&](const Result& result) {
+    if (!which(result)) return false;
+    result_bytes_ -= result.message.ByteSizeLong();
+    return true;
+  });
 }
 
 // ------------------------------------------------------------------------------------------ time
@@ -335,6 +354,7 @@ void WorkerSession::send_result(v1::Envelope message) {
 void WorkerSession::send_heartbeat(Time now) {
   v1::Heartbeat& heartbeat = *send().mutable_heartbeat();
   heartbeat.set_session(options_.hello.session());
+  heartbeat.set_results(results_made_);
   for (auto& [id, job] : jobs_) {
     auto& entry = *heartbeat.add_jobs();
     entry.set_job(id);

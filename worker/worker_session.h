@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -26,6 +27,7 @@ struct SessionOptions {
   Time orphan_timeout = Time::max();
   uint64_t blob_budget_bytes = uint64_t{4} << 30;
   SceneCache::Sources blob_sources{};
+  uint64_t spool_bytes = uint64_t{256} << 20;  ///< of results, while the coordinator is away
 };
 
 /// What the session wants done, in order.
@@ -112,6 +114,8 @@ class WorkerSession {
   void send_ready(const Job& job);
   void send_heartbeat(Time now);
   void send_result(v1::Envelope message);
+  struct Result;
+  void forget_results(const std::function<bool(const Result&)>& which);
   v1::Envelope& send(Channel channel = Channel::control);
 
   SessionOptions options_;
@@ -125,7 +129,13 @@ class WorkerSession {
   SceneCache cache_;
   using LeaseOfJob = std::pair<uint64_t, uint64_t>;
   std::map<LeaseOfJob, std::shared_ptr<TraceRun>> runs_;  ///< by job and lease; what it holds
-  std::deque<v1::Envelope> unsent_;                       ///< results made while not welcomed
+  /// What the coordinator may not have yet: made while it was away, or sent just before.
+  struct Result {
+    uint64_t number = 0;
+    v1::Envelope message;
+  };
+  std::deque<Result> results_;
+  uint64_t results_made_ = 0, result_bytes_ = 0;  ///< in all; in results_
 };
 
 }  // namespace tessera

@@ -26,8 +26,9 @@ class Resume(TesseraTest):
 
     def end_after(self, process, seconds, sent):
         """Sends the signal, after so long and once a tile is kept; the exit code."""
+        wal = self.folder / "picture.png.tiles-wal"
         wait_until(lambda: process.poll() is not None or
-                   (self.folder / "picture.png.tiles-wal").exists(), 10, "tiles are kept")
+                   (wal.exists() and wal.stat().st_size > 64 << 10), 10, "tiles are kept")
         time.sleep(seconds * SLOWER)
         process.send_signal(sent)
         process.communicate(timeout=60)

@@ -39,6 +39,7 @@ class Simulation {
  public:
   explicit Simulation(uint64_t seed,
                       const std::function<void(Faults&, CoordinatorOptions&)>& adjust = {});
+  virtual ~Simulation() = default;
 
   /// Runs to the end of the job; nothing if it does not end within ten minutes of simulated time.
   std::optional<JobResult> run();
@@ -49,7 +50,19 @@ class Simulation {
   uint64_t messages() const { return messages_; }
   bool trace = false;  ///< tell on standard error what happens
 
- private:
+ protected:
+  // What a simulation of more than one job does otherwise.
+  /// Calls the coordinator.
+  virtual void with_coordinator(const std::function<void(Coordinator&)>& act) {
+    act(*coordinator_);
+  }
+  /// Sees what the coordinator sends.
+  virtual void note_sent(const OutgoingMessage&) {}
+  /// True if that peer is a client of it, which has then heard the message.
+  virtual bool tell_client(const PeerId& peer, Channel channel, const v1::Envelope& message);
+  virtual Time next_client_time() const;
+  virtual void tick_clients();
+
   struct Worker {
     std::unique_ptr<WorkerSession> session;
     PeerId peer;

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "proto/tessera/v1/scene.pb.h"
+#include "renderer/film/tone_map.h"
+
+namespace tessera {
+
+/// How that output makes numbers of light. Throws scene_error, which names `scene`, for numbers out
+/// of their range.
+OutputSettings picture_settings(const std::string& scene, const v1::Output& output);
+
+}  // namespace tessera
