@@ -28,6 +28,8 @@ constexpr char kFooter[] =
     "  tessera render room.x3d -o room.exr --size 1920x1080 --spp 64\n"
     "  tessera info room.x3d                              what a scene holds, without rendering\n"
     "  tessera compare room.png room-before.png           do two pictures differ, and where\n"
+    "  tessera submit room.x3d && tessera fetch room --wait   the same by a farm of 'tessera "
+    "serve'\n"
     "\n"
     "'tessera help COMMAND' tells all about a command.\n"
     "Exit codes: 0 done; 1 the scene or its data is wrong; 2 the command line is wrong;\n"
@@ -128,6 +130,9 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
   add_serve_command(app, action);
   add_worker_command(app, action);
   add_keygen_command(app, action);
+  add_submit_command(app, action);
+  add_job_commands(app, action);
+  add_fetch_command(app, action);
   add_convert_command(app, action);
   add_info_command(app, action);
   add_compare_command(app, action);

@@ -18,6 +18,10 @@ void add_render_command(CLI::App& app, Action& action);
 void add_serve_command(CLI::App& app, Action& action);
 void add_worker_command(CLI::App& app, Action& action);
 void add_keygen_command(CLI::App& app, Action& action);
+void add_submit_command(CLI::App& app, Action& action);
+/// status, pause, resume and cancel.
+void add_job_commands(CLI::App& app, Action& action);
+void add_fetch_command(CLI::App& app, Action& action);
 void add_convert_command(CLI::App& app, Action& action);
 void add_info_command(CLI::App& app, Action& action);
 void add_compare_command(CLI::App& app, Action& action);

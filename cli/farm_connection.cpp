@@ -54,7 +54,7 @@ AllowList read_allow_list(const std::string& path, const std::string& option) {
   return AllowList::parse(read_file(path, option, kLongestAllowList), path);
 }
 
-void add_connection_options(CLI::App& command, FarmConnection& connection, bool required,
+void add_connection_options(CLI::App& command, FarmConnection& connection,
                             const std::string& group) {
   command
       .add_option_function<std::string>(
@@ -64,8 +64,8 @@ void add_connection_options(CLI::App& command, FarmConnection& connection, bool 
             connection.endpoint = text;
           },
           "The coordinator of a running 'tessera serve', tcp://HOST:PORT or ipc://PATH")
-      ->required(required)
       ->type_name("ENDPOINT")
+      ->default_str(connection.endpoint)
       ->group(group);
   command
       .add_option(

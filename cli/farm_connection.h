@@ -13,14 +13,16 @@ namespace tessera {
 
 /// How a command reaches a coordinator, as the command line says it.
 struct FarmConnection {
-  std::string endpoint;    ///< empty: not given
-  std::string key_file;    ///< our secret key; empty: none
-  std::string server_key;  ///< the coordinator's public key: a file, or its digits
+  std::string endpoint;      ///< empty: not given
+  std::string key_file{};    ///< our secret key; empty: none
+  std::string server_key{};  ///< the coordinator's public key: a file, or its digits
 };
 
+inline constexpr char kDefaultEndpoint[] = "tcp://127.0.0.1:7117";
+
 /// Adds --connect, --key and --server-key to any command that talks to a coordinator, in `group`;
-/// `connection` must outlive the parsing.
-void add_connection_options(CLI::App& command, FarmConnection& connection, bool required,
+/// `connection` must outlive the parsing. Its endpoint is the default; empty: there is none.
+void add_connection_options(CLI::App& command, FarmConnection& connection,
                             const std::string& group = "Options");
 /// Reads the keys and begins to connect. Throws usage_error for a key that is missing or wrong.
 std::unique_ptr<ClientTransport> connect(const FarmConnection& connection);

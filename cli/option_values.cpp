@@ -73,6 +73,14 @@ uint64_t parse_bytes(std::string_view option, std::string_view text) {
   return *value << shift;
 }
 
+double parse_share(std::string_view option, std::string_view text) {
+  const bool percent = text.ends_with('%');
+  const auto value = whole_text_as<double>(text.substr(0, text.size() - (percent ? 1 : 0)));
+  const double share = value.value_or(-1) / (percent ? 100 : 1);
+  if (!(share >= 0 && share <= 1)) throw bad_value(option, text, "a share such as 1% or 0.01");
+  return share;
+}
+
 double parse_number(std::string_view option, std::string_view text) {
   const auto value = whole_text_as<double>(text);
   if (!value || !std::isfinite(*value)) throw bad_value(option, text, "a finite number");

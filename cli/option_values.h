@@ -30,6 +30,8 @@ struct FrameRange {
 int64_t parse_whole(std::string_view option, std::string_view text, int64_t least, int64_t most);
 /// A whole number above 0, K, M, G or T behind it being powers of 1024.
 uint64_t parse_bytes(std::string_view option, std::string_view text);
+/// A share from 0 to 1: "2.5%" or "0.025".
+double parse_share(std::string_view option, std::string_view text);
 /// A finite number.
 double parse_number(std::string_view option, std::string_view text);
 /// "WxH", each from 1 to kMaxFrameSide, their product at most kMaxFramePixels.

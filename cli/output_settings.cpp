@@ -2,39 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 
 #include "cli/located.h"
+#include "cli/option_values.h"
+#include "job/picture_settings.h"
 
 namespace tessera {
 namespace {
-
-ToneCurve tone_curve(v1::Output::ToneMap tone_map) {
-  switch (tone_map) {
-    case v1::Output::REINHARD:
-      return ToneCurve::reinhard;
-    case v1::Output::REINHARD_LUMINANCE:
-      return ToneCurve::reinhard_luminance;
-    case v1::Output::FILMIC:
-      return ToneCurve::filmic;
-    case v1::Output::LINEAR:
-      return ToneCurve::linear;
-    default:
-      return ToneCurve::clamp;
-  }
-}
-
-TransferCurve transfer_curve(v1::Output::Transfer transfer) {
-  switch (transfer) {
-    case v1::Output::DISPLAY:
-      return TransferCurve::display;
-    case v1::Output::GAMMA:
-      return TransferCurve::gamma;
-    default:
-      return TransferCurve::srgb;
-  }
-}
 
 size_t index_of(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
@@ -64,26 +40,6 @@ std::optional<ColorManagement> color_management(const OutputOptions& options) {
   return names;
 }
 
-void lay_over(const OutputOptions& options, OutputSettings& settings) {
-  static constexpr ToneCurve kCurves[] = {ToneCurve::clamp, ToneCurve::reinhard,
-                                          ToneCurve::reinhard_luminance, ToneCurve::filmic,
-                                          ToneCurve::linear};
-  static constexpr TransferCurve kTransfers[] = {TransferCurve::srgb, TransferCurve::display,
-                                                 TransferCurve::gamma};
-  if (options.tone_map) {
-    settings.tone_curve = kCurves[index_of(tone_map_names(), *options.tone_map)];
-  }
-  if (options.gamma) {
-    settings.gamma = *options.gamma;
-    settings.transfer = TransferCurve::gamma;
-  }
-  if (options.transfer) {
-    settings.transfer = kTransfers[index_of(transfer_names(), *options.transfer)];
-  }
-  if (options.exposure) settings.exposure = *options.exposure;
-  settings.color_management = color_management(options);
-}
-
 }  // namespace
 
 const std::vector<std::string>& tone_map_names() {
@@ -97,28 +53,78 @@ const std::vector<std::string>& transfer_names() {
   return names;
 }
 
-OutputSettings output_settings(const std::string& scene_file, const v1::Output& output,
+OutputSettings output_settings(const std::string& scene_file, const v1::Output& of_scene,
                                const OutputOptions& options) {
-  OutputSettings result;
-  result.tone_curve = tone_curve(output.tone_map());
-  result.transfer = transfer_curve(output.transfer());
-  if (output.has_gamma()) result.gamma = output.gamma();
-  if (!(result.gamma > 0 && std::isfinite(result.gamma))) {
-    throw located(scene_file,
-                  fmt::format("settings: output.gamma is {}; expected above 0", result.gamma));
+  try {
+    OutputSettings result = picture_settings(with_options(of_scene, options));
+    result.color_management = color_management(options);
+    return result;
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::bad_scene) throw;
+    throw located(scene_file, error.what());
   }
-  result.exposure = output.exposure();
-  if (output.quantization() == v1::Output::TRUNCATE) result.quantization = Quantization::truncate;
-  if (output.response_size() == 3) {
-    result.has_response = true;
-    for (int i = 0; i < 3; ++i) result.response[static_cast<size_t>(i)] = output.response(i);
-  } else if (output.response_size() != 0) {
-    throw located(scene_file, fmt::format("settings: output.response has {} numbers; expected 3 "
-                                          "or none",
-                                          output.response_size()));
+}
+
+v1::Output with_options(v1::Output output, const OutputOptions& options) {
+  if (options.tone_map) {
+    output.set_tone_map(
+        static_cast<v1::Output::ToneMap>(index_of(tone_map_names(), *options.tone_map)));
   }
-  lay_over(options, result);
-  return result;
+  if (options.gamma) {
+    output.set_gamma(*options.gamma);
+    output.set_transfer(v1::Output::GAMMA);
+  }
+  if (options.transfer) {
+    output.set_transfer(
+        static_cast<v1::Output::Transfer>(index_of(transfer_names(), *options.transfer)));
+  }
+  if (options.exposure) output.set_exposure(*options.exposure);
+  return output;
+}
+
+void add_output_options(CLI::App& command, OutputOptions& options) {
+  const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
+    command.add_option_function<std::string>(name, assign, text)
+        ->type_name(type)
+        ->group("From light to bytes (PNG, JPEG ...)");
+  };
+  const auto of_scene = [](const std::vector<std::string>& names) {
+    return fmt::format("{} or {} [the scene's, or {}]",
+                       fmt::join(names.begin(), names.end() - 1, ", "), names.back(),
+                       names.front());
+  };
+  add("--exposure", "STOPS", "Twice the light for each, before all else [the scene's, or 0]",
+      [&options](const std::string& text) { options.exposure = parse_number("--exposure", text); });
+  add("--tone-map", "KIND", of_scene(tone_map_names()), [&options](const std::string& text) {
+    options.tone_map = parse_choice("--tone-map", text, tone_map_names());
+  });
+  add("--transfer", "KIND", of_scene(transfer_names()), [&options](const std::string& text) {
+    options.transfer = parse_choice("--transfer", text, transfer_names());
+  });
+  add("--gamma", "G", "--transfer gamma with this exponent [the scene's, or 2.2]",
+      [&options](const std::string& text) {
+        const double gamma = parse_number("--gamma", text);
+        if (!(gamma > 0)) throw usage_error(fmt::format("--gamma: {}; expected above 0", text));
+        options.gamma = gamma;
+      });
+  const auto add_name = [&](const char* name, const char* type, const std::string& text,
+                            std::optional<std::string>& out) {
+    add(name, type, text, [name, &out](const std::string& given) {
+      if (given.empty()) throw usage_error(fmt::format("{}: no name; expected one", name));
+      out = given;
+    });
+  };
+  add_name(
+      "--ocio-view", "VIEW",
+      "In place of tone map and transfer: a view of the OpenColorIO configuration in $OCIO, or "
+      "'default'",
+      options.ocio_view);
+  add_name("--ocio-display", "NAME", "The display whose view it is [the configuration's default]",
+           options.ocio_display);
+  add_name("--ocio-space", "NAME", "A colour space of that configuration, in place of a view",
+           options.ocio_space);
+  add_name("--ocio-input", "NAME", "The colour space or role of the picture's light [scene_linear]",
+           options.ocio_input);
 }
 
 }  // namespace tessera

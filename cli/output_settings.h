@@ -7,6 +7,10 @@
 #include "proto/tessera/v1/scene.pb.h"
 #include "renderer/film/tone_map.h"
 
+namespace CLI {
+class App;
+}
+
 namespace tessera {
 
 /// What the command line asks of the picture's numbers; what is absent comes from the scene. The
@@ -22,9 +26,14 @@ struct OutputOptions {
 const std::vector<std::string>& tone_map_names();
 const std::vector<std::string>& transfer_names();
 
+/// Adds them to a command. Formats of floats hold the linear picture whatever they say.
+void add_output_options(CLI::App& command, OutputOptions& options);
+
+/// What the scene asks, with the options laid over it.
+v1::Output with_options(v1::Output of_scene, const OutputOptions& options);
 /// What the scene in that file asks of its picture, with the options laid over it. Throws
 /// scene_error for numbers of the scene out of their range.
-OutputSettings output_settings(const std::string& scene_file, const v1::Output& output,
+OutputSettings output_settings(const std::string& scene_file, const v1::Output& of_scene,
                                const OutputOptions& options = {});
 
 }  // namespace tessera

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-#include "coordinator/job.h"
+#include "job/job.h"
 
 namespace tessera {
 

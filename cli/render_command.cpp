@@ -15,6 +15,7 @@
 #include "base/process.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
+#include "cli/load_frame.h"
 #include "cli/located.h"
 #include "cli/output_settings.h"
 #include "cli/picture_warnings.h"
@@ -22,12 +23,10 @@
 #include "cli/render_options.h"
 #include "cli/say.h"
 #include "cli/statistics.h"
-#include "cli/texture_decoder.h"
 #include "cli/tracing_farm.h"
 #include "coordinator/store/sqlite_tile_store.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/image/image_file.h"
-#include "scenes/formats/read_scene.h"
 
 namespace tessera {
 namespace {
@@ -116,6 +115,11 @@ class RenderRun {
       throw usage_error(fmt::format("{}: cannot be chosen with --connect, whose farm has its own",
                                     options_.workers ? "--workers" : "--threads"));
     }
+    if (options_.verify && (by_farm() || options_.workers.value_or(2) < 2)) {
+      throw usage_error(by_farm()
+                            ? "--verify: is for the coordinator to choose; expected no --connect"
+                            : "--verify: needs a second worker; expected --workers 2 or more");
+    }
     if (options_.resume && by_farm()) {
       throw usage_error("--resume: tiles are kept where the coordinator is; expected no --connect");
     }
@@ -167,20 +171,15 @@ class RenderRun {
     const int cores = core_count();
     const int workers = options_.workers.value_or(cores);
     if (workers == 0) return start_in_process(options_.threads.value_or(cores));
-    return start_local_workers(workers, options_.threads.value_or(1), options_.quiet);
+    return start_local_workers({.workers = workers,
+                                .threads = options_.threads.value_or(1),
+                                .quiet = options_.quiet,
+                                .verify = options_.verify.value_or(0)});
   }
 
   void read(int frame) {
     const auto start = Clock::now();
-    ReadOptions reading = options_.reading;
-    reading.decode_texture = decode_texture;
-    reading.decode_texture_bytes = decode_texture_bytes;
-    reading.frame = frame;
-    loaded_ = read_scene(options_.scene, reading);
-    for (v1::Camera& camera : *loaded_.scene.mutable_cameras()) {
-      if (options_.pinhole) camera.clear_lens();
-      if (options_.frame_all) camera.set_frame_all(true);
-    }
+    loaded_ = load_frame(options_, frame);
     parse_seconds_ = seconds_since(start);
     scene_digest_ = Digest::of(serialize_scene(loaded_.scene)).hex();
     if (options_.quiet) return;

@@ -27,7 +27,7 @@ std::string choices(const std::vector<std::string>& names, std::string_view note
                      names.back(), note, names.front());
 }
 
-void add_picture_options(CLI::App& command, RenderOptions& options) {
+void add_output_file_option(CLI::App& command, RenderOptions& options) {
   command
       .add_option_function<std::vector<std::string>>(
           "-o,--output",
@@ -40,6 +40,9 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       ->option_text("FILE")  // not "FILE ...": one each time
       ->allow_extra_args(false)
       ->group("Picture");
+}
+
+void add_picture_options(CLI::App& command, RenderOptions& options) {
   const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
     command.add_option_function<std::string>(name, assign, text)->type_name(type)->group("Picture");
   };
@@ -76,52 +79,6 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       [&options](const std::string& text) { options.frames = parse_frames("--frames", text); });
 }
 
-/// Formats of floats hold the linear picture whatever these say.
-void add_output_options(CLI::App& command, OutputOptions& options) {
-  const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
-    command.add_option_function<std::string>(name, assign, text)
-        ->type_name(type)
-        ->group("From light to bytes (PNG, JPEG ...)");
-  };
-  const auto of_scene = [](const std::vector<std::string>& names) {
-    return fmt::format("{} or {} [the scene's, or {}]",
-                       fmt::join(names.begin(), names.end() - 1, ", "), names.back(),
-                       names.front());
-  };
-  add("--exposure", "STOPS", "Twice the light for each, before all else [the scene's, or 0]",
-      [&options](const std::string& text) { options.exposure = parse_number("--exposure", text); });
-  add("--tone-map", "KIND", of_scene(tone_map_names()), [&options](const std::string& text) {
-    options.tone_map = parse_choice("--tone-map", text, tone_map_names());
-  });
-  add("--transfer", "KIND", of_scene(transfer_names()), [&options](const std::string& text) {
-    options.transfer = parse_choice("--transfer", text, transfer_names());
-  });
-  add("--gamma", "G", "--transfer gamma with this exponent [the scene's, or 2.2]",
-      [&options](const std::string& text) {
-        const double gamma = parse_number("--gamma", text);
-        if (!(gamma > 0)) throw usage_error(fmt::format("--gamma: {}; expected above 0", text));
-        options.gamma = gamma;
-      });
-  const auto add_name = [&](const char* name, const char* type, const std::string& text,
-                            std::optional<std::string>& out) {
-    add(name, type, text, [name, &out](const std::string& given) {
-      if (given.empty()) throw usage_error(fmt::format("{}: no name; expected one", name));
-      out = given;
-    });
-  };
-  add_name(
-      "--ocio-view", "VIEW",
-      "In place of tone map and transfer: a view of the OpenColorIO configuration in $OCIO, or "
-      "'default'",
-      options.ocio_view);
-  add_name("--ocio-display", "NAME", "The display whose view it is [the configuration's default]",
-           options.ocio_display);
-  add_name("--ocio-space", "NAME", "A colour space of that configuration, in place of a view",
-           options.ocio_space);
-  add_name("--ocio-input", "NAME", "The colour space or role of the picture's light [scene_linear]",
-           options.ocio_input);
-}
-
 void add_tracing_options(CLI::App& command, RenderOptions& options) {
   const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
     command.add_option_function<std::string>(name, assign, text)->type_name(type)->group("Tracing");
@@ -135,6 +92,18 @@ void add_tracing_options(CLI::App& command, RenderOptions& options) {
       [&options](const std::string& text) {
         options.integrator = parse_choice("--integrator", text, integrator_names());
       });
+}
+
+void add_tile_option(CLI::App& command, RenderOptions& options) {
+  command
+      .add_option_function<std::string>(
+          "--tile",
+          [&options](const std::string& text) {
+            options.tile_size = static_cast<int>(parse_whole("--tile", text, 1, kMaxFrameSide));
+          },
+          "Pixels a side of a tile [chosen from the frame and the workers]")
+      ->type_name("N")
+      ->group("Who does the work");
 }
 
 void add_farm_options(CLI::App& command, RenderOptions& options) {
@@ -152,11 +121,11 @@ void add_farm_options(CLI::App& command, RenderOptions& options) {
       [&options](const std::string& text) {
         options.threads = static_cast<int>(parse_whole("--threads", text, 1, kMaxThreads));
       });
-  add("--tile", "N", "Pixels a side of a tile [chosen from the frame and the workers]",
-      [&options](const std::string& text) {
-        options.tile_size = static_cast<int>(parse_whole("--tile", text, 1, kMaxFrameSide));
-      });
-  add_connection_options(command, options.connection, false, "Who does the work");
+  add("--verify", "SHARE",
+      "The share of tiles that a second worker traces too, such as 1%; where two differ a third "
+      "judges, and who was wrong is set aside [0%]",
+      [&options](const std::string& text) { options.verify = parse_share("--verify", text); });
+  add_connection_options(command, options.connection, "Who does the work");
   command
       .add_flag(
           "--resume", options.resume,
@@ -203,7 +172,7 @@ double frame_time(const RenderOptions& options, const v1::Settings& settings,
 
 }  // namespace
 
-void add_render_options(CLI::App& command, RenderOptions& options) {
+void add_scene_options(CLI::App& command, RenderOptions& options) {
   command.add_option("SCENE", options.scene, "The scene file; 'tessera info' tells what it holds")
       ->required()
       ->type_name("FILE");
@@ -212,6 +181,12 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   add_output_options(command, options.output);
   add_tracing_options(command, options);
   add_read_options(command, options.reading);
+  add_tile_option(command, options);
+}
+
+void add_render_options(CLI::App& command, RenderOptions& options) {
+  add_output_file_option(command, options);
+  add_scene_options(command, options);
   add_farm_options(command, options);
   add_report_options(command, options);
 }

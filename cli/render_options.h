@@ -40,6 +40,7 @@ struct RenderOptions {
   std::optional<int> workers;
   std::optional<int> threads;
   int tile_size = 0;
+  std::optional<double> verify;
   FarmConnection connection;  ///< no endpoint: this machine does it
 
   std::optional<std::filesystem::path> stats;
@@ -49,6 +50,9 @@ struct RenderOptions {
 
 /// Adds the options of `render` to its command; `options` must outlive the parsing.
 void add_render_options(CLI::App& command, RenderOptions& options);
+
+/// Adds those of them that say what to render, for a command that leaves it to others.
+void add_scene_options(CLI::App& command, RenderOptions& options);
 
 /// Where the pictures go: the outputs asked for, or the scene's name with .png in the current
 /// folder.

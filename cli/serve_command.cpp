@@ -11,20 +11,24 @@
 #include "cli/command_line.h"
 #include "cli/farm_connection.h"
 #include "cli/interrupt.h"
+#include "cli/option_values.h"
 #include "cli/say.h"
 #include "coordinator/render_loop.h"
+#include "coordinator/store/sqlite_job_store.h"
 #include "proto/transport/zmq_transport.h"
 
 namespace tessera {
 namespace {
 
-constexpr char kDefaultEndpoint[] = "tcp://127.0.0.1:7117";
+/// How long tiles that are being traced may take, once it is told to end.
+constexpr Time kDrain = std::chrono::seconds(10);
 
 struct ServeOptions {
   std::string endpoint = kDefaultEndpoint;
   std::string key, allow;
   bool insecure = false;
   std::string http, store;
+  double verify = 0;
 };
 
 ServerSecurity read_security(const ServeOptions& options) {
@@ -61,19 +65,28 @@ void provide_descriptors() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
+CoordinatorOptions coordinator_options(const ServeOptions& options) {
+  CoordinatorOptions result;
+  result.verify = options.verify;
+  return result;
+}
+
 ExitCode serve(const ServeOptions& options) {
   if (!options.http.empty()) throw usage_error("--http: does not exist yet in this version");
-  if (!options.store.empty()) throw usage_error("--store: does not exist yet in this version");
   catch_interrupts();
   configure_logging("info", "serve");
   check_room_for_threads(kTransportThreads);
   ServerSecurity security = read_security(options);
+  std::shared_ptr<JobStore> store;
+  if (!options.store.empty()) store = std::make_shared<SqliteJobStore>(options.store);
   if (security.keys) catch_hangups();
   provide_descriptors();
-  RenderLoop loop(bind_server(options.endpoint, std::move(security)), CoordinatorOptions{});
+  RenderLoop loop(bind_server(options.endpoint, std::move(security)), coordinator_options(options),
+                  std::move(store));
   say("serving at {}\n", loop.endpoint());
   std::fflush(stdout);
-  loop.serve(interrupted(), [&] {
+  // What is traced while no store keeps it is lost in any case.
+  loop.serve(interrupted(), options.store.empty() ? Time{0} : kDrain, [&] {
     if (take_hangup()) reload(loop, options);
   });
   loop.bid_farewell("the coordinator was told to end");
@@ -86,14 +99,16 @@ void add_serve_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<ServeOptions>();
   CLI::App* command = app.add_subcommand("serve", "Coordinate a farm: take jobs, hand out tiles");
   command->footer(
-      "Runs until Ctrl-C or SIGTERM. Without keys, only this machine is let in;\n"
-      "'tessera help keygen' tells how to have some. SIGHUP reads the list of keys again, and "
-      "whoever\n"
-      "is not on it any more is shut out.\n"
+      "Runs until Ctrl-C or SIGTERM. Without keys, only this machine is let in; 'tessera help\n"
+      "keygen' tells how to have some. SIGHUP reads the list of keys again, and whoever is not on\n"
+      "it any more is shut out.\n"
+      "With --store, jobs and finished tiles outlive it, however it ends: start it again with the\n"
+      "same folder and the jobs go on. Told to end, it waits up to 10 s for tiles being traced; a\n"
+      "second signal ends it at once.\n"
       "Example, in three terminals:\n"
-      "  tessera serve\n"
+      "  tessera serve --store farm\n"
       "  tessera worker --connect tcp://127.0.0.1:7117 --threads 4\n"
-      "  tessera render bunny.obj --connect tcp://127.0.0.1:7117");
+      "  tessera submit bunny.obj && tessera fetch bunny --wait");
   command->add_option("--bind", options->endpoint, "Where to listen, tcp://HOST:PORT or ipc://PATH")
       ->type_name("ENDPOINT")
       ->capture_default_str();
@@ -106,8 +121,18 @@ void add_serve_command(CLI::App& app, Action& action) {
   command->add_flag("--insecure", options->insecure,
                     "Let in whoever can reach the endpoint, from other machines too, without keys");
   command->add_option("--http", options->http, "Web page and metrics (not yet)")->type_name("ADDR");
-  command->add_option("--store", options->store, "Folder of jobs and finished tiles (not yet)")
+  command
+      ->add_option("--store", options->store,
+                   "Keep jobs and finished tiles in this folder [in memory]")
       ->type_name("DIR");
+  command
+      ->add_option_function<std::string>(
+          "--verify",
+          [options](const std::string& text) { options->verify = parse_share("--verify", text); },
+          "The share of tiles that a second worker traces too, such as 1%; where two differ a "
+          "third "
+          "judges, and who was wrong is set aside [0%]")
+      ->type_name("SHARE");
   command->callback([options, &action] { action = [options] { return serve(*options); }; });
 }
 

@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "coordinator/job.h"
+#include "job/job.h"
 #include "proto/tessera/v1/farm.pb.h"
 
 namespace tessera {

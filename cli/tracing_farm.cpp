@@ -16,9 +16,9 @@
 
 #include "base/process.h"
 #include "cli/interrupt.h"
+#include "client/run_remote_job.h"
 #include "coordinator/local_workers.h"
 #include "coordinator/render_loop.h"
-#include "coordinator/run_remote_job.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
 #include "proto/wire/shared_memory.h"
@@ -32,16 +32,17 @@ constexpr char kFrameIsDone[] = "the frame is done";
 /// What a worker gets to end by itself before it is told by signal.
 constexpr std::chrono::milliseconds kGrace{100};
 
-LocalWorkerOptions worker_options(int workers, int threads, bool quiet) {
+LocalWorkerOptions worker_options(const LocalFarmOptions& farm) {
   LocalWorkerOptions options;
-  options.count = workers;
-  options.threads = threads;
-  if (quiet) options.extra_arguments = {"--quiet"};
+  options.count = farm.workers;
+  options.threads = farm.threads;
+  if (farm.quiet) options.extra_arguments = {"--quiet"};
   return options;
 }
 
-CoordinatorOptions coordinator_options(int expected_workers) {
+CoordinatorOptions coordinator_options(int expected_workers, double verify = 0) {
   CoordinatorOptions options;
+  options.verify = verify;
   options.expected_workers = expected_workers;
   return options;
 }
@@ -58,10 +59,11 @@ uint64_t peak_bytes_of(pid_t process) {
 
 class LocalFarm : public TracingFarm {
  public:
-  LocalFarm(int workers, int threads, bool quiet)
+  explicit LocalFarm(const LocalFarmOptions& options)
       : held_(std::in_place),
-        workers_(worker_options(workers, threads, quiet)),
-        loop_(bind_server(workers_.endpoint()), coordinator_options(workers * threads)) {
+        workers_(worker_options(options)),
+        loop_(bind_server(workers_.endpoint()),
+              coordinator_options(options.workers * options.threads, options.verify)) {
     const std::filesystem::path socket = workers_.endpoint().substr(std::strlen("ipc://"));
     remove_when_interrupted(socket.parent_path(), {socket.string(), socket.string() + ".bulk"});
     held_.reset();
@@ -142,9 +144,9 @@ class RemoteFarm : public TracingFarm {
 
 }  // namespace
 
-std::unique_ptr<TracingFarm> start_local_workers(int workers, int threads, bool quiet) {
+std::unique_ptr<TracingFarm> start_local_workers(const LocalFarmOptions& options) {
   check_room_for_threads(kTransportThreads);
-  return std::make_unique<LocalFarm>(workers, threads, quiet);
+  return std::make_unique<LocalFarm>(options);
 }
 
 std::unique_ptr<TracingFarm> start_in_process(int threads) {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "cli/farm_connection.h"
-#include "coordinator/job.h"
+#include "job/job.h"
 
 namespace tessera {
 
@@ -26,8 +26,13 @@ class TracingFarm {
   virtual void dismiss() {}
 };
 
-/// `workers` processes on this machine, `threads` each.
-std::unique_ptr<TracingFarm> start_local_workers(int workers, int threads, bool quiet = false);
+struct LocalFarmOptions {
+  int workers = 1;  ///< processes on this machine
+  int threads = 1;  ///< of each
+  bool quiet = false;
+  double verify = 0;  ///< as in CoordinatorOptions
+};
+std::unique_ptr<TracingFarm> start_local_workers(const LocalFarmOptions& options);
 /// `threads` in this process: the same coordinator and worker code, over memory.
 std::unique_ptr<TracingFarm> start_in_process(int threads);
 /// A coordinator that serves elsewhere.

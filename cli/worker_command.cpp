@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <csignal>
 #include <memory>
 #include <optional>
@@ -28,6 +29,7 @@ struct WorkerCommandOptions {
   int parent = 0;
   bool quiet = false;
   int arena = -1;  ///< a descriptor of SharedArena that was inherited
+  double orphan_timeout = 60;
   unsigned protocol_major = 0;
 };
 
@@ -53,6 +55,8 @@ ExitCode work(const WorkerCommandOptions& options) {
   } else if (options.cache_budget) {
     throw usage_error("--cache-budget: is for --cache; expected that beside it");
   }
+  worker.orphan_timeout =
+      std::chrono::duration_cast<Time>(std::chrono::duration<double>(options.orphan_timeout));
   worker.protocol_major = options.protocol_major;
   const auto transport = connect(options.connection);
   spdlog::info("connecting to {}", options.connection.endpoint);
@@ -73,11 +77,13 @@ void add_worker_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("worker", "Trace tiles for a coordinator");
   command->footer(
       "Connects again whenever the connection is lost. Give every machine of a farm one worker.\n"
+      "Ctrl-C or SIGTERM: it gives back its tiles and ends.\n"
       "Example:\n"
       "  tessera worker --connect tcp://127.0.0.1:7117 --threads 8\n"
       "Where the coordinator has a list of keys, also --key and --server-key: see 'tessera help "
       "keygen'.");
-  add_connection_options(*command, options->connection, true);
+  add_connection_options(*command, options->connection);
+  command->get_option("--connect")->required();
   add_whole(*command, "--threads", 1, 1024, "Threads that trace [one a core]", options->threads);
   command
       ->add_option("--cache", options->cache,
@@ -93,6 +99,21 @@ void add_worker_command(CLI::App& app, Action& action) {
           "What the cache may come to take, such as 500M or 10G; what was used longest ago goes "
           "first [10G]")
       ->type_name("BYTES");
+  command
+      ->add_option_function<std::string>(
+          "--orphan-timeout",
+          [options](const std::string& text) {
+            const double seconds = parse_number("--orphan-timeout", text);
+            if (!(seconds > 0 && seconds <= 1e6)) {
+              throw usage_error(
+                  fmt::format("--orphan-timeout: {}; expected above 0, at most 1000000", text));
+            }
+            options->orphan_timeout = seconds;
+          },
+          "End after so long without a word from the coordinator: until then finish its tiles, "
+          "keep "
+          "them, and connect again [60]")
+      ->type_name("SECONDS");
   command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   // Not for users: an empty group hides them from --help.
   command->add_option("--parent", options->parent)->group("");

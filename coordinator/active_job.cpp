@@ -7,7 +7,8 @@
 #include <set>
 #include <utility>
 
-#include "coordinator/tile_grid.h"
+#include "coordinator/tile_store.h"
+#include "job/tile_grid.h"
 #include "proto/wire/scene_codec.h"
 #include "proto/wire/shared_memory.h"
 #include "proto/wire/version.h"
@@ -18,14 +19,6 @@ namespace {
 std::vector<std::byte> as_bytes(std::string_view text) {
   const auto bytes = std::as_bytes(std::span(text));
   return {bytes.begin(), bytes.end()};
-}
-
-/// Names all that the pixels of the job depend on.
-Digest key_of(const JobSpec& spec) {
-  const PixelRect& crop = spec.crop;
-  return Digest::of(
-      fmt::format("{} {} {},{},{},{} {}", Digest::of(serialize_scene(spec.scene)).hex(),
-                  spec.frame.SerializeAsString(), crop.x0, crop.y0, crop.x1, crop.y1, kNumericsId));
 }
 
 int tile_size_of(const JobSpec& spec, const std::vector<FinishedTile>& kept,
@@ -53,33 +46,15 @@ v1::JobStart start_of(uint64_t id, const JobSpec& spec, const Digest& scene, uin
   return start;
 }
 
+Digest key_of(const JobSpec& spec) {
+  return tile_key(Digest::of(serialize_scene(spec.scene)), spec.frame, spec.crop);
+}
+
 }  // namespace
 
-void check_job(const JobSpec& spec) {
-  const int64_t width = spec.frame.width(), height = spec.frame.height();
-  if (width < 1 || height < 1 || width > kMaxFrameSide || height > kMaxFrameSide ||
-      width * height > kMaxFramePixels) {
-    throw usage_error(
-        fmt::format("a frame of {}x{} pixels; expected sides of 1 to {} and at most {} "
-                    "pixels",
-                    width, height, kMaxFrameSide, kMaxFramePixels));
-  }
-  const PixelRect frame{0, 0, static_cast<int>(width), static_cast<int>(height)};
-  const PixelRect& crop = spec.crop;
-  if (crop.empty() || !frame.contains(crop)) {
-    throw usage_error(fmt::format("crop {},{},{},{}; expected X0 < X1 <= {} and Y0 < Y1 <= {}",
-                                  crop.x0, crop.y0, crop.x1, crop.y1, width, height));
-  }
-  if (spec.frame.samples_per_pixel() < 1) {
-    throw usage_error("0 samples per pixel; expected at least 1");
-  }
-  // Their names must fit into one message.
-  constexpr size_t kMaxBlobs = 16384;
-  if (spec.blobs.size() > kMaxBlobs) {
-    throw scene_error(
-        fmt::format("a scene of {} blobs; expected at most {}", spec.blobs.size(), kMaxBlobs));
-  }
-  if (spec.tile_size != 0) check_tile_size(crop, spec.tile_size);
+Digest tile_key(const Digest& scene, const v1::FrameSettings& frame, const PixelRect& crop) {
+  return Digest::of(fmt::format("{} {} {},{},{},{} {}", scene.hex(), frame.SerializeAsString(),
+                                crop.x0, crop.y0, crop.x1, crop.y1, kNumericsId));
 }
 
 ActiveJob::ActiveJob(uint64_t id, JobSpec spec, const CoordinatorOptions& options, Time now)
@@ -90,6 +65,7 @@ ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>
                      const CoordinatorOptions& options, Time now)
     : id_(id),
       store_(spec.store),
+      must_keep_(spec.must_keep),
       tile_size_(tile_size_of(spec, kept, options)),
       samples_(spec.frame.samples_per_pixel()),
       assembler_(spec.crop, cut_tiles(spec.crop, tile_size_)),
@@ -108,32 +84,22 @@ ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>
 }
 
 void ActiveJob::restore(const std::vector<FinishedTile>& kept) {
-  std::map<std::pair<int, int>, uint32_t> tile_at;
-  const auto& tiles = assembler_.tiles();
-  if (!kept.empty()) {
-    for (uint32_t i = 0; i < tiles.size(); ++i)
-      tile_at.emplace(std::pair(tiles[i].x0, tiles[i].y0), i);
-  }
-  std::vector<uint32_t> restored;
-  for (const FinishedTile& tile : kept) {
-    const auto place = tile_at.find({tile.rect.x0, tile.rect.y0});
-    if (place == tile_at.end() || tiles[place->second] != tile.rect) continue;
-    for (v1::TileBand band : tile.kept.bands()) {
-      band.set_tile(place->second);
-      band.set_lease(place->second);
-      if (assembler_.add(band, kFromStore).completed_tile) restored.push_back(place->second);
-    }
-    // What is damaged is traced again.
-    if (!assembler_.complete(place->second)) assembler_.reopen(place->second);
-  }
+  const std::vector<uint32_t> restored = assembler_.restore(kept);
   scheduler_.restore(restored);
-  for (const uint32_t tile : restored) verifier_.note_rows(tile, kFromStore);
+  for (const uint32_t tile : restored) {
+    verifier_.note_rows(tile, kFromStore);
+    if (verifier_.selects(tile)) scheduler_.want_check(tile, {kFromStore});
+  }
   report_.tiles_restored = restored.size();
 }
 
 void ActiveJob::keep(uint32_t tile) {
   if (!store_) return;
   unkept_.push_back(tile);
+  keep_rest();
+}
+
+void ActiveJob::keep_rest() {
   try {
     while (!unkept_.empty()) {
       const uint32_t next = unkept_.back();
@@ -145,9 +111,12 @@ void ActiveJob::keep(uint32_t tile) {
       store_->keep(key_, finished);
       unkept_.pop_back();
     }
+    store_trouble_.clear();
   } catch (const Error& error) {
-    // The picture does not suffer; only an end of this process would.
-    if (unkept_.size() == 1) spdlog::warn("{}; it will be tried again", error.what());
+    if (store_trouble_.empty() && !must_keep_) {
+      spdlog::warn("{}; it will be tried again", error.what());
+    }
+    store_trouble_ = error.what();
   }
 }
 
@@ -170,7 +139,7 @@ SchedulerEvents ActiveJob::note_band(const v1::TileBand& band, WorkerId from, bo
 
 ActiveJob::Completion ActiveJob::complete(uint32_t tile, LeaseId lease, WorkerId from, Time now) {
   keep(tile);
-  Completion result{scheduler_.complete(tile, lease, now), std::nullopt};
+  Completion result{scheduler_.complete(tile, lease, now), {}, {}};
   if (const Mismatch* const found = verifier_.dispute(tile)) {
     const Mismatch about = *found;
     verifier_.settle(tile);
@@ -178,8 +147,7 @@ ActiveJob::Completion ActiveJob::complete(uint32_t tile, LeaseId lease, WorkerId
     if (wrong) {
       result.conviction = Conviction{*wrong, about, from};
     } else {
-      fail(ExitCode::render_failed,
-           fmt::format("tile {}: three workers traced three different rows {}", tile, about.row));
+      result.undecided = about;
     }
   } else if (verifier_.selects(tile)) {
     scheduler_.want_check(tile, verifier_.traced_by(tile));
@@ -229,6 +197,35 @@ void ActiveJob::note_assignment(Time now) {
   if (!first_assignment_) first_assignment_ = now;
 }
 
+void ActiveJob::note_tile_seconds(uint32_t tile, double seconds) {
+  tile_seconds_.resize(assembler_.tiles().size());
+  tile_seconds_[tile] = static_cast<float>(seconds);
+}
+
+std::vector<TileSnapshot> ActiveJob::tiles(Time now) const {
+  std::vector<TileSnapshot> result;
+  const auto& rects = assembler_.tiles();
+  for (uint32_t tile = 0; tile < rects.size(); ++tile) {
+    const TileScheduler::TileView view = scheduler_.view(tile);
+    TileSnapshot& shown = result.emplace_back();
+    shown.rect = rects[tile];
+    shown.copies = view.copies;
+    if (view.done) {
+      shown.state = TileSnapshot::State::done;
+      const WorkerId by = assembler_.done_by(tile);
+      shown.worker = by == kFromStore ? 0 : by;
+      if (!tile_seconds_.empty()) shown.seconds = tile_seconds_[tile];
+    } else if (view.given_up) {
+      shown.state = TileSnapshot::State::given_up;
+    } else if (view.copies > 0) {
+      shown.state = TileSnapshot::State::assigned;
+      shown.worker = view.worker;
+      shown.seconds = static_cast<float>(to_seconds(now - view.issued));
+    }
+  }
+  return result;
+}
+
 JobProgress ActiveJob::progress(Time now) const {
   JobProgress progress;
   progress.tiles_done = assembler_.tiles_done();
@@ -270,13 +267,8 @@ void ActiveJob::interrupt() {
 }
 
 JobResult ActiveJob::finish() {
-  Film& film = assembler_.film();
   const auto& tiles = assembler_.tiles();
-  for (uint32_t tile = 0; tile < tiles.size(); ++tile) {
-    if (assembler_.complete(tile)) continue;
-    film.mark_hole(tiles[tile]);
-    report_.holes.push_back(tiles[tile]);
-  }
+  report_.holes = assembler_.mark_holes();
   if (!ended_ && !report_.holes.empty()) {
     const PixelRect& hole = report_.holes.front();
     fail(ExitCode::render_failed,
@@ -284,6 +276,7 @@ JobResult ActiveJob::finish() {
                      report_.holes.size(), tiles.size(), hole.x0, hole.y0, hole.width(),
                      hole.height(), report_.failure.empty() ? "" : ": ", report_.failure));
   }
+  report_.workers_seen = workers_seen_.size();
   report_.counters = assembler_.counters();
   report_.build_counters = assembler_.build_counters();
   report_.tiles_done = assembler_.tiles_done();
@@ -294,7 +287,7 @@ JobResult ActiveJob::finish() {
   if (first_assignment_ && last_result_) {
     report_.trace_seconds = to_seconds(*last_result_ - *first_assignment_);
   }
-  return {std::move(report_), std::move(film)};
+  return {std::move(report_), std::move(assembler_.film())};
 }
 
 }  // namespace tessera

@@ -4,20 +4,23 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "base/monotonic.h"
 #include "coordinator/assembler.h"
 #include "coordinator/coordinator_options.h"
-#include "coordinator/job.h"
+#include "coordinator/farm_snapshot.h"
 #include "coordinator/tile_scheduler.h"
+#include "coordinator/tile_store.h"
 #include "coordinator/tile_verifier.h"
+#include "job/job.h"
 
 namespace tessera {
 
-/// Throws usage_error for a frame, crop or tile size that cannot be.
-void check_job(const JobSpec& spec);
+/// Under what the tiles of a frame are kept: names all that its pixels depend on.
+Digest tile_key(const Digest& scene, const v1::FrameSettings& frame, const PixelRect& crop);
 
 /// A worker whose pixels two others contradict.
 struct Conviction {
@@ -26,7 +29,8 @@ struct Conviction {
   WorkerId judge = 0;
 };
 
-/// A job from its submission to its end: its tiles, its film and its numbers.
+/// One frame, which is what workers know as a job, from its start to its end: its tiles, its film
+/// and its numbers.
 class ActiveJob {
  public:
   /// `spec` has passed check_job().
@@ -43,9 +47,11 @@ class ActiveJob {
   BlobData find_blob(const Digest& digest) const { return blobs_.find(digest); }
 
   TileScheduler& scheduler() { return scheduler_; }
+  const TileScheduler& scheduler() const { return scheduler_; }
   Assembler& assembler() { return assembler_; }
   const Assembler& assembler() const { return assembler_; }
   JobReport& report() { return report_; }
+  const JobReport& report() const { return report_; }
 
   /// Takes note of a band that is sound: whose it is, and whether a second worker has now traced
   /// the whole tile too. `was_complete`: the tile, before it.
@@ -55,22 +61,32 @@ class ActiveJob {
   struct Completion {
     SchedulerEvents events;
     std::optional<Conviction> conviction;
+    std::optional<Mismatch> undecided;  ///< the third differs from both
   };
   Completion complete(uint32_t tile, LeaseId lease, WorkerId from, Time now);
-  /// Two workers traced it differently: it is traced again by a third. Ends the job where one of
-  /// the first two is left to be judged by the other.
+  /// Two workers traced it differently: it is traced again by a third.
   SchedulerEvents dispute(Mismatch mismatch, Time now);
   /// All that the worker has traced is traced again by others.
   SchedulerEvents redo_tiles_of(WorkerId worker);
+  /// Tries again to keep what the store did not take.
+  void keep_rest();
+  /// Why tiles are not kept now; empty: they are. Where they must be, no more are to be traced.
+  const std::string& store_trouble() const { return store_trouble_; }
+  bool waits_for_store() const { return must_keep_ && !unkept_.empty(); }
 
+  /// There is this worker; one that was there is lost.
+  void note_worker(WorkerId worker) { workers_seen_.insert(worker); }
+  void note_lost_worker() { ++report_.workers_lost; }
   /// Notes for the times in the report and the estimate of what remains.
   void note_assignment(Time now);
   void note_result(Time now) { last_result_ = now; }
+  void note_tile_seconds(uint32_t tile, double seconds);
+  std::vector<TileSnapshot> tiles(Time now) const;
   JobProgress progress(Time now) const;
   /// Ends it: later calls change nothing.
   void fail(ExitCode code, std::string why);
   void interrupt();
-  bool ended() const { return ended_ || scheduler_.finished(); }
+  bool ended() const { return ended_ || (scheduler_.finished() && !waits_for_store()); }
   /// The film with holes marked, and the report with its totals filled in. Call once, at the end.
   JobResult finish();
 
@@ -85,9 +101,11 @@ class ActiveJob {
 
   uint64_t id_;
   std::shared_ptr<TileStore> store_;
+  bool must_keep_;
   Digest key_;  ///< in the store
   int tile_size_ = 0;
   std::vector<uint32_t> unkept_;  ///< complete tiles that the store could not take yet
+  std::string store_trouble_;
   v1::JobStart start_;
   BlobStore blobs_;  ///< the scene's, and the scene itself
   uint32_t samples_;
@@ -99,6 +117,8 @@ class ActiveJob {
   std::optional<Time> first_assignment_, last_result_;
   bool ended_ = false;
   std::map<WorkerId, ExitCode> scene_failures_;
+  std::set<WorkerId> workers_seen_;
+  std::vector<float> tile_seconds_;  ///< by tile; empty: of none
 };
 
 }  // namespace tessera

@@ -69,6 +69,36 @@ void Assembler::note_build_counters(const v1::Counters& counters) {
   }
 }
 
+std::vector<uint32_t> Assembler::restore(const std::vector<FinishedTile>& kept) {
+  std::vector<uint32_t> restored;
+  if (kept.empty()) return restored;
+  std::map<std::pair<int, int>, uint32_t> tile_at;
+  for (uint32_t i = 0; i < tiles_.size(); ++i)
+    tile_at.emplace(std::pair(tiles_[i].x0, tiles_[i].y0), i);
+  for (const FinishedTile& tile : kept) {
+    const auto place = tile_at.find({tile.rect.x0, tile.rect.y0});
+    if (place == tile_at.end() || tiles_[place->second] != tile.rect) continue;
+    for (v1::TileBand band : tile.kept.bands()) {
+      band.set_tile(place->second);
+      band.set_lease(place->second);
+      if (add(band, kFromStore).completed_tile) restored.push_back(place->second);
+    }
+    // What is damaged is traced again.
+    if (!complete(place->second)) reopen(place->second);
+  }
+  return restored;
+}
+
+std::vector<PixelRect> Assembler::mark_holes() {
+  std::vector<PixelRect> holes;
+  for (uint32_t tile = 0; tile < tiles_.size(); ++tile) {
+    if (complete(tile)) continue;
+    film_.mark_hole(tiles_[tile]);
+    holes.push_back(tiles_[tile]);
+  }
+  return holes;
+}
+
 std::vector<v1::TileBand> Assembler::bands_of(uint32_t tile) const {
   const PixelRect& rect = tiles_[tile];
   const size_t row_values = static_cast<size_t>(rect.width()) * kFilmChannels;
@@ -98,8 +128,14 @@ size_t Assembler::row_offset(const PixelRect& tile, int row) const {
          kFilmChannels;
 }
 
+WorkerId Assembler::owner_of(uint32_t tile, size_t row) const {
+  const auto it = mixed_.find(tile);
+  return it == mixed_.end() ? done_by_[tile] : it->second[row];
+}
+
 void Assembler::reopen(uint32_t tile) {
   partial_.erase(tile);
+  mixed_.erase(tile);
   if (done_by_[tile] == 0) return;
   done_by_[tile] = 0;
   counts_[tile] = {};
@@ -143,10 +179,10 @@ BandResult Assembler::add(const v1::TileBand& band, WorkerId from) {
     const int row = band.first_row() + i;
     const auto values =
         std::span<const float>(scratch_).subspan(row_values * static_cast<size_t>(i), row_values);
-    WorkerId& owner =
-        partial ? partial->row_from[static_cast<size_t>(row - tile.y0)] : done_by_[index];
+    const auto row_of_tile = static_cast<size_t>(row - tile.y0);
+    const WorkerId owner = partial ? partial->row_from[row_of_tile] : owner_of(index, row_of_tile);
     if (partial && owner == 0) {
-      owner = from;
+      partial->row_from[row_of_tile] = from;
       --partial->rows_missing;
       film_.write(tile, row, 1, values);
     } else if (!result.mismatch && !same_row(index, row, values)) {
@@ -163,6 +199,9 @@ BandResult Assembler::add(const v1::TileBand& band, WorkerId from) {
   if (partial->rows_missing == 0 && partial->counts) {
     counts_[index] = std::move(*partial->counts);
     done_by_[index] = from;
+    const bool mixed = std::any_of(partial->row_from.begin(), partial->row_from.end(),
+                                   [from](WorkerId owner) { return owner != from; });
+    if (mixed) mixed_[index] = std::move(partial->row_from);
     partial_.erase(index);
     ++tiles_done_;
     result.completed_tile = true;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coordinator/tile_scheduler.h"
+#include "coordinator/tile_store.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "renderer/film/film.h"
 #include "renderer/film/tile.h"
@@ -42,6 +43,8 @@ class Assembler {
   Assembler(const PixelRect& crop, std::vector<PixelRect> tiles);
 
   BandResult add(const v1::TileBand& band, WorkerId from);
+  /// Takes up tiles that were kept, as far as they are sound and of this grid. Which are complete.
+  std::vector<uint32_t> restore(const std::vector<FinishedTile>& kept);
   /// A complete tile as bands whose last has its counters.
   std::vector<v1::TileBand> bands_of(uint32_t tile) const;
   /// Forgets what there is of the tile: the next pixels of its rows are the first again.
@@ -51,6 +54,8 @@ class Assembler {
   /// What the film has in that row of the tile.
   std::span<const float> row(uint32_t tile, int row) const;
   bool complete(uint32_t tile) const { return done_by_[tile] != 0; }
+  /// Whose pixels completed it; 0: it is not complete.
+  WorkerId done_by(uint32_t tile) const { return done_by_[tile]; }
   uint64_t tiles_done() const { return tiles_done_; }
   /// Sums over complete tiles, which stop at the largest number, and what building the scene
   /// counted.
@@ -59,6 +64,9 @@ class Assembler {
   void note_build_counters(const v1::Counters& counters);
   const CounterMap& build_counters() const { return build_counters_; }
   Film& film() { return film_; }
+  const Film& film() const { return film_; }
+  /// Marks what is not complete in the film. Call once, at the end. The holes.
+  std::vector<PixelRect> mark_holes();
 
  private:
   /// A tile of which some rows are there.
@@ -70,6 +78,8 @@ class Assembler {
   bool plausible(const v1::TileBand& band) const;
   /// The numbers by names_, which grow; nothing if there would be too many, or too long ones.
   std::optional<std::vector<uint64_t>> counts_of(const v1::Counters& counters);
+  /// Whose pixels are in that row of a complete tile, counted from its first.
+  WorkerId owner_of(uint32_t tile, size_t row) const;
   /// Where the row of the tile begins among the film's values.
   size_t row_offset(const PixelRect& tile, int row) const;
   /// Whether the film has these very bits in that row.
@@ -78,6 +88,7 @@ class Assembler {
   std::vector<PixelRect> tiles_;
   std::vector<WorkerId> done_by_;  ///< whose band completed the tile; 0: not complete
   std::unordered_map<uint32_t, Partial> partial_;
+  std::unordered_map<uint32_t, std::vector<WorkerId>> mixed_;  ///< complete tiles of several: rows
   Film film_;
   std::vector<float> scratch_;
   std::map<std::string, size_t> names_;        ///< of counters: their places in counts

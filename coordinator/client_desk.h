@@ -2,86 +2,71 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
+#include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "base/monotonic.h"
 #include "coordinator/coordinator_options.h"
-#include "coordinator/job.h"
+#include "coordinator/job_store.h"
+#include "coordinator/job_table.h"
+#include "coordinator/submission.h"
 #include "proto/transport/transport.h"
-#include "proto/wire/blob_transfer.h"
 
 namespace tessera {
 
-/// What clients asked for: pulls their blobs, answers their questions, and keeps their films until
-/// they are fetched. A client that asks no more is gone.
+/// Where clients come: pulls what they submit, has it accepted, and answers their questions. A
+/// client that asks no more is gone, and with it what it was submitting, or its job where that does
+/// not go on without it.
 class ClientDesk {
  public:
-  explicit ClientDesk(const CoordinatorOptions& options) : options_(options) {}
+  /// `jobs` must outlive it.
+  ClientDesk(const CoordinatorOptions& options, JobTable& jobs, std::shared_ptr<JobStore> store)
+      : options_(options), jobs_(jobs), store_(std::move(store)) {}
 
   struct Outgoing {
     PeerId peer;
     v1::Envelope message;
-  };
-  /// A submission whose blobs are all here.
-  struct Ready {
-    uint64_t submission = 0;
-    JobSpec spec;
   };
 
   /// False if the message is none of a client's.
   bool on_control(const PeerId& peer, const v1::Envelope& message, Time now);
   /// Only who was asked knows the submission's number, which must be in the answer.
   void on_chunk(const v1::BlobChunk& chunk, Time now);
-  void on_missing(const v1::BlobMissing& missing);
+  void on_missing(const v1::BlobMissing& missing, Time now);
   void on_tick(Time now);
-
-  std::vector<Ready> take_ready();
+  /// What a client that asks this is answered; what it orders is done.
+  v1::JobStatus ask(const v1::JobQuery& query, Time now);
   std::vector<Outgoing> take_outgoing();
-  /// Submissions whose client is gone or took them back.
-  std::vector<uint64_t> take_abandoned();
-
-  void refused(uint64_t submission, const Error& error);
-  void running(uint64_t submission, const JobProgress& progress);
-  void ended(uint64_t submission, const JobResult& result);
-  /// Fails what has not ended, for a reason outside.
+  /// Tells clients that wait that nothing will come, for a reason outside.
   void close(const std::string& why);
-  /// Of a film that waits to be fetched.
-  BlobData find_blob(const Digest& digest) const;
 
  private:
   void on_submit(const PeerId& peer, const v1::SubmitJob& request, Time now);
   void on_query(const PeerId& peer, const v1::JobQuery& query, Time now);
+  v1::JobStatus ask(FarmJob& job, const v1::JobQuery& query, Time now);
+  static v1::JobStatus ask(Submission& submission, const v1::JobQuery& query);
+  void on_list_query(const PeerId& peer, const v1::JobListQuery& query, Time now);
   void on_release(const v1::JobRelease& release);
-  struct Submission {
-    PeerId peer;
-    v1::SubmitJob request;
-    BlobFetch fetch;
-    BlobStore blobs;
-    v1::JobStatus status;
-    BlobData film;
-    Digest film_digest;
-    Time last_heard{};
-    uint64_t bytes = 0;  ///< that it may come to take
-  };
-  using Submissions = std::map<uint64_t, Submission>;
-  Submissions::iterator forget(Submissions::iterator it);
-  /// The submission of that number if its blobs are not yet all here; null otherwise.
-  Submission* fetching(uint64_t id);
-  void advance(uint64_t id, Submission& submission, Time now);
-  void answer(const Submission& submission);
-  std::optional<JobSpec> read_spec(Submission& submission);
-  void log_end(uint64_t id, const JobReport& report) const;
-  void fail(Submission& submission, ExitCode code, const std::string& why);
+  void act(FarmJob& job, const v1::JobQuery& query);
+
+  void advance(Submission& submission, Time now);
+  void accept(Submission& submission, Time now);
+  void forget(uint64_t submission);
+  void answer(const PeerId& peer, v1::JobStatus status);
 
   CoordinatorOptions options_;
-  Submissions submissions_;
+  JobTable& jobs_;
+  std::shared_ptr<JobStore> store_;
+  std::map<uint64_t, Submission> submissions_;  ///< that are being pulled, or failed in that
+  /// Clients with which their jobs end, by submission: when they were heard, and where.
+  struct Attached {
+    PeerId peer;
+    Time last_heard{};
+  };
+  std::map<uint64_t, Attached> attached_;
   uint64_t claimed_bytes_ = 0;  ///< sum over submissions_
-  std::vector<Ready> ready_;
   std::vector<Outgoing> outgoing_;
-  std::vector<uint64_t> abandoned_;
 };
 
 }  // namespace tessera

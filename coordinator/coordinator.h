@@ -2,16 +2,19 @@
 
 #include <sys/types.h>
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/monotonic.h"
-#include "coordinator/active_job.h"
+#include "coordinator/client_desk.h"
 #include "coordinator/coordinator_options.h"
-#include "coordinator/job.h"
-#include "coordinator/job_queue.h"
-#include "coordinator/worker_registry.h"
+#include "coordinator/farm_snapshot.h"
+#include "coordinator/job_store.h"
+#include "coordinator/job_table.h"
+#include "coordinator/worker_desk.h"
+#include "job/job.h"
 #include "proto/transport/transport.h"
 
 namespace tessera {
@@ -23,21 +26,24 @@ struct OutgoingMessage {
   v1::Envelope message;
 };
 
-/// Cuts jobs into tiles, gives them to workers and puts their pixels together, one job after the
-/// other. Has no socket, thread or clock: messages and `now` come in, messages go out. Messages may
-/// be lost, doubled, late or made up; none makes it throw.
+/// Cuts jobs into tiles, gives them to workers and puts their pixels together: many jobs at a time,
+/// of this process and of clients. Has no socket, thread or clock: messages and `now` come in,
+/// messages go out. Messages may be lost, doubled, late or made up; none makes it throw.
 class Coordinator {
  public:
-  explicit Coordinator(CoordinatorOptions options);
+  /// `store` keeps what clients submit; null: in memory, until the end of this. Throws render_error
+  /// where the store cannot be read.
+  explicit Coordinator(CoordinatorOptions options, std::shared_ptr<JobStore> store = nullptr);
 
   /// Queues a job of this process. Throws usage_error if its frame, crop or tile size cannot be.
   uint64_t submit(JobSpec spec, Time now);
   /// Ends it now, as interrupted, with what there is.
   void interrupt(uint64_t job, Time now);
-  /// Ends the job that runs, as failed, for a reason outside.
-  void fail_job(const std::string& why, Time now);
+  /// Ends the jobs that run, as failed, for a reason outside.
+  void fail_jobs(const std::string& why, Time now);
   /// The result of a job from submit() once it has ended; told once.
   std::optional<JobResult> take_result(uint64_t job);
+  /// Of the first job that runs.
   JobProgress progress(Time now) const;
 
   void on_message(Channel channel, const PeerId& peer, const v1::Envelope& message, Time now);
@@ -50,52 +56,46 @@ class Coordinator {
   Time next_deadline() const { return next_tick_; }
 
   std::vector<OutgoingMessage> take_outgoing();
+  /// From now on gives out no more tiles.
+  void drain() { workers_->drain(); }
+  /// Whether no worker holds a tile any more, and all that was traced is kept.
+  bool drained() const;
   /// Tells every worker to end, and the clients of jobs that have not ended why they do not.
   void shut_down(const std::string& reason);
   /// Processes of this host that hold a tile without progress, or are lost though they did not end:
   /// better killed and replaced.
-  std::vector<pid_t> take_stuck_processes();
-  /// Adds to the running job's report.
-  void note_assembling(Time spent);
+  std::vector<pid_t> take_stuck_processes() { return workers_->take_stuck_processes(); }
+  /// Adds to the report of a running job.
+  void note_assembling(uint64_t job, Time spent);
 
-  const WorkerRegistry& workers() const { return workers_; }
+  const WorkerRegistry& workers() const { return workers_->workers(); }
+
+  // For a page or a monitor; all on this thread.
+  FarmSnapshot snapshot(Time now) const;
+  /// Of a frame that is being traced, counted from 0; of any other none.
+  std::vector<TileSnapshot> tiles(uint64_t job, uint32_t frame, Time now) const;
+  /// The picture so far, no side longer than `most_side` > 0. Nothing where there is none yet.
+  /// Takes milliseconds, for a large film that was finished long ago up to a second.
+  std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
+  /// Asks and orders as a client does: cancel, pause, resume, priority. UNKNOWN: no such job.
+  v1::JobStatus ask(const v1::JobQuery& query, Time now);
 
  private:
-  ActiveJob* job() const { return jobs_.active(); }
-  void on_hello(const PeerId& peer, const v1::Hello& hello, Time now);
-  void on_worker_message(WorkerRecord& worker, const v1::Envelope& message, Time now);
-  void on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now);
-  void on_band(WorkerRecord& worker, const v1::TileBand& band, Time now);
-  void on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now);
-  void on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now);
-  void on_mismatch(Mismatch mismatch, Time now);
-  void fail_undecided(Time now);
-  std::string name_of(WorkerId id);
-  void on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed);
   void on_blob_request(const PeerId& peer, const v1::BlobRequest& request);
-
-  void advance_jobs(Time now);
-  void attend_clients(Time now);
-  void forward_to_clients();
-  void lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now);
-  void note_stuck(const WorkerRecord& worker);
-  void act(const SchedulerEvents& events, Time now);
-  void complete(uint32_t tile, LeaseId lease, WorkerId from, Time now);
-  /// A worker gave wrong pixels: it is set aside, and what it traced is traced again.
-  void convict(const Conviction& conviction, Time now);
-  void set_aside(WorkerId id, const std::string& cause, Time now);
-  void judge_failures(WorkerRecord& worker, Time now);
-  void fill(Time now);
-  void fill(WorkerRecord& worker, Time now);
-  void tell_job(WorkerRecord& worker, Time now);
-  v1::Envelope& send(const PeerId& peer, Channel channel = Channel::control);
+  /// Begins and ends what is to, and tells whom it concerns.
+  void settle(Time now);
+  void collect_outgoing();
+  void tell_trouble();
 
   CoordinatorOptions options_;
-  WorkerRegistry workers_;
-  JobQueue jobs_;
+  std::unique_ptr<JobTable> jobs_;  ///< apart, so that a coordinator can be moved
+  std::unique_ptr<WorkerDesk> workers_;
+  std::unique_ptr<ClientDesk> clients_;
   std::vector<OutgoingMessage> outgoing_;
-  std::vector<pid_t> stuck_;
   Time next_tick_{};
+  std::optional<Time> first_tick_;  ///< about when it was started
+  uint64_t bytes_scene_ = 0;
+  std::string trouble_;  ///< with the store, as was told last
 };
 
 }  // namespace tessera

@@ -40,6 +40,7 @@ struct CoordinatorOptions {
   /// Where workers can map the memory of this process; 0: they cannot.
   uint32_t shared_by_process = 0;
   std::string host;    ///< of the coordinator: whose process ids are its own
+  uint64_t farm = 0;   ///< of the store; 0: jobs end with this process
   uint64_t epoch = 0;  ///< another at each start of a coordinator, below 2^44
 };
 

@@ -5,6 +5,11 @@
 namespace tessera {
 namespace {
 
+/// Whether it changes nothing.
+bool is_question(const v1::JobQuery& query) {
+  return query.action() == v1::JobQuery::ASK && !query.has_priority();
+}
+
 /// Who may send it, where keys are used; any: both workers and submitters. Nothing: nobody.
 std::optional<Role> needed_role(const v1::Envelope& message) {
   switch (message.message_case()) {
@@ -22,7 +27,9 @@ std::optional<Role> needed_role(const v1::Envelope& message) {
     case v1::Envelope::kBlobMissing:
       return Role::submitter;
     case v1::Envelope::kJobQuery:
-      return message.job_query().cancel() ? Role::submitter : Role::viewer;
+      return is_question(message.job_query()) ? Role::viewer : Role::submitter;
+    case v1::Envelope::kJobListQuery:
+      return Role::viewer;
     // Whoever knows a digest has seen the list that it is on.
     case v1::Envelope::kBlobRequest:
       return Role::any;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <random>
 #include <utility>
 
 #include "base/log.h"
@@ -30,6 +31,8 @@ CoordinatorOptions completed(CoordinatorOptions options, const ServerTransport& 
     options.shared_by_process = static_cast<uint32_t>(getpid());
   }
   options.compress_pixels = transport.endpoint().starts_with("tcp://");
+  std::random_device random;
+  if (options.verify_key == 0) options.verify_key = uint64_t{random()} << 32 | random();
   // Workers of the coordinator that was here before must not take our jobs for its.
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
   if (options.epoch == 0) {
@@ -46,9 +49,10 @@ CoordinatorOptions completed(CoordinatorOptions options, const ServerTransport& 
 }  // namespace
 
 RenderLoop::RenderLoop(std::unique_ptr<ServerTransport> transport,
-                       const CoordinatorOptions& options)
+                       const CoordinatorOptions& options, std::shared_ptr<JobStore> store)
     : transport_(std::move(transport)),
-      coordinator_(std::make_unique<Coordinator>(completed(options, *transport_))),
+      coordinator_(
+          std::make_unique<Coordinator>(completed(options, *transport_), std::move(store))),
       greeting_(options.greeting) {}
 
 RenderLoop::~RenderLoop() = default;
@@ -75,11 +79,20 @@ JobResult RenderLoop::run(JobSpec job, const ProgressCallback& progress,
   }
 }
 
-void RenderLoop::serve(const std::atomic<bool>& stop, const std::function<void()>& each_round) {
+void RenderLoop::observe(std::function<void(Coordinator&, Time)> look, Time every) {
+  observer_ = std::move(look);
+  observe_every_ = every;
+}
+
+void RenderLoop::serve(const std::atomic<bool>& stop, Time drain,
+                       const std::function<void()>& each_round) {
   while (!stop) {
     step(kLongestWait);
     if (each_round) each_round();
   }
+  coordinator_->drain();
+  const Time end = monotonic_now() + drain;
+  while (monotonic_now() < end && !coordinator_->drained()) step(kLongestWait);
 }
 
 void RenderLoop::shut_down(const std::string& reason) {
@@ -106,6 +119,10 @@ void RenderLoop::step(Time pause) {
   const Time now = monotonic_now();
   if (now >= coordinator_->next_deadline()) coordinator_->on_tick(now);
   if (local_workers_ && now >= next_look_) attend_local_workers(now);
+  if (observer_ && now >= next_observation_) {
+    next_observation_ = now + observe_every_;
+    observer_(*coordinator_, now);
+  }
   deliver();
 }
 
@@ -125,12 +142,12 @@ void RenderLoop::receive() {
     }
     // Counted before the job may end with this very band, so the writing of the last one is not.
     if (message->has_tile_band()) {
-      coordinator_->note_assembling(monotonic_now() - start);
+      coordinator_->note_assembling(message->tile_band().job(), monotonic_now() - start);
     }
     const Time handling = monotonic_now();
     coordinator_->on_message(received->channel, received->peer, *message, handling);
     if (message->has_tile_band()) {
-      coordinator_->note_assembling(monotonic_now() - handling);
+      coordinator_->note_assembling(message->tile_band().job(), monotonic_now() - handling);
     }
     deliver();
   }
@@ -191,7 +208,7 @@ void RenderLoop::attend_local_workers(Time now) {
       coordinator_->on_process_ended(ended.pid, ended.crashed, ended.how, now);
     }
   } catch (const Error& error) {
-    coordinator_->fail_job(error.what(), now);
+    coordinator_->fail_jobs(error.what(), now);
   }
 }
 

@@ -10,18 +10,21 @@
 #include <string>
 
 #include "coordinator/coordinator_options.h"
-#include "coordinator/job.h"
 #include "coordinator/local_workers.h"
+#include "job/job.h"
 #include "proto/transport/transport.h"
 
 namespace tessera {
 
 class Coordinator;
+class JobStore;
 
 /// Moves messages between a ServerTransport, which it owns, and a Coordinator. Used by one thread.
 class RenderLoop {
  public:
-  RenderLoop(std::unique_ptr<ServerTransport> transport, const CoordinatorOptions& options);
+  /// `store` as for Coordinator.
+  RenderLoop(std::unique_ptr<ServerTransport> transport, const CoordinatorOptions& options,
+             std::shared_ptr<JobStore> store = nullptr);
   ~RenderLoop();
 
   /// Where workers connect to.
@@ -36,9 +39,14 @@ class RenderLoop {
   /// usage_error for a frame, crop or tile size that cannot be.
   JobResult run(JobSpec job, const ProgressCallback& progress, const std::atomic<bool>& stop);
 
-  /// Serves workers and clients that submit jobs until `stop` is set. `each_round`, where given, is
-  /// called at least every 50 ms.
-  void serve(const std::atomic<bool>& stop, const std::function<void()>& each_round = {});
+  /// Calls `look` from now on about so often, on the thread that runs or serves: for a page or a
+  /// monitor.
+  void observe(std::function<void(Coordinator&, Time now)> look, Time every);
+  /// Serves workers and clients that submit jobs until `stop` is set; then for at most `drain`
+  /// until the workers have sent what they trace. `each_round`, where given, is called at least
+  /// every 50 ms until then.
+  void serve(const std::atomic<bool>& stop, Time drain = Time{0},
+             const std::function<void()>& each_round = {});
   /// From now on nobody else is let in. Who is not on it any more is lost at once.
   void set_allowed(AllowList allowed);
 
@@ -68,6 +76,8 @@ class RenderLoop {
   Time next_look_{};                    ///< at local workers
   uint64_t tiles_done_ = 0;             ///< when last looked at
   std::set<std::string> told_refused_;  ///< names of keys, at most as many as are on the list
+  std::function<void(Coordinator&, Time)> observer_;
+  Time observe_every_{}, next_observation_{};
 };
 
 }  // namespace tessera

@@ -17,11 +17,15 @@ constexpr uint64_t kFreeCopies = 4;
 constexpr double kStragglerFactor = 1.5;
 constexpr int kOverdueLeases = 3;
 constexpr size_t kDurationsKept = 1024;
+// The upper bits of a lease: which coordinator gave it, and which of its leases it is.
+constexpr int kEpochShift = 52, kCountShift = 32;
+constexpr uint64_t kEpochTags = uint64_t{1} << (64 - kEpochShift);
 
 }  // namespace
 
 TileScheduler::TileScheduler(size_t tiles, const CoordinatorOptions& options)
     : options_(options), tiles_(tiles), pending_(tiles), open_tiles_(tiles) {
+  leases_issued_ = epoch_tag() << (kEpochShift - kCountShift);
   std::iota(pending_.begin(), pending_.end(), 0u);
 }
 
@@ -67,7 +71,7 @@ SchedulerEvents TileScheduler::leave(WorkerId worker, LossCause cause, Time now)
   return events;
 }
 
-bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now) const {
+bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now, bool busy) const {
   if (std::count(tile.disputed_by.begin(), tile.disputed_by.end(), worker) > 0) return false;
   if (tile.state == State::done) {
     const auto check = checks_.find(static_cast<uint32_t>(&tile - tiles_.data()));
@@ -77,7 +81,7 @@ bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now) const
     }
   }
   if (tile.failed_by.empty()) return true;
-  if (!holders_.at(worker).leases.empty()) return false;
+  if (busy || !holders_.at(worker).leases.empty()) return false;
   const auto has_failed = [&](WorkerId id) {
     return std::find(tile.failed_by.begin(), tile.failed_by.end(), id) != tile.failed_by.end();
   };
@@ -88,23 +92,23 @@ bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now) const
                      [&](const auto& other) { return has_failed(other.first); });
 }
 
-std::optional<uint32_t> TileScheduler::next_pending(WorkerId worker, Time now) {
+std::optional<uint32_t> TileScheduler::next_pending(WorkerId worker, Time now, bool busy) {
   for (auto it = pending_.begin(); it != pending_.end(); ++it) {
     const uint32_t tile = *it;
-    if (!may_trace(tiles_[tile], worker, now)) continue;
+    if (!may_trace(tiles_[tile], worker, now, busy)) continue;
     pending_.erase(it);
     return tile;
   }
   return std::nullopt;
 }
 
-std::optional<uint32_t> TileScheduler::next_check(WorkerId worker, Time now) {
+std::optional<uint32_t> TileScheduler::next_check(WorkerId worker, Time now, bool busy) {
   // Where there is other work, those that others are to do are not all looked at each time.
   constexpr size_t kFew = 64;
   const size_t most = pending_.empty() ? waiting_checks_.size() : kFew;
   for (size_t i = 0; i < std::min(most, waiting_checks_.size()); ++i) {
     const uint32_t tile = waiting_checks_[i];
-    if (!may_trace(tiles_[tile], worker, now)) continue;
+    if (!may_trace(tiles_[tile], worker, now, busy)) continue;
     waiting_checks_.erase(waiting_checks_.begin() + static_cast<ptrdiff_t>(i));
     return tile;
   }
@@ -120,7 +124,7 @@ Time TileScheduler::straggler_age() const {
   return std::max(options_.speculate_after, limit);
 }
 
-std::optional<uint32_t> TileScheduler::next_straggler(WorkerId worker, Time now) const {
+std::optional<uint32_t> TileScheduler::next_straggler(WorkerId worker, Time now, bool busy) const {
   if (live_.empty()) return std::nullopt;
   const bool within_budget =
       speculative_ < std::max<uint64_t>(kFreeCopies, tiles_.size() / kTilesPerCopy);
@@ -131,7 +135,7 @@ std::optional<uint32_t> TileScheduler::next_straggler(WorkerId worker, Time now)
   for (const auto& [id, lease] : live_) {
     const Tile& tile = tiles_[lease.tile];
     if (lease.worker == worker || tile.leases.size() >= kMaxLeasesOfTile) continue;
-    if (!may_trace(tile, worker, now)) continue;
+    if (!may_trace(tile, worker, now, busy)) continue;
     if (!holders_.at(lease.worker).suspect && now - lease.issued < age) continue;
     if (!slowest || lease.issued < slowest->issued) slowest = &lease;
   }
@@ -142,21 +146,44 @@ Time TileScheduler::lease_length(const Tile& tile) const {
   return options_.lease * (int64_t{1} << tile.failed_by.size());
 }
 
-std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now) {
+bool TileScheduler::isolates(WorkerId worker) const {
+  const auto it = holders_.find(worker);
+  return it != holders_.end() && it->second.leases.size() == 1 &&
+         !tiles_[tile_of(it->second.leases[0])].failed_by.empty();
+}
+
+TileScheduler::TileView TileScheduler::view(uint32_t index) const {
+  const Tile& tile = tiles_[index];
+  TileView view;
+  view.done = tile.state == State::done;
+  view.given_up = tile.state == State::given_up;
+  view.copies = static_cast<uint8_t>(tile.leases.size());
+  if (!tile.leases.empty()) {
+    const Lease& lease = live_.at(tile.leases.front());
+    view.worker = lease.worker;
+    view.issued = lease.issued;
+  }
+  return view;
+}
+
+std::optional<double> TileScheduler::mean_seconds() const {
+  if (durations_.empty()) return std::nullopt;
+  const Time sum = std::accumulate(durations_.begin(), durations_.end(), Time{0});
+  return to_seconds(sum) / static_cast<double>(durations_.size());
+}
+
+std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now, bool busy) {
   const auto it = holders_.find(worker);
   if (it == holders_.end() || it->second.suspect) return std::nullopt;
   Holder& holder = it->second;
-  // Beside a tile that failed before, nothing else runs.
-  if (holder.leases.size() == 1 && !tiles_[tile_of(holder.leases[0])].failed_by.empty()) {
-    return std::nullopt;
-  }
+  if (isolates(worker)) return std::nullopt;
   Lease lease;
-  if (const auto check = next_check(worker, now)) {
+  if (const auto check = next_check(worker, now, busy)) {
     lease.tile = *check;
     lease.check = true;
-  } else if (const auto next = next_pending(worker, now)) {
+  } else if (const auto next = next_pending(worker, now, busy)) {
     lease.tile = *next;
-  } else if (const auto straggler = next_straggler(worker, now)) {
+  } else if (const auto straggler = next_straggler(worker, now, busy)) {
     lease.tile = *straggler;
     lease.speculative = true;
     ++speculative_;
@@ -164,14 +191,15 @@ std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now) {
     return std::nullopt;
   }
   Tile& tile = tiles_[lease.tile];
-  lease.id = ++leases_issued_ << 32 | lease.tile;
+  lease.id = ++leases_issued_ << kCountShift | lease.tile;
   lease.worker = worker;
   lease.issued = now;
   lease.deadline = now + lease_length(tile);
   if (tile.state == State::done) {
     lease.check = true;
   } else {
-    if (tile.attempts++ > 0 && !lease.speculative) ++retries_;
+    lease.again = tile.attempts++ > 0 && !lease.speculative;
+    if (lease.again) ++retries_;
     tile.state = State::leased;
   }
   tile.leases.push_back(lease.id);
@@ -203,6 +231,8 @@ size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& 
   std::map<LeaseId, LeaseProgress> by_id;
   for (const LeaseProgress& progress : held) {
     by_id.emplace(progress.lease, progress);
+    const bool ours = !holders_.contains(worker) || !adopt(progress.lease, worker);
+    if (!ours) go_on(progress, worker, now);
     const auto it = live_.find(progress.lease);
     if (it != live_.end() && it->second.worker == worker) {
       grew |= progress.work_done > it->second.work_done;
@@ -234,6 +264,34 @@ size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& 
   return foreign;
 }
 
+uint64_t TileScheduler::epoch_tag() const { return options_.epoch % kEpochTags; }
+
+bool TileScheduler::adopt(LeaseId lease, WorkerId worker) {
+  const bool of_another = options_.farm != 0 && lease >> kEpochShift != epoch_tag();
+  if (!of_another || tile_of(lease) >= tiles_.size() || issued_.contains(lease)) return false;
+  // No more than there are honest ones.
+  if (adopted_ >= tiles_.size() * kMaxLeasesOfTile) return false;
+  ++adopted_;
+  issued_.emplace(lease, worker);
+  return true;
+}
+
+void TileScheduler::go_on(const LeaseProgress& progress, WorkerId worker, Time now) {
+  const uint32_t index = tile_of(progress.lease);
+  Tile& tile = tiles_[index];
+  if (tile.state != State::pending || !may_trace(tile, worker, now, false)) return;
+  std::erase(pending_, index);
+  Lease lease{.id = progress.lease, .tile = index, .worker = worker, .issued = now};
+  lease.deadline = now + lease_length(tile);
+  lease.work_done = progress.work_done;
+  lease.started = progress.started;
+  ++tile.attempts;
+  tile.state = State::leased;
+  tile.leases.push_back(lease.id);
+  live_.emplace(lease.id, lease);
+  holders_.at(worker).leases.push_back(lease.id);
+}
+
 SchedulerEvents TileScheduler::complete(uint32_t index, LeaseId by, Time now) {
   SchedulerEvents events;
   Tile& tile = tiles_[index];
@@ -246,9 +304,10 @@ SchedulerEvents TileScheduler::complete(uint32_t index, LeaseId by, Time now) {
     const Lease lease = drop(id);
     if (id != by) {
       events.cancelled.push_back(lease);
-    } else if (durations_.size() < kDurationsKept) {
-      durations_.push_back(now - lease.issued);
+      continue;
     }
+    events.took = now - lease.issued;
+    if (durations_.size() < kDurationsKept) durations_.push_back(*events.took);
   }
   return events;
 }
@@ -317,17 +376,9 @@ SchedulerEvents TileScheduler::requeue(uint32_t index) {
   return events;
 }
 
-bool TileScheduler::can_be_checked(uint32_t index) const {
-  const std::vector<WorkerId>& traced_by = checks_.at(index);
-  return std::any_of(holders_.begin(), holders_.end(), [&](const auto& holder) {
-    return std::find(traced_by.begin(), traced_by.end(), holder.first) == traced_by.end();
-  });
-}
-
 size_t TileScheduler::abandon_checks(Time now) {
-  const bool only_checks = open_tiles_ == 0 && !waiting_checks_.empty();
-  if (!only_checks || std::any_of(waiting_checks_.begin(), waiting_checks_.end(),
-                                  [this](uint32_t tile) { return can_be_checked(tile); })) {
+  // Whoever is there has traced them, or is stuck.
+  if (open_tiles_ > 0 || waiting_checks_.empty() || !live_.empty()) {
     uncheckable_since_.reset();
     return 0;
   }

@@ -26,6 +26,7 @@ struct Lease {
   bool started = false;  ///< as the worker said last
   bool speculative = false;
   bool check = false;  ///< of a tile whose pixels are there
+  bool again = false;  ///< replaces one that came to nothing
 };
 
 /// One lease as its worker reports it.
@@ -47,6 +48,7 @@ struct SchedulerEvents {
   std::vector<Lease> cancelled;    ///< wanted no longer: tell their workers
   std::vector<uint32_t> given_up;  ///< tiles that failed too often
   std::vector<WorkerId> blamed;    ///< workers that failed a tile, once for each
+  std::optional<Time> took{};      ///< what completed, from its assignment on
 };
 
 /// Which tile of a job goes to whom. A tile is pending, leased (by one worker or two), done or
@@ -68,8 +70,10 @@ class TileScheduler {
   void set_suspect(WorkerId worker, bool suspect);
 
   /// A tile for this worker: the next pending one or, where there is none, a second copy of one
-  /// that takes long elsewhere.
-  std::optional<Lease> assign(WorkerId worker, Time now);
+  /// that takes long elsewhere. `busy`: it holds tiles of other jobs.
+  std::optional<Lease> assign(WorkerId worker, Time now, bool busy = false);
+  /// Whether the worker holds a tile that failed before: beside that, nothing else runs.
+  bool isolates(WorkerId worker) const;
   /// All leases that the worker holds, as of now. Returns how many of them are not ours any more
   /// yet still take up the worker; those of finished tiles are cancelled.
   size_t report(WorkerId worker, const std::vector<LeaseProgress>& held, Time now,
@@ -93,17 +97,30 @@ class TileScheduler {
   SchedulerEvents check_done(uint32_t tile, LeaseId lease);
   /// The pixels of the tile do not count any more.
   SchedulerEvents requeue(uint32_t tile);
-  /// Gives up checks that only those who traced the tiles could do, once nothing else has been left
-  /// for a whole lease. Returns how many.
+  /// Gives up the checks that nobody has taken for a whole lease in which there was nothing else to
+  /// do. Returns how many.
   size_t abandon_checks(Time now);
   /// Ends the leases that had no progress for too long.
   SchedulerEvents expire(Time now);
 
   /// Whether this worker was ever given that lease.
   bool issued(LeaseId lease, WorkerId worker) const;
+  /// Takes a lease for issued that a coordinator before us gave, on the same store: what was traced
+  /// under it is as good. False where it cannot be one.
+  bool adopt(LeaseId lease, WorkerId worker);
   bool finished() const { return open_tiles_ == 0 && checks_.empty(); }
   size_t held_by(WorkerId worker) const;
   bool has_pending() const { return !pending_.empty() || !waiting_checks_.empty(); }
+  struct TileView {
+    bool done = false, given_up = false;
+    uint8_t copies = 0;   ///< live leases
+    WorkerId worker = 0;  ///< of the first of these
+    Time issued{};
+  };
+  TileView view(uint32_t tile) const;
+  /// Leases now, and how long completed ones took, in the mean.
+  size_t live_count() const { return live_.size(); }
+  std::optional<double> mean_seconds() const;
   uint64_t retries() const { return retries_; }
   uint64_t speculative() const { return speculative_; }
   /// Checks that were done, and those that nobody could do.
@@ -130,12 +147,14 @@ class TileScheduler {
     std::vector<LeaseId> leases;
   };
 
-  bool may_trace(const Tile& tile, WorkerId worker, Time now) const;
-  std::optional<uint32_t> next_pending(WorkerId worker, Time now);
-  std::optional<uint32_t> next_check(WorkerId worker, Time now);
+  bool may_trace(const Tile& tile, WorkerId worker, Time now, bool busy) const;
+  std::optional<uint32_t> next_pending(WorkerId worker, Time now, bool busy);
+  std::optional<uint32_t> next_check(WorkerId worker, Time now, bool busy);
+  std::optional<uint32_t> next_straggler(WorkerId worker, Time now, bool busy) const;
   void forget_check(uint32_t tile);
-  bool can_be_checked(uint32_t tile) const;
-  std::optional<uint32_t> next_straggler(WorkerId worker, Time now) const;
+  /// The worker goes on with a tile of adopt().
+  void go_on(const LeaseProgress& progress, WorkerId worker, Time now);
+  uint64_t epoch_tag() const;
   Time straggler_age() const;
   Time lease_length(const Tile& tile) const;
   /// Forgets a live lease; the tile is pending if that was its last.
@@ -155,7 +174,7 @@ class TileScheduler {
   std::map<WorkerId, Holder> holders_;
   std::map<WorkerId, std::vector<uint32_t>> vanished_with_;
   std::vector<Time> durations_;  ///< of completed leases
-  size_t open_tiles_;
+  size_t open_tiles_, adopted_ = 0;
   uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0, verified_ = 0, unverified_ = 0;
 };
 

@@ -40,6 +40,11 @@ std::string WorkerRecord::name() const {
                      hello.process_id());
 }
 
+bool WorkerRecord::ready_for(uint64_t job) const {
+  const auto it = jobs.find(job);
+  return it != jobs.end() && it->second.ready;
+}
+
 std::optional<v1::Reject> WorkerRegistry::judge(const v1::Hello& hello) const {
   if (hello.protocol_major() != options_.protocol_major) {
     return rejected(
@@ -89,9 +94,9 @@ WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hel
   worker.hello = hello;
   worker.last_heard = now;
   worker.state = WorkerState::active;
-  count(worker);
   if (anew) {
-    worker.ready_job = 0;
+    worker.came = now;
+    worker.jobs.clear();
     worker.foreign = 0;
   }
   return {&worker, anew};
@@ -129,28 +134,14 @@ bool WorkerRegistry::heard(WorkerRecord& worker, Time now) {
   const bool back = worker.state == WorkerState::lost;
   worker.state = WorkerState::active;
   worker.last_heard = now;
-  count(worker);
   return back;
-}
-
-void WorkerRegistry::count(WorkerRecord& worker) {
-  if (!std::exchange(worker.counted, true)) ++seen_;
-}
-
-void WorkerRegistry::start_counting() {
-  seen_ = lost_ = 0;
-  for (auto& [id, worker] : workers_) {
-    worker.counted = false;
-    if (worker.state != WorkerState::lost) count(worker);
-  }
 }
 
 void WorkerRegistry::lose(WorkerRecord& worker) {
   if (worker.state == WorkerState::lost) return;
   worker.state = WorkerState::lost;
-  worker.ready_job = 0;
+  worker.jobs.clear();
   worker.foreign = 0;
-  ++lost_;
 }
 
 void WorkerRegistry::set_aside(WorkerId worker, const std::string& cause) {

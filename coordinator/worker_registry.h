@@ -26,12 +26,19 @@ struct WorkerRecord {
   v1::Hello hello;
   WorkerState state = WorkerState::active;
   Time last_heard{};
-  int failures = 0;        ///< tiles that it failed
-  uint64_t ready_job = 0;  ///< the job whose scene it has built; 0: none
-  Time told_job{};         ///< when it was last sent the running job
-  size_t foreign = 0;      ///< tiles that keep it busy though they are no longer its own
-  bool counted = false;    ///< in WorkerRegistry::seen()
+  int failures = 0;  ///< tiles that it failed
+  struct KnownJob {
+    Time told{};         ///< when it was last sent
+    bool ready = false;  ///< its scene is built
+  };
+  std::map<uint64_t, KnownJob> jobs;  ///< that it was sent
+  Time came{};                        ///< with its last session
+  uint64_t tiles_done = 0;            ///< that it was first to complete
+  double tile_seconds = 0;            ///< from assignment to completion, sum over those
+  uint64_t bytes_results = 0;         ///< of pixels, as they came
+  size_t foreign = 0;                 ///< tiles that keep it busy though they are no longer its own
 
+  bool ready_for(uint64_t job) const;
   /// "host:process", for messages.
   std::string name() const;
 };
@@ -71,23 +78,15 @@ class WorkerRegistry {
   /// Those not lost.
   std::vector<WorkerRecord*> present();
   int present_count() const;
-
-  /// Counts anew from here on: those present, and who comes or is lost later.
-  void start_counting();
-  /// Different workers that there were.
-  uint64_t seen() const { return seen_; }
-  /// How often one of them was lost.
-  uint64_t lost() const { return lost_; }
+  const std::map<WorkerId, WorkerRecord>& all() const { return workers_; }
 
  private:
-  void count(WorkerRecord& worker);
   void forget_lost();
 
   CoordinatorOptions options_;
   std::map<WorkerId, WorkerRecord> workers_;
   std::unordered_map<PeerId, WorkerId> by_peer_;
   std::map<WorkerId, std::string> set_aside_;  ///< with the cause
-  uint64_t seen_ = 0, lost_ = 0;
 };
 
 }  // namespace tessera

@@ -93,6 +93,7 @@ class WorkerLoop {
     result.hello = make_hello(options);
     result.orphan_timeout = options.orphan_timeout;
     result.blob_sources = {options.cache != nullptr, options.shares_memory};
+    result.spool_bytes = options.spool_bytes;
     return result;
   }
 

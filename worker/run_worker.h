@@ -3,6 +3,7 @@
 #include <sys/types.h>
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -23,6 +24,8 @@ struct WorkerOptions {
   int threads = 1;
   /// Ends after so long without a word from the coordinator; Time::max(): never.
   Time orphan_timeout = std::chrono::seconds(60);
+  /// Results that are kept for a coordinator that is away.
+  uint64_t spool_bytes = uint64_t{256} << 20;
   TileRendererFactory make_renderer;
   /// Keeps blobs on disk; null: nowhere. Used by no one else.
   std::shared_ptr<BlobCache> cache{};

@@ -10,12 +10,22 @@ namespace {
 
 constexpr Time kFirstHelloPause = std::chrono::seconds(1);
 constexpr Time kLongestHelloPause = std::chrono::seconds(8);
-constexpr size_t kMaxUnsent = 1024;
 // Assignments beyond what was offered: the coordinator has lost count, and will find out.
 constexpr size_t kCreditSlack = 4;
 
 Time milliseconds(uint32_t count) {
   return std::chrono::milliseconds(std::clamp<uint32_t>(count, 10, 3600'000));
+}
+
+/// The job of a result.
+uint64_t job_of(const v1::Envelope& message) {
+  return message.has_tile_band() ? message.tile_band().job() : message.tile_failed().job();
+}
+
+uint64_t scene_bytes(const v1::JobStart& start) {
+  uint64_t sum = start.scene_size();
+  for (const uint64_t size : start.blob_sizes()) sum += std::min(size, kMaxBlobBytes);
+  return sum;
 }
 
 }  // namespace
@@ -41,42 +51,46 @@ void WorkerSession::say_hello(Time now) {
   welcomed_ = false;
   options_.hello.set_session(options_.hello.session() + 1);
   *send().mutable_hello() = options_.hello;
+  // Workers that lost one coordinator must not all come back in the same moment.
+  const uint64_t mixed =
+      (options_.hello.worker_id() ^ options_.hello.session()) * 0x9e3779b97f4a7c15;
   next_hello_ = now + hello_pause_;
+  if (options_.hello.session() > 1) {
+    next_hello_ += hello_pause_ / 4 * static_cast<int64_t>(mixed >> 56) / 256;
+  }
   hello_pause_ = std::min(hello_pause_ * 2, kLongestHelloPause);
 }
 
 void WorkerSession::leave(const std::string& reason) {
-  cancel_all();
+  for (auto& [lease, run] : runs_) run->progress.cancelled = true;
+  runs_.clear();
   v1::Bye& bye = *send().mutable_bye();
   bye.set_session(options_.hello.session());
   bye.set_reason(reason);
 }
 
-void WorkerSession::cancel_all() {
-  for (auto& [lease, run] : runs_) run->progress.cancelled = true;
-  runs_.clear();
+void WorkerSession::cancel_runs(uint64_t job) {
+  std::erase_if(runs_, [job](const auto& entry) {
+    if (entry.first.first != job) return false;
+    entry.second->progress.cancelled = true;
+    return true;
+  });
 }
 
-void WorkerSession::forget_job() {
-  cancel_all();
-  unsent_.clear();
-  job_ = 0;
-  renderer_ = nullptr;
-  start_.clear();
-  building_ = false;
-  build_seconds_ = 0;
-  failure_.Clear();
+void WorkerSession::forget_job(uint64_t job) {
+  cancel_runs(job);
+  jobs_.erase(job);
+  forget_results([job](const Result& result) { return job_of(result.message) == job; });
+}
+
+void WorkerSession::forget_jobs() {
+  while (!jobs_.empty()) forget_job(jobs_.begin()->first);
 }
 
 // -------------------------------------------------------------------------------------- messages
 
 void WorkerSession::on_message(Channel channel, const v1::Envelope& message, Time now) {
-  if (channel == Channel::bulk) {
-    if (message.has_blob_chunk()) on_chunk(message.blob_chunk());
-    if (message.has_blob_place()) cache_.on_place(message.blob_place());
-    if (message.has_blob_missing()) cache_.fetch().on_missing(message.blob_missing());
-    return fetch_more(now);
-  }
+  if (channel == Channel::bulk) return on_bulk(message, now);
   last_heard_ = now;
   switch (message.message_case()) {
     case v1::Envelope::kWelcome:
@@ -98,143 +112,199 @@ void WorkerSession::on_message(Channel channel, const v1::Envelope& message, Tim
       return on_job_start(message.job_start(), now);
     case v1::Envelope::kAssign:
       return on_assign(message.assign());
-    case v1::Envelope::kCancelTile: {
-      const auto it = runs_.find(message.cancel_tile().lease());
-      if (it == runs_.end()) return;
-      it->second->progress.cancelled = true;
-      // What runs is held until it has really stopped.
-      if (!it->second->started) runs_.erase(it);
-      return;
-    }
+    case v1::Envelope::kCancelTile:
+      return on_cancel_tile(message.cancel_tile());
     case v1::Envelope::kCancelJob:
-      if (message.cancel_job().job() == job_) forget_job();
-      return;
+      return forget_job(message.cancel_job().job());
     case v1::Envelope::kShutdown:
       actions_.push_back(Quit{ExitCode::done, printable(message.shutdown().reason())});
       return;
+    case v1::Envelope::kPing:
+      if (message.ping().session() != options_.hello.session()) return;
+      return forget_results(
+          [&message](const Result& result) { return result.number <= message.ping().results(); });
     default:
-      return;  // a ping, which only shows life, or of a newer minor version
+      return;  // of a newer minor version
+  }
+}
+
+void WorkerSession::on_bulk(const v1::Envelope& message, Time now) {
+  if (message.has_blob_chunk()) on_chunk(message.blob_chunk());
+  for (auto& [id, job] : jobs_) {
+    if (message.has_blob_missing()) job.fetch.on_missing(message.blob_missing());
+    if (message.has_blob_place()) on_place(job, message.blob_place());
+    fetch_more(job, now);
+  }
+}
+
+void WorkerSession::on_chunk(const v1::BlobChunk& chunk) {
+  bool complete = false;
+  for (auto& [id, job] : jobs_) complete |= job.fetch.on_chunk(chunk, cache_.blobs());
+  if (!complete || !options_.blob_sources.disk) return;
+  const Digest digest = *Digest::parse(chunk.digest());
+  actions_.push_back(KeepBlob{digest, cache_.blobs().find(digest)});
+}
+
+void WorkerSession::on_place(Job& job, const v1::BlobPlace& place) {
+  const auto size = job.fetch.on_place(place);
+  if (!size) return;
+  const BlobPlace there{static_cast<int>(place.process_id()), static_cast<int>(place.file())};
+  actions_.push_back(LookForBlob{{*Digest::parse(place.digest()), *size, there}});
+}
+
+void WorkerSession::on_found(const BlobFound& found, Time now) {
+  for (auto& [id, job] : jobs_) {
+    job.fetch.on_loaded(found.digest, found.blob, cache_.blobs());
+    fetch_more(job, now);
   }
 }
 
 void WorkerSession::on_welcome(const v1::Welcome& welcome, Time now) {
   if (welcome.session() != options_.hello.session()) return;
-  const bool restarted = welcome_.epoch() != 0 && welcome.epoch() != welcome_.epoch();
-  if (restarted) forget_job();
+  const bool another = welcome_.farm() != 0 && welcome.farm() != welcome_.farm();
+  if (another) forget_jobs();
   welcome_ = welcome;
   if (welcomed_) return;
   welcomed_ = true;
   hello_pause_ = kFirstHelloPause;
   next_heartbeat_ = now + milliseconds(welcome.heartbeat_ms());
   if (!welcome.bulk_endpoint().empty()) actions_.push_back(ConnectBulk{welcome.bulk_endpoint()});
-  for (v1::Envelope& message : unsent_) send() = std::move(message);
-  unsent_.clear();
+  for (const Result& result : results_) send() = result.message;
+}
+
+bool WorkerSession::make_room(const v1::JobStart& start) {
+  uint64_t bytes = scene_bytes(start);
+  for (const auto& [id, job] : jobs_) bytes += scene_bytes(job.start);
+  for (auto it = jobs_.begin(); it != jobs_.end() && bytes > options_.blob_budget_bytes;) {
+    const uint64_t id = (it++)->first;
+    const auto run = runs_.lower_bound({id, 0});
+    if (run != runs_.end() && run->first.first == id) continue;
+    bytes -= scene_bytes(jobs_.at(id).start);
+    forget_job(id);
+  }
+  // One that is alone has room however large it is.
+  return bytes <= options_.blob_budget_bytes || jobs_.empty();
 }
 
 void WorkerSession::on_job_start(const v1::JobStart& start, Time now) {
-  if (!welcomed_ || start.job() == 0 || start.job() < job_) return;
+  if (!welcomed_ || start.job() == 0) return;
+  const auto known = jobs_.find(start.job());
   // The number alone does not make it the same job: a coordinator may have lost count.
-  if (start.SerializeAsString() != start_) {
-    forget_job();
-    job_ = start.job();
-    start_ = start.SerializeAsString();
-    frame_ = start.frame();
-    if (!cache_.begin(start, options_.blob_budget_bytes)) {
-      return scene_failed("the job names its blobs wrongly; expected digests and sizes",
+  const bool same =
+      known != jobs_.end() && known->second.start.SerializeAsString() == start.SerializeAsString();
+  if (!same) {
+    forget_job(start.job());
+    // It is told again until there is room.
+    if (!make_room(start)) return;
+    Job& fresh = jobs_[start.job()];
+    fresh.start = start;
+    std::vector<const v1::JobStart*> starts;
+    for (const auto& [id, job] : jobs_) starts.push_back(&job.start);
+    cache_.make_room(starts, options_.blob_budget_bytes);
+    std::vector<BlobLookup> lookups;
+    auto fetch = cache_.want(start, lookups);
+    if (!fetch) {
+      return scene_failed(fresh, "the job names its blobs wrongly; expected digests and sizes",
                           ExitCode::render_failed);
     }
-    renderer_ = cache_.built();
+    fresh.fetch = std::move(*fetch);
+    fresh.renderer = cache_.built(start);
+    for (BlobLookup& lookup : lookups) actions_.push_back(LookForBlob{std::move(lookup)});
   }
-  if (scene_bad()) return send_failure();
-  if (renderer_) return send_ready();
-  fetch_more(now);
+  Job& job = jobs_.at(start.job());
+  if (job.bad()) return send_failure(job);
+  if (job.renderer) return send_ready(job);
+  fetch_more(job, now);
 }
 
-void WorkerSession::on_chunk(const v1::BlobChunk& chunk) {
-  if (!cache_.fetch().on_chunk(chunk, cache_.blobs()) || !options_.blob_sources.disk) return;
-  const Digest digest = *Digest::parse(chunk.digest());
-  actions_.push_back(KeepBlob{digest, cache_.blobs().find(digest)});
-}
-
-void WorkerSession::on_found(const BlobFound& found, Time now) {
-  cache_.on_loaded(found);
-  fetch_more(now);
-}
-
-void WorkerSession::fetch_more(Time now) {
-  for (BlobLookup& lookup : cache_.take_lookups()) actions_.push_back(LookForBlob{lookup});
-  if (job_ == 0 || renderer_ || building_ || scene_bad()) return;
-  BlobFetch& fetch = cache_.fetch();
-  if (!fetch.failure().empty()) return scene_failed(fetch.failure(), ExitCode::render_failed);
-  for (v1::BlobRequest& request : fetch.requests(now)) {
+void WorkerSession::fetch_more(Job& job, Time now) {
+  if (!job.fetches()) return;
+  if (!job.fetch.failure().empty()) {
+    return scene_failed(job, job.fetch.failure(), ExitCode::render_failed);
+  }
+  for (v1::BlobRequest& request : job.fetch.requests(now)) {
     *send(Channel::bulk).mutable_blob_request() = std::move(request);
   }
-  if (!fetch.finished()) return;
-  auto run = cache_.input();
-  if (!run) return scene_failed("the scene's bytes are no scene", ExitCode::bad_scene);
-  building_ = true;
+  if (!job.fetch.finished()) return;
+  auto run = cache_.input(job.start);
+  if (!run) return scene_failed(job, "the scene's bytes are no scene", ExitCode::bad_scene);
+  job.building = true;
   actions_.push_back(StartBuild{std::make_shared<const BuildRun>(std::move(*run))});
 }
 
-void WorkerSession::scene_failed(const std::string& text, ExitCode code) {
-  failure_.set_job(job_);
-  failure_.set_text(text);
-  failure_.set_exit_code(static_cast<uint32_t>(code));
-  if (welcomed_) send_failure();
+void WorkerSession::scene_failed(Job& job, const std::string& text, ExitCode code) {
+  job.failure.set_job(job.start.job());
+  job.failure.set_text(text);
+  job.failure.set_exit_code(static_cast<uint32_t>(code));
+  if (welcomed_) send_failure(job);
 }
 
-void WorkerSession::send_failure() {
-  failure_.set_session(options_.hello.session());
-  *send().mutable_scene_failed() = failure_;
+void WorkerSession::send_failure(Job& job) {
+  job.failure.set_session(options_.hello.session());
+  *send().mutable_scene_failed() = job.failure;
 }
 
-void WorkerSession::send_ready() {
+void WorkerSession::send_ready(const Job& job) {
   v1::SceneReady& ready = *send().mutable_scene_ready();
   ready.set_session(options_.hello.session());
-  ready.set_job(job_);
-  ready.set_build_seconds(build_seconds_);
-  for (const auto& [name, value] : renderer_->build_counters()) {
+  ready.set_job(job.start.job());
+  ready.set_build_seconds(job.build_seconds);
+  for (const auto& [name, value] : job.renderer->build_counters()) {
     (*ready.mutable_counters()->mutable_values())[name] = value;
   }
 }
 
 void WorkerSession::on_built(BuildOutcome outcome, Time) {
-  if (outcome.job != job_ || !building_) return;
-  building_ = false;
+  const auto it = jobs_.find(outcome.job);
+  if (it == jobs_.end() || !it->second.building) return;
+  Job& job = it->second;
+  job.building = false;
   if (!outcome.renderer) {
-    return scene_failed(outcome.failure, static_cast<ExitCode>(outcome.exit_code));
+    return scene_failed(job, outcome.failure, static_cast<ExitCode>(outcome.exit_code));
   }
-  renderer_ = std::move(outcome.renderer);
-  cache_.keep(renderer_);
-  build_seconds_ = outcome.seconds;
-  send_ready();
+  job.renderer = std::move(outcome.renderer);
+  cache_.keep(job.start, job.renderer);
+  job.build_seconds = outcome.seconds;
+  send_ready(job);
 }
 
 // ----------------------------------------------------------------------------------------- tiles
 
 void WorkerSession::on_assign(const v1::Assign& assign) {
-  if (!renderer_ || assign.job() != job_ || runs_.contains(assign.lease()) ||
+  const auto job = jobs_.find(assign.job());
+  if (job == jobs_.end() || !job->second.renderer ||
+      runs_.contains({assign.job(), assign.lease()}) ||
       runs_.size() >= kCreditSlack * options_.hello.credit()) {
     return;
   }
   const v1::PixelRect& r = assign.rect();
   const PixelRect rect{r.x0(), r.y0(), r.x1(), r.y1()};
-  const PixelRect frame{0, 0, static_cast<int>(frame_.width()), static_cast<int>(frame_.height())};
+  const v1::FrameSettings& settings = job->second.start.frame();
+  const PixelRect frame{0, 0, static_cast<int>(settings.width()),
+                        static_cast<int>(settings.height())};
   if (rect.empty() || !frame.contains(rect) || assign.sample_count() == 0) return;
   auto run = std::make_shared<TraceRun>();
-  run->job = job_;
+  run->job = assign.job();
   run->lease = assign.lease();
   run->tile = assign.tile();
   run->task = {rect, assign.first_sample(), assign.sample_count()};
-  run->renderer = renderer_;
+  run->renderer = job->second.renderer;
   run->compress = welcome_.compress_pixels();
-  runs_.emplace(run->lease, run);
+  runs_.emplace(LeaseOfJob(run->job, run->lease), run);
   actions_.push_back(StartTrace{std::move(run)});
+}
+
+void WorkerSession::on_cancel_tile(const v1::CancelTile& cancel) {
+  const auto it = runs_.find({cancel.job(), cancel.lease()});
+  if (it == runs_.end()) return;
+  it->second->progress.cancelled = true;
+  // What runs is held until it has really stopped.
+  if (!it->second->started) runs_.erase(it);
 }
 
 void WorkerSession::on_traced(TraceOutcome outcome, Time) {
   const TraceRun& run = *outcome.run;
-  const auto it = runs_.find(run.lease);
+  const auto it = runs_.find({run.job, run.lease});
   // One that is not held any more was of a job that is forgotten.
   if (it == runs_.end() || it->second != outcome.run) return;
   runs_.erase(it);
@@ -261,11 +331,22 @@ void WorkerSession::on_traced(TraceOutcome outcome, Time) {
 }
 
 void WorkerSession::send_result(v1::Envelope message) {
-  if (welcomed_) {
-    send() = std::move(message);
-  } else if (unsent_.size() < kMaxUnsent) {
-    unsent_.push_back(std::move(message));
+  if (welcomed_) send() = message;
+  result_bytes_ += message.ByteSizeLong();
+  results_.push_back({++results_made_, std::move(message)});
+  // The oldest have most likely come, or were traced anew.
+  while (result_bytes_ > options_.spool_bytes) {
+    result_bytes_ -= results_.front().message.ByteSizeLong();
+    results_.pop_front();
   }
+}
+
+void WorkerSession::forget_results(const std::function<bool(const Result&)>& which) {
+  std::erase_if(results_, [&](const Result& result) {
+    if (!which(result)) return false;
+    result_bytes_ -= result.message.ByteSizeLong();
+    return true;
+  });
 }
 
 // ------------------------------------------------------------------------------------------ time
@@ -273,15 +354,22 @@ void WorkerSession::send_result(v1::Envelope message) {
 void WorkerSession::send_heartbeat(Time now) {
   v1::Heartbeat& heartbeat = *send().mutable_heartbeat();
   heartbeat.set_session(options_.hello.session());
-  heartbeat.set_job(job_);
-  heartbeat.set_ready(renderer_ != nullptr);
+  heartbeat.set_results(results_made_);
+  for (auto& [id, job] : jobs_) {
+    auto& entry = *heartbeat.add_jobs();
+    entry.set_job(id);
+    entry.set_ready(job.renderer != nullptr);
+  }
   for (const auto& [lease, run] : runs_) {
     auto& progress = *heartbeat.add_progress();
-    progress.set_lease(lease);
+    progress.set_job(run->job);
+    progress.set_lease(run->lease);
     progress.set_work_done(run->progress.work_done);
     progress.set_started(run->started);
   }
-  if (scene_bad()) send_failure();
+  for (auto& [id, job] : jobs_) {
+    if (job.bad()) send_failure(job);
+  }
   next_heartbeat_ = now + milliseconds(welcome_.heartbeat_ms());
 }
 
@@ -300,7 +388,7 @@ void WorkerSession::on_tick(Time now) {
     say_hello(now);
   }
   if (welcomed_ && now >= next_heartbeat_) send_heartbeat(now);
-  fetch_more(now);
+  for (auto& [id, job] : jobs_) fetch_more(job, now);
 }
 
 Time WorkerSession::next_deadline() const {
@@ -310,8 +398,10 @@ Time WorkerSession::next_deadline() const {
   if (options_.orphan_timeout != Time::max()) {
     next = std::min(next, last_heard_ + options_.orphan_timeout);
   }
-  const auto fetch = cache_.fetch().next_deadline();
-  if (fetch && job_ != 0 && !building_ && !renderer_ && !scene_bad()) next = std::min(next, *fetch);
+  for (const auto& [id, job] : jobs_) {
+    const auto fetch = job.fetches() ? job.fetch.next_deadline() : std::nullopt;
+    if (fetch) next = std::min(next, *fetch);
+  }
   return next;
 }
 

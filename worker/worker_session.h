@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -25,6 +27,7 @@ struct SessionOptions {
   Time orphan_timeout = Time::max();
   uint64_t blob_budget_bytes = uint64_t{4} << 30;
   SceneCache::Sources blob_sources{};
+  uint64_t spool_bytes = uint64_t{256} << 20;  ///< of results, while the coordinator is away
 };
 
 /// What the session wants done, in order.
@@ -56,9 +59,9 @@ struct Quit {
 using SessionAction = std::variant<SendMessage, ConnectBulk, Reconnect, StartBuild, StartTrace,
                                    LookForBlob, KeepBlob, Quit>;
 
-/// The worker's side of the protocol: says hello until it is welcomed, gathers the job's blobs, has
-/// the scene built and tiles traced, sends their bands, tells each second what it holds, and comes
-/// anew when the coordinator is silent. Has no socket, thread or clock.
+/// The worker's side of the protocol: says hello until it is welcomed, gathers the jobs' blobs, has
+/// their scenes built and tiles traced, sends their bands, tells each second what it holds, and
+/// comes anew when the coordinator is silent. Has no socket, thread or clock.
 class WorkerSession {
  public:
   WorkerSession(SessionOptions options, Time now);
@@ -79,20 +82,40 @@ class WorkerSession {
   void leave(const std::string& reason);
 
  private:
+  /// A job whose scene is gathered, built and then traced, or has failed.
+  struct Job {
+    v1::JobStart start;
+    BlobFetch fetch;
+    bool building = false;
+    v1::SceneFailed failure;  ///< job 0: it has not failed
+    double build_seconds = 0;
+    std::shared_ptr<const TileRenderer> renderer;
+
+    bool bad() const { return failure.job() != 0; }
+    bool fetches() const { return !renderer && !building && !bad(); }
+  };
+
   void say_hello(Time now);
   void on_welcome(const v1::Welcome& welcome, Time now);
+  void on_bulk(const v1::Envelope& message, Time now);
+  void on_chunk(const v1::BlobChunk& chunk);
+  void on_place(Job& job, const v1::BlobPlace& place);
   void on_job_start(const v1::JobStart& start, Time now);
   void on_assign(const v1::Assign& assign);
-  void cancel_all();
-  void forget_job();
-  void on_chunk(const v1::BlobChunk& chunk);
-  void fetch_more(Time now);
-  void scene_failed(const std::string& text, ExitCode code);
-  bool scene_bad() const { return failure_.job() != 0; }
-  void send_failure();
-  void send_ready();
+  void on_cancel_tile(const v1::CancelTile& cancel);
+  void cancel_runs(uint64_t job);
+  void forget_job(uint64_t job);
+  void forget_jobs();
+  /// Drops jobs of which nothing is traced until the scenes of the rest have room.
+  bool make_room(const v1::JobStart& start);
+  void fetch_more(Job& job, Time now);
+  void scene_failed(Job& job, const std::string& text, ExitCode code);
+  void send_failure(Job& job);
+  void send_ready(const Job& job);
   void send_heartbeat(Time now);
   void send_result(v1::Envelope message);
+  struct Result;
+  void forget_results(const std::function<bool(const Result&)>& which);
   v1::Envelope& send(Channel channel = Channel::control);
 
   SessionOptions options_;
@@ -102,17 +125,17 @@ class WorkerSession {
   v1::Welcome welcome_;
   Time last_heard_, next_hello_, next_heartbeat_{};
   Time hello_pause_;
-  // The job.
-  uint64_t job_ = 0;  ///< 0: none
-  v1::FrameSettings frame_;
-  std::string start_;  ///< the JobStart that told it
-  bool building_ = false;
-  v1::SceneFailed failure_;  ///< job 0: it has not failed
-  double build_seconds_ = 0;
-  std::shared_ptr<const TileRenderer> renderer_;
+  std::map<uint64_t, Job> jobs_;
   SceneCache cache_;
-  std::map<uint64_t, std::shared_ptr<TraceRun>> runs_;  ///< by lease; what the worker holds
-  std::deque<v1::Envelope> unsent_;                     ///< results made while not welcomed
+  using LeaseOfJob = std::pair<uint64_t, uint64_t>;
+  std::map<LeaseOfJob, std::shared_ptr<TraceRun>> runs_;  ///< by job and lease; what it holds
+  /// What the coordinator may not have yet: made while it was away, or sent just before.
+  struct Result {
+    uint64_t number = 0;
+    v1::Envelope message;
+  };
+  std::deque<Result> results_;
+  uint64_t results_made_ = 0, result_bytes_ = 0;  ///< in all; in results_
 };
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstring>
+#include <utility>
 
 #include "proto/transport/zmq_sockets.h"
 
@@ -52,7 +53,11 @@ void HandshakeMonitor::read() {
     if (parts[0].size() < sizeof event + sizeof value) continue;
     std::memcpy(&event, parts[0].data(), sizeof event);
     std::memcpy(&value, parts[0].data<char>() + sizeof event, sizeof value);
-    trouble_ = trouble_of(event, value);
+    auto trouble = trouble_of(event, value);
+    // Who refuses may hang up before the other side has read why: what is certain stays.
+    const bool is_vague = trouble && !trouble->refused;
+    if (is_vague && trouble_ && trouble_->refused) continue;
+    trouble_ = std::move(trouble);
   }
 }
 

@@ -106,13 +106,4 @@ bool decode_band(const v1::TileBand& band, int width, std::vector<float>& values
   return crc32c(bytes) == band.pixel_crc();
 }
 
-std::optional<v1::KeptTile> parse_kept_tile(std::string_view bytes) {
-  v1::KeptTile tile;
-  const bool fits = bytes.size() <= static_cast<size_t>(std::numeric_limits<int>::max());
-  if (!fits || !tile.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
-    return std::nullopt;
-  }
-  return tile;
-}
-
 }  // namespace tessera

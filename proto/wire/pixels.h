@@ -26,7 +26,4 @@ std::vector<v1::TileBand> encode_bands(std::span<const float> values, int width,
 /// nothing was allocated.
 bool decode_band(const v1::TileBand& band, int width, std::vector<float>& values);
 
-/// From what SerializeAsString() made of it; nothing if it is damaged.
-std::optional<v1::KeptTile> parse_kept_tile(std::string_view bytes);
-
 }  // namespace tessera

@@ -1,8 +1,15 @@
 #include "renderer/accel/bvh_kernels.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <string>
+#include <string_view>
 
+#include "base/error.h"
 #include "renderer/shapes/triangle.h"
 
 // This file is compiled once for each instruction set. The sets named here add nothing we use.
@@ -289,6 +296,18 @@ std::vector<BvhKernels> kernels_of_machine() {
   return list;
 }
 
+BvhKernels chosen_kernels() {
+  const char* const wanted = std::getenv("TESSERA_SIMD");
+  if (!wanted) return all_kernels().front();
+  std::vector<std::string> names;
+  for (const BvhKernels& code : all_kernels()) {
+    if (std::string_view(code.name) == wanted) return code;
+    names.emplace_back(code.name);
+  }
+  throw usage_error(fmt::format("TESSERA_SIMD: '{}'; expected one of {}{}", wanted,
+                                fmt::join(names, ", "), suggestion(wanted, names)));
+}
+
 }  // namespace
 
 std::span<const BvhKernels> all_kernels() {
@@ -296,7 +315,10 @@ std::span<const BvhKernels> all_kernels() {
   return all;
 }
 
-const BvhKernels& kernels() { return all_kernels().front(); }
+const BvhKernels& kernels() {
+  static const BvhKernels chosen = chosen_kernels();
+  return chosen;
+}
 
 }  // namespace tessera
 #endif  // HWY_ONCE

@@ -41,8 +41,9 @@ struct InstanceTree {
 
 inline constexpr size_t kPacketSize = 32;
 
-/// Traversal compiled for each instruction set; `kernels()` is the best that this machine has. All
-/// return the same bits.
+/// Traversal compiled for each instruction set; `kernels()` is the best that this machine has, or
+/// that which TESSERA_SIMD names in the environment (usage_error where this machine has it not).
+/// All return the same bits.
 struct BvhKernels {
   bool (*mesh_closest)(const MeshTree&, const Ray&, Hit&, TraversalCounters&);
   bool (*mesh_any)(const MeshTree&, const Ray&, TraversalCounters&);

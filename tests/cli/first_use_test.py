@@ -21,7 +21,8 @@ nodes { keys { time: 0 transform { } } keys { time: 1 transform { steps { transl
 
 class Help(TesseraTest):
     def test_lines_fit(self):
-        for command in ["", "render", "serve", "worker", "convert", "info", "compare", "bench",
+        for command in ["", "render", "serve", "worker", "submit", "status", "pause", "resume",
+                        "cancel", "fetch", "convert", "info", "compare", "bench",
                         "bench rays", "bench octree", "bench farm"]:
             for line in self.run_program("help", *command.split()).out.splitlines():
                 self.assertLessEqual(len(line), 100, line)
@@ -167,7 +168,7 @@ class Farm(TesseraTest):
                          ".*the coordinator has ended: ")
         served = (self.folder / "serve").read_text()
         self.assertRegex(served, r"(?s)with 1 thread\n.*job \w+ is done, traced in [\d.]+ s\n")
-        self.assertRegex(served, r"job \w+ has come: 960x540 pixels, 1 sample each, \d+ bytes")
+        self.assertRegex(served, r"job 1 has come: 1 frame of 960x540 pixels, 1 sample each, \d+ bytes")
 
     def test_nobody_there(self):
         scene = self.write("scene.tessera", scenes.ONE_SPHERE)

@@ -214,7 +214,7 @@ class KeyedFarm(TesseraTest):
         revoked, stays = self.worker(*self.as_("node")), self.worker(*self.as_("other"))
         wait_until(lambda: self.logged().count("has come, with") == 2, 20, "both workers have come")
         job = self.render_on_farm(*self.as_("alice"), spp=64)
-        self.wait_for_log("has come: 320x240")
+        self.wait_for_log("of 320x240 pixels")
         self.allow("other", "alice")
         self.coordinator.send_signal(signal.SIGHUP)
         self.wait_for_log("lost worker")

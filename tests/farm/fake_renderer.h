@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "coordinator/job.h"
+#include "job/job.h"
 #include "renderer/render/tile_renderer.h"
 
 namespace tessera::testing {

@@ -1,4 +1,5 @@
 // A real worker process that traces the fake renderer: what LocalWorkers starts in tests.
+#include <fcntl.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -19,22 +20,25 @@ namespace {
 
 using namespace tessera;
 
-/// Takes its time, so that tests can do something to it meanwhile. Tile row 0 may be deadly.
+/// Takes its time, so that tests can do something to it meanwhile. Tile row 0 may be deadly, and a
+/// pixel of each tile a lie.
 class SlowRenderer : public TileRenderer {
  public:
-  SlowRenderer(uint32_t seed, int milliseconds, bool deadly)
-      : fake_(seed), milliseconds_(milliseconds), deadly_(deadly) {}
+  SlowRenderer(uint32_t seed, int milliseconds, bool deadly, bool lies)
+      : fake_(seed), milliseconds_(milliseconds), deadly_(deadly), lies_(lies) {}
   std::optional<TilePixels> render(const RenderTask& task, TileProgress& progress) const override {
     if (deadly_ && task.rect.x0 == 0 && task.rect.y0 == 0) std::abort();
     std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds_));
-    return fake_.render(task, progress);
+    auto pixels = fake_.render(task, progress);
+    if (pixels && lies_) pixels->values[pixels->values.size() / 2] += 1;
+    return pixels;
   }
   CounterMap build_counters() const override { return {}; }
 
  private:
   tessera::testing::FakeRenderer fake_;
   int milliseconds_;
-  bool deadly_;
+  bool deadly_, lies_;
 };
 
 }  // namespace
@@ -52,10 +56,17 @@ int main(int argc, char** argv) {
   WorkerOptions worker;
   worker.threads = std::atoi(options["--threads"].c_str());
   const int pause = std::atoi(options["--pause"].c_str());
+  // The first to come lies.
+  bool lies = false;
+  if (options.contains("--lie-once")) {
+    const int file = open(options["--lie-once"].c_str(), O_CREAT | O_EXCL | O_WRONLY, 0600);
+    lies = file >= 0;
+    if (lies) close(file);
+  }
   const bool deadly = options.contains("--deadly");
   worker.make_renderer = [=](const v1::Scene&, const BlobStore&, const v1::FrameSettings& frame,
                              int) {
-    return std::make_shared<SlowRenderer>(frame.seed(), pause, deadly);
+    return std::make_shared<SlowRenderer>(frame.seed(), pause, deadly, lies);
   };
   const auto transport = connect_client(options["--connect"]);
   const std::atomic<bool> never{false};

@@ -67,6 +67,49 @@ TEST(LocalWorkers, RenderAndLeaveNothingBehind) {
   EXPECT_FALSE(std::filesystem::exists(folder));
 }
 
+/// A job with four workers, the first of which lies in every tile.
+JobResult render_with_a_liar(double verify, const JobSpec& job) {
+  std::string folder = (std::filesystem::temp_directory_path() / "tessera-test-XXXXXX").string();
+  EXPECT_NE(mkdtemp(folder.data()), nullptr);
+  LocalWorkerOptions workers = fake_workers(4, 2);
+  workers.extra_arguments.insert(workers.extra_arguments.end(), {"--lie-once", folder + "/liar"});
+  CoordinatorOptions options;
+  options.verify = verify;
+  options.verify_key = 11;
+  Farm farm(workers, options);
+  JobResult result = farm.render(job, nullptr);
+  std::filesystem::remove_all(folder);
+  return result;
+}
+
+TEST(LocalWorkers, OneThatLiesIsSetAsideAndItsTilesAreTracedAgain) {
+  const JobSpec job = make_job(200, 100, 16);
+  for (const double share : {1.0, 0.3}) {
+    const JobResult result = render_with_a_liar(share, job);
+    EXPECT_EQ(result.report.end, JobReport::End::done) << result.report.failure;
+    EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+    EXPECT_EQ(result.report.liars, 1u);
+    EXPECT_GE(result.report.mismatches, 1u);
+    EXPECT_GE(result.report.verified, share < 1 ? 10u : 80u);
+    EXPECT_EQ(result.report.unverified, 0u);
+  }
+}
+
+TEST(LocalWorkers, OneThatLiesAmongTwoFailsTheJobAndBothAreNamed) {
+  std::string folder = (std::filesystem::temp_directory_path() / "tessera-test-XXXXXX").string();
+  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  LocalWorkerOptions workers = fake_workers(2, 2);
+  workers.extra_arguments.insert(workers.extra_arguments.end(), {"--lie-once", folder + "/liar"});
+  CoordinatorOptions options;
+  options.verify = 1;
+  options.lease = std::chrono::seconds(2);
+  Farm farm(workers, options);
+  const JobResult result = farm.render(make_job(100, 60, 16), nullptr);
+  EXPECT_EQ(result.report.end, JobReport::End::failed);
+  EXPECT_THAT(result.report.failure, ::testing::HasSubstr("there is no third to decide"));
+  std::filesystem::remove_all(folder);
+}
+
 TEST(LocalWorkers, OneStoppedBeforeItsHelloIsReplaced) {
   std::string mark = (std::filesystem::temp_directory_path() / "tessera-stop-XXXXXX").string();
   ASSERT_NE(mkdtemp(mark.data()), nullptr);

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <thread>
 
+#include "client/run_remote_job.h"
 #include "coordinator/render_loop.h"
-#include "coordinator/run_remote_job.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
 #include "tests/farm/fake_renderer.h"

@@ -30,6 +30,7 @@ Simulation::Simulation(uint64_t seed,
   options_.epoch = 1;
   options_.host = kHost;
   options_.compress_pixels = draw() < 0.2;
+  options_.verify = draw() < 0.2 ? draw() : 0;
   if (adjust) adjust(faults_, options_);
   const int tile = 4 + static_cast<int>(draw(9));
   job_ = make_job(16 + static_cast<int>(draw(9)), 16 + static_cast<int>(draw(9)), tile);
@@ -133,8 +134,10 @@ void Simulation::crash(uint32_t process, bool noticed, bool own_fault) {
   workers_.erase(process);
   if (!noticed) return;
   at(now_ + draw_time(milliseconds(50)), [this, peer, process, own_fault] {
-    coordinator_->on_process_ended(static_cast<pid_t>(process), own_fault, "simulated", now_);
-    coordinator_->on_peer_gone(peer, now_);
+    with_coordinator([&](Coordinator& c) {
+      c.on_process_ended(static_cast<pid_t>(process), own_fault, "simulated", now_);
+      c.on_peer_gone(peer, now_);
+    });
     deliver();
   });
 }
@@ -271,23 +274,38 @@ void Simulation::perform(Worker& worker) {
 // --------------------------------------------------------------------------------------- network
 
 void Simulation::to_coordinator(Channel channel, const PeerId& peer, const v1::Envelope& message) {
-  coordinator_->on_message(channel, peer, message, now_);
+  with_coordinator([&](Coordinator& c) { c.on_message(channel, peer, message, now_); });
   deliver();
+}
+
+bool Simulation::tell_client(const PeerId& peer, Channel channel, const v1::Envelope& message) {
+  if (peer != "client" || !client_) return false;
+  client_->on_message(channel, message, now_);
+  deliver_client();
+  return true;
+}
+
+Time Simulation::next_client_time() const {
+  return client_ ? client_->next_deadline() : Time::max();
+}
+
+void Simulation::tick_clients() {
+  if (!client_ || now_ < client_->next_deadline()) return;
+  client_->on_tick(now_);
+  deliver_client();
 }
 
 void Simulation::deliver() {
   for (OutgoingMessage& out : coordinator_->take_outgoing()) {
     const Channel channel = out.channel;
     const PeerId peer = out.peer;
+    note_sent(out);
     if (const Worker* worker = find(peer); worker && now_ < worker->cut_until && worker->cut_from) {
       continue;
     }
     const std::function<void(const v1::Envelope&)> arrive = [this, channel,
                                                              peer](const v1::Envelope& message) {
-      if (peer == "client" && client_) {
-        client_->on_message(channel, message, now_);
-        return deliver_client();
-      }
+      if (tell_client(peer, channel, message)) return;
       Worker* worker = find(peer);
       if (!worker) return;
       worker->session->on_message(channel, message, now_);
@@ -320,8 +338,7 @@ Time Simulation::next_time() const {
   for (const auto& [process, worker] : workers_) {
     next = std::min(next, std::max(worker.session->next_deadline(), worker.frozen_until));
   }
-  if (client_) next = std::min(next, client_->next_deadline());
-  return std::max(next, now_);
+  return std::max(std::min(next, next_client_time()), now_);
 }
 
 void Simulation::tick() {
@@ -331,7 +348,7 @@ void Simulation::tick() {
     event.act();
   }
   if (now_ >= coordinator_->next_deadline()) {
-    coordinator_->on_tick(now_);
+    with_coordinator([this](Coordinator& c) { c.on_tick(now_); });
     for (const pid_t process : coordinator_->take_stuck_processes()) {
       crash(static_cast<uint32_t>(process), true, false);
       join();
@@ -348,10 +365,7 @@ void Simulation::tick() {
     worker.session->on_tick(now_);
     perform(worker);
   }
-  if (client_ && now_ >= client_->next_deadline()) {
-    client_->on_tick(now_);
-    deliver_client();
-  }
+  tick_clients();
 }
 
 void Simulation::thaw_all() {
@@ -361,7 +375,7 @@ void Simulation::thaw_all() {
     worker.cut_until = {};
     worker.slowness = std::min(worker.slowness, 1.0);
   }
-  join();
+  if (!faults_.one_alone) join();
 }
 
 void Simulation::submit() {
@@ -387,7 +401,7 @@ std::optional<JobResult> Simulation::run() {
   const Time start = now_;
   submit();
   if (faults_.restarts) at(now_ + draw_time(seconds(5)), [this] { restart_coordinator(); });
-  for (size_t i = 0; i < kWorkersAtStart; ++i)
+  for (size_t i = 0; i < (faults_.one_alone ? 1 : kWorkersAtStart); ++i)
     at(now_ + draw_time(milliseconds(500)), [this] { join(); });
   for (int i = 0; i < faults_.events; ++i) {
     at(now_ + draw_time(draw() < 0.5 ? Time(seconds(2)) : kTroubleTime),

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "client/job_client.h"
 #include "coordinator/coordinator.h"
-#include "coordinator/job_client.h"
 #include "tests/farm/fake_renderer.h"
 #include "worker/worker_session.h"
 
@@ -28,6 +28,7 @@ struct Faults {
   bool one_fails = false;    ///< the first worker fails its first two tiles
   bool one_hangs = false;    ///< the second worker's first tile never ends
   bool one_lies = false;     ///< the third worker's pixels are wrong
+  bool one_alone = false;    ///< there is but one worker
   bool bad_scene = false;    ///< no worker can build the scene
   bool restarts = false;     ///< the coordinator dies once, and another takes its place
 };
@@ -38,6 +39,7 @@ class Simulation {
  public:
   explicit Simulation(uint64_t seed,
                       const std::function<void(Faults&, CoordinatorOptions&)>& adjust = {});
+  virtual ~Simulation() = default;
 
   /// Runs to the end of the job; nothing if it does not end within ten minutes of simulated time.
   std::optional<JobResult> run();
@@ -48,7 +50,19 @@ class Simulation {
   uint64_t messages() const { return messages_; }
   bool trace = false;  ///< tell on standard error what happens
 
- private:
+ protected:
+  // What a simulation of more than one job does otherwise.
+  /// Calls the coordinator.
+  virtual void with_coordinator(const std::function<void(Coordinator&)>& act) {
+    act(*coordinator_);
+  }
+  /// Sees what the coordinator sends.
+  virtual void note_sent(const OutgoingMessage&) {}
+  /// True if that peer is a client of it, which has then heard the message.
+  virtual bool tell_client(const PeerId& peer, Channel channel, const v1::Envelope& message);
+  virtual Time next_client_time() const;
+  virtual void tick_clients();
+
   struct Worker {
     std::unique_ptr<WorkerSession> session;
     PeerId peer;

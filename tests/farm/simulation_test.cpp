@@ -3,10 +3,14 @@
 // there are in all.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <span>
 #include <string>
 
 #include "base/log.h"
+#include "job/tile_grid.h"
 #include "tests/farm/simulation.h"
 
 namespace tessera::testing {
@@ -88,7 +92,7 @@ int flawed(int count, const Adjust& adjust) {
 
 TEST_F(FarmMutation, AWorkerThatLiesIsCaught) {
   int caught = 0;
-  for (uint64_t seed = 1; seed <= 100; ++seed) {
+  for (uint64_t seed = 1; seed <= 400; ++seed) {
     Simulation simulation(seed, [](Faults& faults, CoordinatorOptions&) {
       faults.one_lies = true;
       faults.restarts = false;
@@ -99,7 +103,111 @@ TEST_F(FarmMutation, AWorkerThatLiesIsCaught) {
     ASSERT_TRUE(result);
     if (result->report.mismatches > 0) ++caught;
   }
-  EXPECT_GT(caught, 20);
+  EXPECT_GT(caught, 60);
+}
+
+/// One worker of three lies in all its tiles; `share` of all tiles are verified.
+std::function<void(Faults&, CoordinatorOptions&)> lying(double share, bool in_peace, uint64_t key) {
+  return [=](Faults& faults, CoordinatorOptions& options) {
+    if (in_peace) faults = Faults{};
+    faults.one_lies = true;
+    faults.restarts = faults.bad_scene = false;
+    options.verify = share;
+    options.verify_key = key;
+  };
+}
+
+/// Tiles of the grid of `tile_size` whose pixels are wrong.
+int wrong_tiles(const JobSpec& job, const Film& film) {
+  int wrong = 0;
+  for (const PixelRect& tile : cut_tiles(job.crop, job.tile_size)) {
+    TileProgress progress;
+    const auto right =
+        FakeRenderer(job.frame.seed()).render({tile, 0, job.frame.samples_per_pixel()}, progress);
+    const size_t width = static_cast<size_t>(tile.width()) * kFilmChannels;
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      const size_t row = static_cast<size_t>(y - job.crop.y0) *
+                             static_cast<size_t>(job.crop.width()) * kFilmChannels +
+                         static_cast<size_t>(tile.x0 - job.crop.x0) * kFilmChannels;
+      const auto there = film.values().subspan(row, width);
+      const auto expected =
+          std::span(right->values).subspan(width * static_cast<size_t>(y - tile.y0), width);
+      if (std::ranges::equal(there, expected)) continue;
+      ++wrong;
+      break;
+    }
+  }
+  return wrong;
+}
+
+TEST_F(FarmMutation, WhenAllIsVerifiedALiarChangesNoPicture) {
+  int caught = 0, done = 0, unverified = 0;
+  constexpr int kCount = 1500;
+  for (uint64_t seed = 1; seed <= kCount; ++seed) {
+    const bool in_peace = seed % 3 == 0;
+    Simulation simulation(seed, lying(1, in_peace, seed));
+    const auto result = simulation.run();
+    ASSERT_TRUE(result) << "seed " << seed << " does not end";
+    const JobReport& report = result->report;
+    if (report.end == JobReport::End::done) {
+      ++done;
+      if (report.unverified == 0) {
+        ASSERT_EQ(result->film.pixels_sha256(), expected_sha256(simulation.job())) << seed;
+      }
+      ASSERT_EQ(report.tiles_done, report.tiles_total);
+    } else {
+      // Those who could have decided were gone.
+      ASSERT_FALSE(in_peace) << seed << ": " << report.failure;
+      ASSERT_NE(report.failure.find("no third"), std::string::npos)
+          << seed << ": " << report.failure;
+    }
+    if (report.liars > 0) ++caught;
+    ASSERT_LE(report.liars, 1u) << seed;
+    if (in_peace) {
+      ASSERT_EQ(report.liars, report.mismatches > 0 ? 1u : 0u) << seed;
+      // A worker may trace for longer than a lease what nobody wants of it any more.
+      unverified += report.unverified > 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(caught, kCount / 2);
+  EXPECT_GT(done, kCount * 9 / 10);
+  EXPECT_LT(unverified, kCount / 100);
+}
+
+TEST_F(FarmMutation, ALiarEscapesNoMoreOftenThanThePromise) {
+  constexpr double kShare = 0.2;
+  constexpr int kCount = 600;
+  double promised = 0;
+  int escaped = 0, lied = 0;
+  for (uint64_t seed = 1; seed <= kCount; ++seed) {
+    Simulation without(seed, lying(0, true, 0));
+    const auto unseen = without.run();
+    ASSERT_TRUE(unseen);
+    const int wrong = wrong_tiles(without.job(), unseen->film);
+    if (wrong == 0 || unseen->report.mismatches > 0) continue;
+    ++lied;
+    promised += std::pow(1 - kShare, wrong);
+    Simulation with(seed, lying(kShare, true, seed));
+    const auto result = with.run();
+    ASSERT_TRUE(result);
+    escaped += wrong_tiles(with.job(), result->film) > 0 ? 1 : 0;
+  }
+  ASSERT_GT(lied, kCount / 3);
+  EXPECT_LE(escaped, promised + 4 * std::sqrt(promised));
+  EXPECT_GT(escaped, 0) << "a share of tiles is not all of them";
+}
+
+TEST_F(FarmMutation, OneWorkerAloneIsNotVerifiedAndSaysSo) {
+  Simulation simulation(5, [](Faults& faults, CoordinatorOptions& options) {
+    faults = Faults{};
+    faults.one_alone = true;
+    options.verify = 1;
+  });
+  const auto result = simulation.run();
+  ASSERT_TRUE(result);
+  EXPECT_EQ(flaw(simulation, result), "");
+  EXPECT_EQ(result->report.unverified, result->report.tiles_total);
+  EXPECT_EQ(result->report.verified, 0u);
 }
 
 TEST_F(FarmMutation, WithoutReissueJobsDoNotEnd) {

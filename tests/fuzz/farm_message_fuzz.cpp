@@ -7,8 +7,8 @@
 #include <string>
 
 #include "base/log.h"
+#include "client/job_client.h"
 #include "coordinator/coordinator.h"
-#include "coordinator/job_client.h"
 #include "proto/wire/frame.h"
 #include "tests/farm/fake_renderer.h"
 #include "worker/worker_session.h"

@@ -14,7 +14,8 @@ std::vector<v1::Envelope> all_messages() {
     all.emplace_back();
     all.back().GetReflection()->MutableMessage(&all.back(), descriptor->field(i));
   }
-  all.emplace_back().mutable_job_query()->set_cancel(true);
+  all.emplace_back().mutable_job_query()->set_action(v1::JobQuery::CANCEL);
+  all.emplace_back().mutable_job_query()->set_priority(0);
   all.emplace_back();
   return all;
 }
@@ -25,8 +26,11 @@ std::set<std::string> allowed_to(Role role) {
     if (refuse({role, "x"}, message)) continue;
     const auto* field =
         v1::Envelope::descriptor()->FindFieldByNumber(static_cast<int>(message.message_case()));
-    const bool cancels = message.job_query().cancel();
-    names.insert(field ? field->name() + (cancels ? " cancel" : "") : "nothing");
+    const v1::JobQuery& query = message.job_query();
+    names.insert(field ? field->name() + (query.action() != 0    ? " cancel"
+                                          : query.has_priority() ? " priority"
+                                                                 : "")
+                       : "nothing");
   }
   return names;
 }
@@ -37,9 +41,10 @@ TEST(Permissions, EachRoleSaysWhatItIsThereFor) {
               UnorderedElementsAre("hello", "heartbeat", "tile_band", "tile_failed", "bye",
                                    "scene_ready", "scene_failed", "blob_request"));
   EXPECT_THAT(allowed_to(Role::submitter),
-              UnorderedElementsAre("submit_job", "job_query", "job_query cancel", "job_release",
+              UnorderedElementsAre("submit_job", "job_query", "job_query cancel",
+                                   "job_query priority", "job_list_query", "job_release",
                                    "blob_request", "blob_chunk", "blob_missing"));
-  EXPECT_THAT(allowed_to(Role::viewer), UnorderedElementsAre("job_query"));
+  EXPECT_THAT(allowed_to(Role::viewer), UnorderedElementsAre("job_query", "job_list_query"));
 }
 
 TEST(Permissions, WithoutKeysNothingIsRefused) {

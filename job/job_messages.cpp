@@ -1,4 +1,4 @@
-#include "coordinator/job_messages.h"
+#include "job/job_messages.h"
 
 #include <array>
 #include <utility>
@@ -9,9 +9,10 @@ namespace tessera {
 namespace {
 
 using Total = uint64_t JobReport::*;
-constexpr std::array<std::pair<const char*, Total>, 14> kTotals = {{
+constexpr std::array<std::pair<const char*, Total>, 15> kTotals = {{
     {"tiles_total", &JobReport::tiles_total},
     {"tiles_done", &JobReport::tiles_done},
+    {"tiles_restored", &JobReport::tiles_restored},
     {"retries", &JobReport::retries},
     {"speculative", &JobReport::speculative},
     {"duplicates", &JobReport::duplicates},
@@ -27,6 +28,8 @@ constexpr std::array<std::pair<const char*, Total>, 14> kTotals = {{
 }};
 
 }  // namespace
+
+PixelRect rect_of(const v1::PixelRect& r) { return {r.x0(), r.y0(), r.x1(), r.y1()}; }
 
 v1::JobEnd to_message(const JobReport& report) {
   v1::JobEnd end;

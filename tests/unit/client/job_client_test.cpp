@@ -1,4 +1,4 @@
-#include "coordinator/job_client.h"
+#include "client/job_client.h"
 
 #include <gtest/gtest.h>
 

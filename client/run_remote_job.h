@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/monotonic.h"
-#include "coordinator/job.h"
+#include "job/job.h"
 #include "proto/transport/transport.h"
 
 namespace tessera {

@@ -1,11 +1,9 @@
-#include "coordinator/job_client.h"
+#include "client/job_client.h"
 
 #include <algorithm>
 #include <cstring>
-#include <span>
 
-#include "coordinator/job_messages.h"
-#include "proto/wire/scene_codec.h"
+#include "job/job_messages.h"
 
 namespace tessera {
 namespace {
@@ -18,22 +16,9 @@ constexpr Time kCancelPatience = std::chrono::seconds(2);
 }  // namespace
 
 JobClient::JobClient(const JobSpec& job, uint64_t submission, Time now)
-    : crop_(job.crop), blobs_(job.blobs), last_heard_(now), next_question_(now) {
-  request_.set_submission(submission);
-  for (const auto& [digest, data] : blobs_.all()) {
-    request_.add_blobs(digest.hex());
-    request_.add_blob_sizes(data->size());
-  }
-  const std::string scene = serialize_scene(job.scene);
-  const auto bytes = std::as_bytes(std::span(scene));
-  request_.set_scene_size(scene.size());
-  request_.set_scene_digest(blobs_.put({bytes.begin(), bytes.end()}).hex());
-  *request_.mutable_frame() = job.frame;
-  request_.mutable_crop()->set_x0(crop_.x0);
-  request_.mutable_crop()->set_y0(crop_.y0);
-  request_.mutable_crop()->set_x1(crop_.x1);
-  request_.mutable_crop()->set_y1(crop_.y1);
-  request_.set_tile_size(static_cast<uint32_t>(job.tile_size));
+    : crop_(job.crop), last_heard_(now), next_question_(now) {
+  add_frame(job_, job);
+  job_.request.set_submission(submission);
   on_tick(now);
 }
 
@@ -52,12 +37,12 @@ void JobClient::on_tick(Time now) {
     fetch_film(now);
     next_question_ = now + kAskEvery;
   } else if (status_.state() == v1::JobStatus::UNKNOWN) {
-    *send().mutable_submit_job() = request_;
+    *send().mutable_submit_job() = job_.request;
     next_question_ = now + kSubmitEvery;
   } else {
     v1::JobQuery& query = *send().mutable_job_query();
-    query.set_submission(request_.submission());
-    query.set_cancel(cancelled_.has_value());
+    query.set_submission(job_.request.submission());
+    if (cancelled_) query.set_action(v1::JobQuery::CANCEL);
     next_question_ = now + kAskEvery;
   }
 }
@@ -72,8 +57,8 @@ void JobClient::cancel(Time now) {
 
 void JobClient::finish_interrupted() {
   v1::JobQuery& query = *send().mutable_job_query();
-  query.set_submission(request_.submission());
-  query.set_cancel(true);
+  query.set_submission(job_.request.submission());
+  query.set_action(v1::JobQuery::CANCEL);
   JobReport report;
   report.end = JobReport::End::interrupted;
   report.exit_code = ExitCode::interrupted;
@@ -86,7 +71,7 @@ void JobClient::on_message(Channel channel, const v1::Envelope& message, Time no
   if (message.has_blob_request()) {
     const auto digest = Digest::parse(message.blob_request().digest());
     send(Channel::bulk) =
-        answer_blob_request(message.blob_request(), digest ? blobs_.find(*digest) : nullptr);
+        answer_blob_request(message.blob_request(), digest ? job_.blobs.find(*digest) : nullptr);
   }
   if (channel != Channel::bulk || result_) return;
   if (message.has_blob_chunk()) fetch_.on_chunk(message.blob_chunk(), film_);
@@ -102,7 +87,7 @@ void JobClient::on_message(Channel channel, const v1::Envelope& message, Time no
 }
 
 void JobClient::on_status(const v1::JobStatus& status, Time now) {
-  if (status.submission() != request_.submission() || result_ ||
+  if (status.submission() != job_.request.submission() || result_ ||
       status_.state() == v1::JobStatus::ENDED) {
     return;
   }
@@ -142,7 +127,7 @@ void JobClient::finish(JobReport report) {
       result.report.failure = "the picture could not be fetched: " + fetch_.failure();
     }
   }
-  send().mutable_job_release()->set_submission(request_.submission());
+  send().mutable_job_release()->set_submission(job_.request.submission());
   result_ = std::move(result);
 }
 
@@ -164,6 +149,7 @@ std::string JobClient::waiting_for() const {
     case v1::JobStatus::FETCHING:
       return "the scene to be sent";
     case v1::JobStatus::QUEUED:
+    case v1::JobStatus::PAUSED:
       return "the jobs before this one";
     case v1::JobStatus::RUNNING:
       return status_.workers() == 0 ? "workers" : "";

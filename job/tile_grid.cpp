@@ -1,4 +1,4 @@
-#include "coordinator/tile_grid.h"
+#include "job/tile_grid.h"
 
 #include <fmt/format.h>
 

@@ -1,16 +1,15 @@
-#include "coordinator/run_remote_job.h"
+#include "client/run_remote_job.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <random>
 #include <utility>
 
 #include "base/monotonic.h"
-#include "coordinator/active_job.h"
-#include "coordinator/job_client.h"
+#include "client/job_client.h"
+#include "client/refusal.h"
+#include "job/check_job.h"
 #include "proto/wire/frame.h"
-#include "proto/wire/printable.h"
 
 namespace tessera {
 namespace {
@@ -24,8 +23,7 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
                          const JobSpec& job, const ProgressCallback& progress,
                          const std::atomic<bool>& stop, Time patience) {
   check_job(job);
-  std::random_device random;
-  JobClient client(job, (uint64_t{random()} << 32 | random()) | 1, monotonic_now());
+  JobClient client(job, draw_submission(), monotonic_now());
   Time next_progress{};
   while (true) {
     if (!client.bulk_endpoint().empty()) transport.connect_bulk(client.bulk_endpoint());
@@ -38,18 +36,11 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
     while (const auto received = transport.receive()) {
       const auto message = decode(received->bytes, max_message_bytes(received->channel));
       if (!message) continue;
-      if (message->has_reject()) {
-        throw usage_error(fmt::format("the coordinator at {} refused: {}", endpoint,
-                                      printable(message->reject().text())));
-      }
+      check_not_refused(*message, endpoint);
       client.on_message(received->channel, *message, monotonic_now());
     }
     const Time now = monotonic_now();
-    const auto trouble = transport.trouble();
-    if (trouble && trouble->refused) {
-      throw usage_error(
-          fmt::format("no connection to the coordinator at {}: {}", endpoint, trouble->why));
-    }
+    check_let_in(transport, endpoint);
     if (stop) client.cancel(now);
     if (now >= client.next_deadline()) client.on_tick(now);
     if (progress && now >= next_progress) {
@@ -61,7 +52,7 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
     if (now - client.last_heard() > patience) {
       throw render_error(fmt::format(
           "no word from the coordinator at {} for {} s{}; expected an answer to the job", endpoint,
-          to_seconds(patience), trouble ? ": " + trouble->why : ""));
+          to_seconds(patience), known_trouble(transport)));
     }
   }
 }

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "base/monotonic.h"
-#include "coordinator/job.h"
+#include "client/submitted_job.h"
+#include "job/job.h"
 #include "proto/transport/transport.h"
 #include "proto/wire/blob_transfer.h"
 
@@ -46,9 +47,8 @@ class JobClient {
   void finish_interrupted();
   v1::Envelope& send(Channel channel = Channel::control);
 
-  v1::SubmitJob request_;
+  SubmittedJob job_;
   PixelRect crop_;
-  BlobStore blobs_;
   BlobStore film_;
   BlobFetch fetch_;
   v1::JobStatus status_;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "coordinator/job.h"
+#include "job/job.h"
 #include "proto/tessera/v1/farm.pb.h"
 
 namespace tessera {
@@ -8,5 +8,7 @@ namespace tessera {
 /// A report as it travels to the client, without the film.
 v1::JobEnd to_message(const JobReport& report);
 JobReport from_message(const v1::JobEnd& end);
+
+PixelRect rect_of(const v1::PixelRect& rect);
 
 }  // namespace tessera

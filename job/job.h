@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "coordinator/tile_store.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
@@ -15,6 +14,8 @@
 #include "renderer/film/tile.h"
 
 namespace tessera {
+
+class TileStore;
 
 /// One frame to render. A value; the blobs are shared.
 struct JobSpec {
@@ -24,6 +25,7 @@ struct JobSpec {
   PixelRect crop;     ///< in frame coordinates; the film covers exactly this
   int tile_size = 0;  ///< pixels a side; 0: as kept, or chosen from the frame and the workers
   std::shared_ptr<TileStore> store{};  ///< where finished tiles are kept and found; null: nowhere
+  bool must_keep = false;  ///< where a tile cannot be kept, the frame waits until it can be
 };
 
 /// What became of a job; every number is a total over its life.

@@ -1,0 +1,191 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "base/log.h"
+#include "base/plural.h"
+#include "cli/command_line.h"
+#include "cli/farm_connection.h"
+#include "cli/interrupt.h"
+#include "cli/job_name.h"
+#include "cli/output_settings.h"
+#include "cli/progress_display.h"
+#include "cli/render_options.h"
+#include "cli/say.h"
+#include "client/farm_client.h"
+#include "job/job_messages.h"
+#include "proto/wire/printable.h"
+#include "renderer/image/image_file.h"
+
+namespace tessera {
+namespace {
+
+constexpr char kFooter[] =
+    "Fetches the light of each frame and makes pictures of it as 'tessera render' does; those of "
+    "an\n"
+    "animation go to NAME.NNNN.png. The job stays, so that this can be done again.\n"
+    "Examples:\n"
+    "  tessera fetch 7                                    NAME.png, if it is done\n"
+    "  tessera fetch 7 --wait -o room.png -o room.exr\n"
+    "  tessera fetch 7 -o brighter.png --exposure 1       the same light, another picture\n"
+    "Exit codes are those of 'tessera render'; 3 too where the job has not ended.";
+
+constexpr Time kAskEvery = std::chrono::milliseconds(200);
+
+struct FetchOptions {
+  FarmConnection connection{.endpoint = kDefaultEndpoint};
+  std::string job;
+  std::vector<std::filesystem::path> outputs;
+  OutputOptions output;
+  bool wait = false;
+  bool forget = false;
+  bool quiet = false;
+};
+
+/// One `tessera fetch`.
+class Fetch {
+ public:
+  explicit Fetch(const FetchOptions& options)
+      : options_(options),
+        transport_(connect(options.connection)),
+        client_(*transport_, options.connection.endpoint, interrupted()) {}
+
+  ExitCode run() {
+    query_.set_job(find_job(client_, options_.job));
+    v1::JobStatus status = client_.ask(query_);
+    paths_ = options_.outputs;
+    // The name of a job is text from elsewhere: no folder of it counts.
+    const auto name = std::filesystem::path(printable(status.name())).filename().string();
+    if (paths_.empty()) paths_ = {name + ".png"};
+    for (const auto& path : paths_) {
+      check_writable(status.animation() ? numbered_path(path, status.frame().number()) : path);
+    }
+    ProgressDisplay display(progress_style(stderr, options_.quiet || !options_.wait), stderr, "");
+    uint32_t missing = 0;
+    for (uint32_t frame = 0; frame < status.frames_total(); ++frame) {
+      query_.set_frame(frame);
+      status = client_.ask(query_);
+      while (options_.wait && !status.has_end()) {
+        display.show(progress_of(status));
+        client_.wait(kAskEvery);
+        status = client_.ask(query_);
+      }
+      if (status.has_end()) {
+        write(status);
+      } else {
+        ++missing;
+      }
+    }
+    if (failure_) throw *failure_;
+    if (missing > 0) {
+      throw render_error(fmt::format("job {}: {} of {} not done yet ({} of {} tiles); --wait waits",
+                                     query_.job(), missing, counted(status.frames_total(), "frame"),
+                                     status.tiles_done(), status.tiles_total()));
+    }
+    if (options_.forget) {
+      query_.set_action(v1::JobQuery::FORGET);
+      client_.ask(query_);
+    }
+    return ExitCode::done;
+  }
+
+ private:
+  static JobProgress progress_of(const v1::JobStatus& status) {
+    JobProgress progress;
+    progress.tiles_done = status.tiles_done();
+    progress.tiles_total = status.tiles_total();
+    progress.workers = static_cast<int>(status.workers());
+    progress.elapsed_seconds = status.elapsed_seconds();
+    progress.remaining_seconds = status.remaining_seconds();
+    if (status.state() == v1::JobStatus::PAUSED) progress.waiting_for = "somebody to resume it";
+    if (status.state() == v1::JobStatus::QUEUED) progress.waiting_for = "the jobs before this one";
+    if (status.state() == v1::JobStatus::RUNNING && status.workers() == 0) {
+      progress.waiting_for = "workers";
+    }
+    return progress;
+  }
+
+  /// The first failure counts; whatever else there is of pictures is written.
+  void write(const v1::JobStatus& status) {
+    const JobReport report = from_message(status.end());
+    if (report.end != JobReport::End::done && !failure_) {
+      const std::string why = report.end == JobReport::End::interrupted
+                                  ? fmt::format("job {} was cancelled", status.job())
+                                  : report.failure;
+      failure_ = Error(report.exit_code, why);
+    }
+    if (report.tiles_done == 0) return;
+    const Film film = client_.fetch_film(status);
+    const v1::JobFrame& frame = status.frame();
+    const ImageMetadata metadata{.scene_digest = frame.scene_digest(),
+                                 .seed = frame.settings().seed(),
+                                 .samples_per_pixel = frame.settings().samples_per_pixel(),
+                                 .render_seconds = report.trace_seconds,
+                                 .frame_width = static_cast<int>(frame.settings().width()),
+                                 .frame_height = static_cast<int>(frame.settings().height())};
+    const OutputSettings settings =
+        output_settings(printable(status.name()), frame.output(), options_.output);
+    for (const auto& path : paths_) {
+      const auto place = status.animation() ? numbered_path(path, frame.number()) : path;
+      try {
+        write_image(place, film, settings, metadata);
+      } catch (const Error& error) {
+        if (!failure_) failure_ = error;
+        continue;
+      }
+      if (options_.quiet) continue;
+      say("{}  {}x{}, {} of {} tiles, {} kept from before\n", place.string(), film.width(),
+          film.height(), report.tiles_done, report.tiles_total, report.tiles_restored);
+    }
+    std::fflush(stdout);
+  }
+
+  const FetchOptions& options_;
+  std::unique_ptr<ClientTransport> transport_;
+  FarmClient client_;
+  v1::JobQuery query_;
+  std::vector<std::filesystem::path> paths_;
+  std::optional<Error> failure_;
+};
+
+}  // namespace
+
+void add_fetch_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<FetchOptions>();
+  CLI::App* command = app.add_subcommand("fetch", "Get the pictures of a farm's job");
+  command->footer(kFooter);
+  command->add_option("JOB", options->job, "The job, by its number or name")
+      ->type_name("JOB")
+      ->required();
+  add_connection_options(*command, options->connection);
+  command->add_flag("--wait", options->wait, "Wait for frames that are not done yet");
+  command->add_flag("--forget", options->forget, "Then delete the job, its tiles and its scene");
+  command->add_flag("--quiet", options->quiet, "Print nothing but errors");
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "-o,--output",
+          [options](const std::vector<std::string>& paths) {
+            options->outputs.assign(paths.begin(), paths.end());
+          },
+          "Where to write the picture; the ending names the format. May be given more than once "
+          "[the job's name with .png, in the current folder]")
+      ->type_name("FILE")
+      ->option_text("FILE")
+      ->allow_extra_args(false)
+      ->group("Picture");
+  add_output_options(*command, options->output);
+  command->callback([options, &action] {
+    action = [options] {
+      catch_interrupts();
+      configure_logging("warn", "fetch");
+      return Fetch(*options).run();
+    };
+  });
+}
+
+}  // namespace tessera

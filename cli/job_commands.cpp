@@ -1,0 +1,237 @@
+// status, pause, resume and cancel: questions and orders about jobs of a farm.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "base/log.h"
+#include "base/plural.h"
+#include "cli/command_line.h"
+#include "cli/farm_connection.h"
+#include "cli/interrupt.h"
+#include "cli/job_name.h"
+#include "cli/option_values.h"
+#include "cli/progress_display.h"
+#include "cli/say.h"
+#include "proto/wire/printable.h"
+
+namespace tessera {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+struct JobOptions {
+  FarmConnection connection{.endpoint = kDefaultEndpoint};
+  std::string job;
+  bool as_json = false;
+  bool forget = false;
+  std::optional<int> priority;
+};
+
+/// A connection with what speaks over it.
+struct Connection {
+  explicit Connection(const FarmConnection& farm)
+      : transport(connect(farm)), client(*transport, farm.endpoint, interrupted()) {}
+  std::unique_ptr<ClientTransport> transport;
+  FarmClient client;
+};
+
+std::string state_name(const v1::JobStatus& status) {
+  switch (status.state()) {
+    case v1::JobStatus::QUEUED:
+      return "queued";
+    case v1::JobStatus::RUNNING:
+      return "running";
+    case v1::JobStatus::PAUSED:
+      return "paused";
+    case v1::JobStatus::ENDED:
+      return status.how() == v1::JobEnd::DONE          ? "done"
+             : status.how() == v1::JobEnd::INTERRUPTED ? "cancelled"
+                                                       : "failed";
+    default:
+      return "unknown";
+  }
+}
+
+int percent(const v1::JobStatus& status) {
+  if (status.tiles_total() == 0) return 0;
+  return static_cast<int>(100 * status.tiles_done() / status.tiles_total());
+}
+
+json status_json(const v1::JobStatus& status) {
+  json result;
+  result["job"] = status.job();
+  result["name"] = printable(status.name());
+  result["state"] = state_name(status);
+  result["priority"] = status.priority();
+  result["weight"] = status.weight();
+  result["frames"] = {{"done", status.frames_done()}, {"total", status.frames_total()}};
+  result["tiles"] = {{"done", status.tiles_done()},
+                     {"total", status.tiles_total()},
+                     {"restored", status.tiles_restored()}};
+  result["elapsed_seconds"] = status.elapsed_seconds();
+  const bool known = status.state() == v1::JobStatus::RUNNING && status.remaining_seconds() >= 0;
+  result["remaining_seconds"] = known ? json(status.remaining_seconds()) : json(nullptr);
+  result["exit_code"] =
+      status.state() == v1::JobStatus::ENDED ? json(status.exit_code()) : json(nullptr);
+  result["failure"] = printable(status.failure());
+  return result;
+}
+
+void print_table(const v1::JobList& list) {
+  static constexpr char kRow[] = "{:>5}  {:<9}  {:>8}  {:>9}  {:>15}  {:>5}  {:>9}  {}\n";
+  say(kRow, "job", "state", "priority", "frames", "tiles", "done", "remaining", "name");
+  for (const v1::JobStatus& job : list.jobs()) {
+    const bool runs = job.state() == v1::JobStatus::RUNNING && job.remaining_seconds() >= 0;
+    say(kRow, job.job(), state_name(job), job.priority(),
+        fmt::format("{}/{}", job.frames_done(), job.frames_total()),
+        fmt::format("{}/{}", job.tiles_done(), job.tiles_total()),
+        fmt::format("{} %", percent(job)), runs ? duration_text(job.remaining_seconds()) : "",
+        printable(job.name()));
+  }
+  say("{}\n", counted(list.workers(), "worker"));
+}
+
+void print_job(const v1::JobStatus& job) {
+  const auto line = [](const char* name, const std::string& value) {
+    say("{:<10} {}\n", name, value);
+  };
+  line("job", std::to_string(job.job()));
+  line("name", printable(job.name()));
+  line("state", state_name(job));
+  line("priority", fmt::format("{}, weight {}", job.priority(), job.weight()));
+  line("frames", fmt::format("{} of {}", job.frames_done(), job.frames_total()));
+  line("tiles", fmt::format("{} of {}, {} %", job.tiles_done(), job.tiles_total(), percent(job)));
+  if (job.state() == v1::JobStatus::RUNNING && job.remaining_seconds() >= 0) {
+    line("remaining", duration_text(job.remaining_seconds()));
+  }
+  if (!job.failure().empty()) {
+    line(job.state() == v1::JobStatus::ENDED ? "failure" : "waits", printable(job.failure()));
+  }
+  if (job.state() != v1::JobStatus::ENDED) line("workers", std::to_string(job.workers()));
+}
+
+ExitCode show_status(const JobOptions& options) {
+  catch_interrupts();
+  configure_logging("warn", "status");
+  Connection connection(options.connection);
+  if (options.job.empty()) {
+    const v1::JobList list = connection.client.list();
+    if (!options.as_json) {
+      print_table(list);
+      return ExitCode::done;
+    }
+    json result{{"jobs", json::array()}, {"workers", list.workers()}};
+    for (const v1::JobStatus& job : list.jobs()) result["jobs"].push_back(status_json(job));
+    say("{}\n", result.dump(2));
+    return ExitCode::done;
+  }
+  v1::JobQuery query;
+  query.set_job(find_job(connection.client, options.job));
+  const v1::JobStatus status = connection.client.ask(query);
+  if (options.as_json) {
+    say("{}\n", status_json(status).dump(2));
+  } else {
+    print_job(status);
+  }
+  return ExitCode::done;
+}
+
+ExitCode order(const JobOptions& options, v1::JobQuery::Action action) {
+  catch_interrupts();
+  configure_logging("warn", "order");
+  Connection connection(options.connection);
+  v1::JobQuery query;
+  query.set_job(find_job(connection.client, options.job));
+  query.set_action(action);
+  if (options.priority) query.set_priority(*options.priority);
+  const v1::JobStatus status = connection.client.ask(query);
+  const bool ended = status.state() == v1::JobStatus::ENDED;
+  const bool stopped = ended && status.how() == v1::JobEnd::INTERRUPTED;
+  if (ended && !(action == v1::JobQuery::CANCEL && (stopped || options.forget))) {
+    throw usage_error(fmt::format("JOB: job {} is {}; expected one that has not ended",
+                                  status.job(), state_name(status)));
+  }
+  if (!status.failure().empty() && !ended) {
+    throw render_error(printable(status.failure()));
+  }
+  if (options.forget) {
+    query.set_action(v1::JobQuery::FORGET);
+    if (connection.client.ask(query).state() != v1::JobStatus::UNKNOWN) {
+      throw render_error(fmt::format("job {} could not be forgotten", query.job()));
+    }
+    say("job {} is forgotten\n", query.job());
+  } else {
+    say("job {} is {}\n", status.job(), state_name(status));
+  }
+  return ExitCode::done;
+}
+
+void add_job_argument(CLI::App& command, JobOptions& options, bool required) {
+  command.add_option("JOB", options.job, "The job, by its number or name")
+      ->type_name("JOB")
+      ->required(required);
+  add_connection_options(command, options.connection);
+}
+
+void add_status_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<JobOptions>();
+  CLI::App* command = app.add_subcommand("status", "What a farm's jobs are at");
+  command->footer(
+      "Examples:\n"
+      "  tessera status                  all jobs\n"
+      "  tessera status 7                one of them\n"
+      "  tessera status 7 --json | jq .state");
+  add_job_argument(*command, *options, false);
+  command->add_flag("--json", options->as_json, "As one JSON object");
+  command->callback([options, &action] { action = [options] { return show_status(*options); }; });
+}
+
+void add_order(CLI::App& app, Action& action, const char* name, const std::string& text,
+               const std::string& footer, v1::JobQuery::Action what) {
+  auto options = std::make_shared<JobOptions>();
+  CLI::App* command = app.add_subcommand(name, text);
+  command->footer(footer);
+  add_job_argument(*command, *options, true);
+  if (what == v1::JobQuery::CANCEL) {
+    command->add_flag("--forget", options->forget, "Delete the job too, and its tiles");
+  } else {
+    command
+        ->add_option_function<std::string>(
+            "--priority",
+            [options](const std::string& typed) {
+              options->priority = static_cast<int>(parse_whole("--priority", typed, -1000, 1000));
+            },
+            "And from now on this priority [as before]")
+        ->type_name("N");
+  }
+  command->callback(
+      [options, what, &action] { action = [options, what] { return order(*options, what); }; });
+}
+
+}  // namespace
+
+void add_job_commands(CLI::App& app, Action& action) {
+  add_status_command(app, action);
+  add_order(app, action, "pause", "Give out no more tiles of a job",
+            "Tiles that workers hold are finished and kept.\n"
+            "Example:\n"
+            "  tessera pause 7",
+            v1::JobQuery::PAUSE);
+  add_order(app, action, "resume", "Go on with a job that was paused",
+            "Examples:\n"
+            "  tessera resume 7\n"
+            "  tessera resume 7 --priority 10     go on, before all others",
+            v1::JobQuery::RESUME);
+  add_order(app, action, "cancel", "End a job now",
+            "Tiles that are done can still be fetched, with holes marked.\n"
+            "Examples:\n"
+            "  tessera cancel 7\n"
+            "  tessera cancel 7 --forget          and delete what there is of it",
+            v1::JobQuery::CANCEL);
+}
+
+}  // namespace tessera

@@ -1,0 +1,46 @@
+#include "cli/job_name.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <vector>
+
+#include "base/error.h"
+#include "base/plural.h"
+#include "proto/wire/printable.h"
+
+namespace tessera {
+namespace {
+
+std::optional<uint64_t> whole(const std::string& text) {
+  uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool all = error == std::errc() && end == text.data() + text.size();
+  return all ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace
+
+uint64_t find_job(FarmClient& client, const std::string& text) {
+  const v1::JobList list = client.list();
+  const auto number = whole(text);
+  uint64_t found = 0;
+  std::vector<std::string> names;
+  for (const v1::JobStatus& job : list.jobs()) {
+    names.push_back(printable(job.name()));
+    if (number ? job.job() == *number : job.name() == text) found = job.job();
+  }
+  if (found != 0) return found;
+  if (list.jobs().empty()) throw usage_error(fmt::format("JOB: '{}': there are no jobs", text));
+  const std::string there =
+      fmt::format("there are {}, from {} to {}", counted(list.jobs_size(), "job"),
+                  list.jobs(0).job(), list.jobs(list.jobs_size() - 1).job());
+  const bool forgotten = number && *number >= 1 && *number <= list.last();
+  throw usage_error(fmt::format("JOB: '{}' is {}; {}{}", text, forgotten ? "forgotten" : "no job",
+                                there, number ? "" : suggestion(text, names)));
+}
+
+}  // namespace tessera

@@ -1,0 +1,150 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <set>
+
+#include "base/file.h"
+#include "base/log.h"
+#include "base/plural.h"
+#include "cli/command_line.h"
+#include "cli/farm_connection.h"
+#include "cli/interrupt.h"
+#include "cli/job_name.h"
+#include "cli/load_frame.h"
+#include "cli/option_values.h"
+#include "cli/output_settings.h"
+#include "cli/picture_warnings.h"
+#include "cli/render_options.h"
+#include "cli/say.h"
+#include "client/farm_client.h"
+#include "job/check_job.h"
+#include "proto/transport/zmq_transport.h"
+#include "proto/wire/frame.h"
+#include "proto/wire/printable.h"
+
+namespace tessera {
+namespace {
+
+constexpr char kFooter[] =
+    "Prints the job's number, and returns once the coordinator has the whole scene: it sends only\n"
+    "what the coordinator lacks. The job goes on without this command.\n"
+    "Examples:\n"
+    "  tessera submit room.x3d --size 1920x1080 --spp 64\n"
+    "  tessera submit walk.x3d --frames 1-240 --priority 5 --connect tcp://127.0.0.1:7117\n"
+    "  job=$(tessera submit room.x3d --quiet) && tessera fetch $job --wait -o room.png";
+
+struct SubmitOptions {
+  RenderOptions render;
+  FarmConnection connection{.endpoint = kDefaultEndpoint};
+  std::string name;
+  int priority = 0;
+  int weight = 1;
+};
+
+/// Reads all that is to be rendered.
+SubmittedJob gather(const SubmitOptions& options) {
+  const RenderOptions& render = options.render;
+  if (render.frames && render.time) {
+    throw usage_error("--time: a frame of --frames has its own instant; expected one of the two");
+  }
+  check_input_file(render.scene, UINT64_MAX);
+  SubmittedJob job;
+  job.request.set_submission(draw_submission());
+  job.request.set_detached(true);
+  job.request.set_priority(options.priority);
+  job.request.set_weight(static_cast<uint32_t>(options.weight));
+  job.request.set_animation(render.frames.has_value());
+  job.request.set_name(options.name.empty() ? std::filesystem::path(render.scene).stem().string()
+                                            : options.name);
+  const FrameRange range = render.frames.value_or(FrameRange{0, 0});
+  LoadedScene loaded;
+  std::set<std::string> warned;
+  for (int frame = range.first; frame <= range.last; ++frame) {
+    if (frame == range.first || loaded.depends_on_frame) loaded = load_frame(render, frame);
+    for (const auto& warnings : {loaded.warnings, picture_warnings(render, loaded)}) {
+      for (const std::string& warning : warnings) {
+        if (render.quiet || !warned.insert(warning).second) continue;
+        say(stderr, "tessera: warning: {}\n", warning);
+      }
+    }
+    JobSpec spec;
+    spec.scene = loaded.scene;
+    spec.blobs = loaded.blobs;
+    spec.frame =
+        frame_settings(render, loaded.scene, render.frames ? std::optional(frame) : std::nullopt);
+    spec.crop = crop_window(render, spec.frame);
+    spec.tile_size = render.tile_size;
+    check_job(spec);
+    const v1::Output output = with_options(loaded.scene.settings().output(), render.output);
+    if (output_settings(render.scene, output, render.output).color_management) {
+      throw usage_error("--ocio-...: no job keeps these; expected them at 'tessera fetch'");
+    }
+    add_frame(job, spec, frame, output);
+  }
+  if (job.request.ByteSizeLong() > max_message_bytes(Channel::control) / 2) {
+    throw usage_error(
+        fmt::format("--frames: {} frames; expected fewer in one job", job.request.frames_size()));
+  }
+  return job;
+}
+
+ExitCode submit(const SubmitOptions& options) {
+  catch_interrupts();
+  configure_logging("warn", "submit");
+  const SubmittedJob job = gather(options);
+  const auto transport = connect(options.connection);
+  FarmClient client(*transport, options.connection.endpoint, interrupted());
+  const v1::JobStatus status = client.submit(job);
+  if (status.job() == 0) {
+    const auto code = static_cast<ExitCode>(std::min<uint32_t>(status.exit_code(), 4));
+    throw Error(code == ExitCode::done ? ExitCode::render_failed : code,
+                printable(status.failure()));
+  }
+  say("{}\n", status.job());
+  std::fflush(stdout);
+  if (options.render.quiet) return ExitCode::done;
+  const v1::PixelRect& crop = status.crop();
+  say(stderr, "job {}: {}, {} of {}x{} pixels; sent {} of {}, {} bytes\n", status.job(),
+      printable(status.name()), counted(status.frames_total(), "frame"), crop.x1() - crop.x0(),
+      crop.y1() - crop.y0(), client.blobs_sent(), counted(job.blobs.size(), "blob"),
+      client.bytes_sent());
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_submit_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<SubmitOptions>();
+  CLI::App* command =
+      app.add_subcommand("submit", "Hand a scene to a farm, which renders it on its own");
+  command->footer(kFooter);
+  add_scene_options(*command, options->render);
+  constexpr char kGroup[] = "Who does the work";
+  add_connection_options(*command, options->connection, kGroup);
+  const auto number = [&](const char* name, int& value, int least, int most,
+                          const std::string& text) {
+    command
+        ->add_option_function<std::string>(
+            name,
+            [name, &value, least, most](const std::string& typed) {
+              value = static_cast<int>(parse_whole(name, typed, least, most));
+            },
+            text)
+        ->type_name("N")
+        ->group(kGroup);
+  };
+  number("--priority", options->priority, -1000, 1000,
+         "Jobs of larger numbers go first, from -1000 to 1000 [0]");
+  number("--weight", options->weight, 1, 1000,
+         "Its share of the workers among jobs of the same priority [1]");
+  command->add_option("--name", options->name, "What to call the job [SCENE's name]")
+      ->type_name("NAME")
+      ->group(kGroup);
+  command->add_flag("--quiet", options->render.quiet, "Print nothing but the number and errors")
+      ->group("Report");
+  command->callback([options, &action] { action = [options] { return submit(*options); }; });
+}
+
+}  // namespace tessera

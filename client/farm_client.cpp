@@ -1,0 +1,177 @@
+#include "client/farm_client.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <utility>
+
+#include "base/error.h"
+#include "client/refusal.h"
+#include "proto/wire/blob_transfer.h"
+#include "proto/wire/frame.h"
+
+namespace tessera {
+namespace {
+
+constexpr Time kAskAgain = std::chrono::seconds(1);
+constexpr std::chrono::milliseconds kLongestWait{50};
+
+}  // namespace
+
+FarmClient::FarmClient(ClientTransport& transport, std::string endpoint,
+                       const std::atomic<bool>& stop, Time patience)
+    : transport_(transport),
+      endpoint_(std::move(endpoint)),
+      stop_(stop),
+      patience_(patience),
+      last_heard_(monotonic_now()) {}
+
+void FarmClient::receive(const Handler& handle, bool& done) {
+  while (const auto received = transport_.receive()) {
+    const auto message = decode(received->bytes, max_message_bytes(received->channel));
+    if (!message) continue;
+    last_heard_ = monotonic_now();
+    check_not_refused(*message, endpoint_);
+    done |= handle(received->channel, *message);
+  }
+}
+
+void FarmClient::converse(const v1::Envelope& question, const Handler& done) {
+  Time ask = monotonic_now();
+  last_heard_ = ask;
+  for (bool finished = false; !finished;) {
+    const Time now = monotonic_now();
+    if (now >= ask) {
+      transport_.send(Channel::control, encode(question));
+      ask = now + kAskAgain;
+    }
+    transport_.wait(kLongestWait);
+    receive(done, finished);
+    check_let_in(transport_, endpoint_);
+    if (stop_) throw Error(ExitCode::interrupted, "interrupted");
+    if (now - last_heard_ > patience_) {
+      throw render_error(
+          fmt::format("no word from the coordinator at {} for {} s{}; expected an answer",
+                      endpoint_, to_seconds(patience_), known_trouble(transport_)));
+    }
+  }
+}
+
+v1::JobStatus FarmClient::submit(const SubmittedJob& job) {
+  v1::Envelope question;
+  *question.mutable_submit_job() = job.request;
+  v1::JobStatus result;
+  converse(question, [&](Channel, const v1::Envelope& message) {
+    if (message.has_blob_request()) {
+      const auto digest = Digest::parse(message.blob_request().digest());
+      const v1::Envelope answer =
+          answer_blob_request(message.blob_request(), digest ? job.blobs.find(*digest) : nullptr);
+      bytes_sent_ += answer.blob_chunk().data().size();
+      if (answer.has_blob_chunk() && answer.blob_chunk().offset() == 0) ++blobs_sent_;
+      transport_.send(Channel::bulk, encode(answer));
+    }
+    if (!message.has_job_status() ||
+        message.job_status().submission() != job.request.submission()) {
+      return false;
+    }
+    result = message.job_status();
+    transport_.connect_bulk(result.bulk_endpoint());
+    return result.state() != v1::JobStatus::UNKNOWN && result.state() != v1::JobStatus::FETCHING;
+  });
+  return result;
+}
+
+v1::JobStatus FarmClient::ask(const v1::JobQuery& query) {
+  v1::Envelope question;
+  *question.mutable_job_query() = query;
+  v1::JobStatus result;
+  converse(question, [&](Channel, const v1::Envelope& message) {
+    if (!message.has_job_status()) return false;
+    const v1::JobStatus& status = message.job_status();
+    const bool same = query.submission() != 0 ? status.submission() == query.submission()
+                                              : status.job() == query.job();
+    if (same) result = status;
+    return same;
+  });
+  return result;
+}
+
+v1::JobList FarmClient::list() {
+  v1::JobList all;
+  bool more = true;
+  while (more) {
+    v1::Envelope question;
+    const uint64_t after = all.jobs().empty() ? 0 : all.jobs(all.jobs_size() - 1).job();
+    question.mutable_job_list_query()->set_after(after);
+    converse(question, [&](Channel, const v1::Envelope& message) {
+      if (!message.has_job_list()) return false;
+      const v1::JobList& part = message.job_list();
+      // An answer to the question before, asked twice.
+      if (!part.jobs().empty() && part.jobs(0).job() <= after) return false;
+      more = part.more();
+      for (const v1::JobStatus& job : part.jobs()) *all.add_jobs() = job;
+      all.set_workers(part.workers());
+      all.set_threads(part.threads());
+      all.set_last(part.last());
+      return true;
+    });
+  }
+  return all;
+}
+
+Film FarmClient::fetch_film(const v1::JobStatus& status) {
+  const v1::PixelRect& r = status.crop();
+  const PixelRect crop{r.x0(), r.y0(), r.x1(), r.y1()};
+  const auto digest = Digest::parse(status.end().film_digest());
+  const bool sane = !crop.empty() && crop.width() <= kMaxFrameSide &&
+                    crop.height() <= kMaxFrameSide && crop.area() <= kMaxFramePixels;
+  const uint64_t size =
+      sane ? static_cast<uint64_t>(crop.area()) * kFilmChannels * sizeof(float) : 0;
+  if (!digest || !sane || status.end().film_size() != size) {
+    throw render_error("there is no picture; expected one that can be fetched");
+  }
+  transport_.connect_bulk(status.bulk_endpoint());
+  BlobFetch fetch;
+  fetch.want(*digest, size);
+  BlobStore store;
+  last_heard_ = monotonic_now();
+  while (!fetch.finished()) {
+    for (v1::BlobRequest& request : fetch.requests(monotonic_now())) {
+      v1::Envelope message;
+      *message.mutable_blob_request() = std::move(request);
+      transport_.send(Channel::bulk, encode(message));
+    }
+    transport_.wait(kLongestWait);
+    bool ignored = false;
+    receive(
+        [&](Channel, const v1::Envelope& message) {
+          if (message.has_blob_chunk()) fetch.on_chunk(message.blob_chunk(), store);
+          if (message.has_blob_missing()) fetch.on_missing(message.blob_missing());
+          return false;
+        },
+        ignored);
+    if (!fetch.failure().empty()) {
+      throw render_error("the picture could not be fetched: " + fetch.failure());
+    }
+    check_let_in(transport_, endpoint_);
+    if (stop_) throw Error(ExitCode::interrupted, "interrupted");
+    if (monotonic_now() - last_heard_ > patience_) {
+      throw render_error(fmt::format("no word from the coordinator at {}", endpoint_));
+    }
+  }
+  Film film(crop);
+  std::memcpy(film.values().data(), store.find(*digest)->data(), static_cast<size_t>(size));
+  return film;
+}
+
+void FarmClient::wait(Time time) {
+  const Time end = monotonic_now() + time;
+  while (monotonic_now() < end && !stop_) {
+    transport_.wait(kLongestWait);
+    bool ignored = false;
+    receive([](Channel, const v1::Envelope&) { return false; }, ignored);
+  }
+  if (stop_) throw Error(ExitCode::interrupted, "interrupted");
+}
+
+}  // namespace tessera

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/monotonic.h"
+#include "client/submitted_job.h"
+#include "proto/tessera/v1/farm.pb.h"
+#include "proto/transport/transport.h"
+#include "renderer/film/film.h"
+
+namespace tessera {
+
+/// Asks a coordinator one thing after the other and waits for each answer. Throws render_error
+/// where it is silent for `patience`, and Error with ExitCode::interrupted once `stop` is set. Used
+/// by one thread.
+class FarmClient {
+ public:
+  /// Errors call the coordinator behind `transport` `endpoint`.
+  FarmClient(ClientTransport& transport, std::string endpoint, const std::atomic<bool>& stop,
+             Time patience = std::chrono::seconds(15));
+
+  /// Hands the job over: returns once the coordinator has all of it, or has refused it.
+  v1::JobStatus submit(const SubmittedJob& job);
+  /// Of blobs, by submit().
+  uint64_t bytes_sent() const { return bytes_sent_; }
+  uint64_t blobs_sent() const { return blobs_sent_; }
+
+  /// The status of that job, after what the query asks for was done; UNKNOWN: there is no such job.
+  v1::JobStatus ask(const v1::JobQuery& query);
+  /// All jobs. `jobs` of the result has them all.
+  v1::JobList list();
+  /// The film of a frame that has ended. Throws render_error where it is not to be had.
+  Film fetch_film(const v1::JobStatus& status);
+  /// Lets some time pass.
+  void wait(Time time);
+
+ private:
+  using Handler = std::function<bool(Channel, const v1::Envelope&)>;
+  /// Sends `question`, again each second until `done` is true of what came.
+  void converse(const v1::Envelope& question, const Handler& done);
+  void receive(const Handler& handle, bool& done);
+
+  ClientTransport& transport_;
+  std::string endpoint_;
+  const std::atomic<bool>& stop_;
+  Time patience_;
+  Time last_heard_;
+  uint64_t bytes_sent_ = 0, blobs_sent_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,28 @@
+#include "client/refusal.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "proto/wire/printable.h"
+
+namespace tessera {
+
+void check_not_refused(const v1::Envelope& message, const std::string& endpoint) {
+  if (!message.has_reject()) return;
+  throw usage_error(fmt::format("the coordinator at {} refused: {}", endpoint,
+                                printable(message.reject().text())));
+}
+
+void check_let_in(const ClientTransport& transport, const std::string& endpoint) {
+  const auto trouble = transport.trouble();
+  if (!trouble || !trouble->refused) return;
+  throw usage_error(
+      fmt::format("no connection to the coordinator at {}: {}", endpoint, trouble->why));
+}
+
+std::string known_trouble(const ClientTransport& transport) {
+  const auto trouble = transport.trouble();
+  return trouble ? ": " + trouble->why : "";
+}
+
+}  // namespace tessera

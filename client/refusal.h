@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "proto/tessera/v1/farm.pb.h"
+#include "proto/transport/transport.h"
+
+namespace tessera {
+
+/// Throws usage_error if that is a coordinator's word that our key is not for what we asked.
+void check_not_refused(const v1::Envelope& message, const std::string& endpoint);
+/// Throws usage_error if the coordinator at `endpoint` does not let us in.
+void check_let_in(const ClientTransport& transport, const std::string& endpoint);
+/// ": why" for what is wrong with the connection, as far as that is known.
+std::string known_trouble(const ClientTransport& transport);
+
+}  // namespace tessera

@@ -1,0 +1,175 @@
+#include "coordinator/store/sqlite_job_store.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <fstream>
+#include <random>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "proto/wire/kept.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+using Statement = SqliteDatabase::Statement;
+
+namespace {
+
+constexpr int kApplicationId = 0x5445534a;  // "TESJ"
+
+/// The folder, with all that must be in it before the database is opened.
+const fs::path& made(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder / "blobs", error);
+  if (error) {
+    throw usage_error(fmt::format("--store: '{}': {}; expected a folder to write to",
+                                  folder.string(), error.message()));
+  }
+  return folder;
+}
+
+std::string_view text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
+
+SqliteJobStore::SqliteJobStore(const fs::path& folder)
+    : folder_(made(folder)),
+      database_(folder / "farm.db", {.application_id = kApplicationId,
+                                     .format = 1,
+                                     .what = "a store that no other coordinator uses",
+                                     .fails = "cannot keep jobs and tiles"}),
+      tiles_(database_) {
+  database_.execute("CREATE TABLE IF NOT EXISTS jobs (job INTEGER PRIMARY KEY, kept BLOB)");
+  database_.execute(
+      "CREATE TABLE IF NOT EXISTS ends (job INT, frame INT, kept BLOB, PRIMARY KEY (job, frame))");
+  database_.execute("CREATE TABLE IF NOT EXISTS numbers (name TEXT PRIMARY KEY, value INT)");
+  const SqliteDatabase::Flushed flushed(database_);
+  if (number("farm") == 0) {
+    std::random_device random;
+    set_number("farm", (uint64_t{random()} << 31 | random()) | 1);
+  }
+  farm_ = number("farm");
+  // Before anybody is served: what an earlier coordinator said is told apart from now on.
+  set_number("epoch", number("epoch") + 1);
+  epoch_ = number("epoch");
+}
+
+uint64_t SqliteJobStore::number(const char* name) {
+  Statement row(database_, "SELECT value FROM numbers WHERE name = ?");
+  return row.bind(std::string_view(name)).step() ? static_cast<uint64_t>(row.integer(0)) : 0;
+}
+
+void SqliteJobStore::set_number(const char* name, uint64_t value) {
+  Statement(database_, "INSERT OR REPLACE INTO numbers VALUES (?, ?)")
+      .bind(std::string_view(name))
+      .bind(std::bit_cast<int64_t>(value))
+      .step();
+}
+
+std::vector<v1::KeptJob> SqliteJobStore::jobs() {
+  std::vector<v1::KeptJob> jobs;
+  Statement rows(database_, "SELECT job, kept FROM jobs ORDER BY job");
+  while (rows.step()) {
+    auto kept = parse_kept_job(rows.blob(1));
+    if (!kept || kept->job() != static_cast<uint64_t>(rows.integer(0))) {
+      throw render_error(fmt::format("'{}': job {} cannot be read; expected what was written",
+                                     folder_.string(), rows.integer(0)));
+    }
+    Statement ends(database_, "SELECT frame, kept FROM ends WHERE job = ? ORDER BY frame");
+    ends.bind(rows.integer(0));
+    while (ends.step()) {
+      // A frame whose end cannot be read ends again, from its tiles.
+      auto end = parse_job_end(ends.blob(1));
+      if (!end) continue;
+      v1::KeptJob::End& added = *kept->add_ends();
+      added.set_frame(static_cast<uint32_t>(ends.integer(0)));
+      *added.mutable_end() = std::move(*end);
+    }
+    jobs.push_back(std::move(*kept));
+  }
+  return jobs;
+}
+
+uint64_t SqliteJobStore::last_job() { return number("last_job"); }
+
+void SqliteJobStore::save(const v1::KeptJob& job) {
+  v1::KeptJob without_ends = job;
+  without_ends.clear_ends();
+  const std::string kept = without_ends.SerializeAsString();
+  const SqliteDatabase::Flushed flushed(database_);
+  // The number first: one that is skipped does no harm, one that is given twice would.
+  if (job.job() > last_job()) set_number("last_job", job.job());
+  Statement(database_, "INSERT OR REPLACE INTO jobs VALUES (?, ?)")
+      .bind(static_cast<int64_t>(job.job()))
+      .bind_blob(kept)
+      .step();
+}
+
+void SqliteJobStore::save_end(uint64_t job, const v1::KeptJob::End& end) {
+  const std::string kept = end.end().SerializeAsString();
+  Statement(database_, "INSERT OR REPLACE INTO ends VALUES (?, ?, ?)")
+      .bind(static_cast<int64_t>(job))
+      .bind(int64_t{end.frame()})
+      .bind_blob(kept)
+      .step();
+}
+
+void SqliteJobStore::remove(uint64_t job, const std::vector<Digest>& tile_keys,
+                            const std::vector<Digest>& blobs) {
+  // The job first: what else is left behind by a kill is found by keep_only_blobs(), or is tiles
+  // that the same frame would take up again.
+  for (const char* text : {"DELETE FROM jobs WHERE job = ?", "DELETE FROM ends WHERE job = ?"}) {
+    Statement(database_, text).bind(static_cast<int64_t>(job)).step();
+  }
+  for (const Digest& key : tile_keys) tiles_.drop_all(key);
+  for (const Digest& blob : blobs) {
+    std::error_code ignored;
+    fs::remove(blob_path(blob), ignored);
+  }
+}
+
+fs::path SqliteJobStore::blob_path(const Digest& digest) const {
+  return folder_ / "blobs" / digest.hex();
+}
+
+bool SqliteJobStore::has_blob(const Digest& digest) {
+  std::error_code ignored;
+  return fs::exists(blob_path(digest), ignored);
+}
+
+void SqliteJobStore::put_blob(const Digest& digest, const BlobData& data) {
+  if (!has_blob(digest)) write_output_file(blob_path(digest), text_of(*data));
+}
+
+BlobData SqliteJobStore::find_blob(const Digest& digest) {
+  std::ifstream file(blob_path(digest), std::ios::binary | std::ios::ate);
+  if (!file) return nullptr;
+  std::vector<std::byte> bytes(static_cast<size_t>(std::max<std::streamoff>(0, file.tellg())));
+  file.seekg(0);
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (!file || Digest::of(bytes) != digest) {
+    // So that whoever has it is asked for it again.
+    std::error_code ignored;
+    fs::remove(blob_path(digest), ignored);
+    return nullptr;
+  }
+  return std::make_shared<const Blob>(std::move(bytes));
+}
+
+void SqliteJobStore::keep_only_blobs(const std::unordered_set<Digest>& digests) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder_ / "blobs", ignored)) {
+    const auto digest = Digest::parse(entry.path().filename().string());
+    // What has no such name was being written when its writer was killed.
+    if (!digest || !digests.contains(*digest)) fs::remove(entry.path(), ignored);
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+
+#include "coordinator/job_store.h"
+#include "coordinator/store/sqlite_database.h"
+#include "coordinator/store/tile_table.h"
+#include "proto/tessera/v1/farm.pb.h"
+
+namespace tessera {
+
+/// A folder with jobs and finished tiles in SQLite (farm.db) and each blob a file by its digest
+/// (blobs/). What was written survives the end of the process at any instant.
+class SqliteJobStore : public JobStore {
+ public:
+  /// Opens the folder or makes it, and counts one epoch more. Throws usage_error where it cannot be
+  /// used, another coordinator uses it, or it is something else.
+  explicit SqliteJobStore(const std::filesystem::path& folder);
+
+  uint64_t farm() const override { return farm_; }
+  uint64_t epoch() const override { return epoch_; }
+
+  std::vector<v1::KeptJob> jobs() override;
+  uint64_t last_job() override;
+  void save(const v1::KeptJob& job) override;
+  void save_end(uint64_t job, const v1::KeptJob::End& end) override;
+  void remove(uint64_t job, const std::vector<Digest>& tile_keys,
+              const std::vector<Digest>& blobs) override;
+
+  bool has_blob(const Digest& digest) override;
+  void put_blob(const Digest& digest, const BlobData& data) override;
+  BlobData find_blob(const Digest& digest) override;
+  void keep_only_blobs(const std::unordered_set<Digest>& digests) override;
+
+  void keep(const Digest& key, const FinishedTile& tile) override { tiles_.keep(key, tile); }
+  void drop(const Digest& key, const PixelRect& tile) override { tiles_.drop(key, tile); }
+  std::vector<FinishedTile> find(const Digest& key) override { return tiles_.find(key); }
+
+ private:
+  std::filesystem::path blob_path(const Digest& digest) const;
+  uint64_t number(const char* name);
+  void set_number(const char* name, uint64_t value);
+
+  std::filesystem::path folder_;
+  SqliteDatabase database_;
+  TileTable tiles_;
+  uint64_t farm_ = 0, epoch_ = 0;
+};
+
+}  // namespace tessera

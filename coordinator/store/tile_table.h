@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "coordinator/store/sqlite_database.h"
+#include "coordinator/tile_store.h"
+
+namespace tessera {
+
+/// The table of finished tiles in a database, which must outlive it: as TileStore.
+class TileTable {
+ public:
+  explicit TileTable(SqliteDatabase& database);
+
+  void keep(const Digest& key, const FinishedTile& tile);
+  void drop(const Digest& key, const PixelRect& tile);
+  void drop_all(const Digest& key);
+  std::vector<FinishedTile> find(const Digest& key);
+
+ private:
+  SqliteDatabase& database_;
+};
+
+}  // namespace tessera

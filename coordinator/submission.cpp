@@ -1,0 +1,90 @@
+#include "coordinator/submission.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "proto/wire/scene_codec.h"
+#include "renderer/film/tile.h"
+
+namespace tessera {
+namespace {
+
+/// At one go, so that workers do not wait for a long animation to be read.
+constexpr uint64_t kReadBytes = uint64_t{4} << 20;
+constexpr size_t kMaxBlobs = size_t{1} << 18;
+
+uint64_t saturating_sum(uint64_t a, uint64_t b) {
+  constexpr uint64_t kMost = std::numeric_limits<uint64_t>::max();
+  return a > kMost - b ? kMost : a + b;
+}
+
+uint64_t film_bytes(const v1::SubmitJob& request) {
+  const v1::PixelRect& crop = request.crop();
+  const int64_t width = int64_t{crop.x1()} - crop.x0(), height = int64_t{crop.y1()} - crop.y0();
+  if (width <= 0 || height <= 0 || width > kMaxFrameSide || height > kMaxFrameSide) return 0;
+  constexpr int64_t kPixelBytes = kFilmChannels * sizeof(float);
+  return static_cast<uint64_t>(width * height * kPixelBytes * request.frames_size());
+}
+
+}  // namespace
+
+Submission::Submission(v1::SubmitJob request, JobStore& store, Time now)
+    : last_heard(now), request_(std::move(request)), fetch_(request_.submission()) {
+  status.set_submission(request_.submission());
+  status.set_state(v1::JobStatus::FETCHING);
+  if (request_.submission() == 0) {
+    throw usage_error("submission 0; expected a number that was drawn");
+  }
+  claimed_bytes_ = film_bytes(request_);
+  for (const v1::JobFrame& frame : request_.frames()) {
+    const auto digest = Digest::parse(frame.scene_digest());
+    if (!digest) throw usage_error("a submission without a scene; expected its digest");
+    if (needed_.contains(*digest)) continue;
+    want(*digest, frame.scene_size(), store);
+    unread_.push_back(*digest);
+  }
+}
+
+void Submission::want(const Digest& digest, uint64_t size, JobStore& store) {
+  if (!needed_.insert(digest).second) return;
+  claimed_bytes_ = saturating_sum(claimed_bytes_, size);
+  scene_bytes_ = saturating_sum(scene_bytes_, size);
+  if (!store.has_blob(digest)) fetch_.want(digest, size);
+}
+
+void Submission::read_scene(const Digest& digest, JobStore& store) {
+  const BlobData bytes = store.find_blob(digest);
+  if (!bytes) throw render_error("a scene is damaged in the coordinator's store; submit it again");
+  const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  const auto scene = parse_scene(text);
+  const auto blobs = scene ? referenced_blobs(*scene) : std::nullopt;
+  // Its digest names the scene only in the one form that all write.
+  if (!blobs || serialize_scene(*scene) != text)
+    throw scene_error("the submitted bytes are no scene");
+  for (const v1::BlobRef& blob : *blobs) want(*Digest::parse(blob.digest()), blob.size(), store);
+  if (needed_.size() > kMaxBlobs) throw scene_error("a submission of too many blobs");
+}
+
+std::vector<v1::BlobRequest> Submission::advance(JobStore& store, Time now) {
+  for (const auto& [digest, data] : pulled_.all()) store.put_blob(digest, data);
+  pulled_ = {};
+  uint64_t read = 0;
+  while (!unread_.empty() && read < kReadBytes && store.has_blob(unread_.front())) {
+    const Digest digest = unread_.front();
+    unread_.pop_front();
+    read_scene(digest, store);
+    constexpr uint64_t kLeast = 4096;
+    read += kLeast;
+  }
+  if (!fetch_.failure().empty()) throw render_error(fetch_.failure());
+  return fetch_.requests(now);
+}
+
+std::vector<Digest> Submission::blobs() const {
+  std::vector<Digest> result(needed_.begin(), needed_.end());
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+}  // namespace tessera

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "base/error.h"
+#include "base/monotonic.h"
+#include "coordinator/job_store.h"
+#include "proto/tessera/v1/farm.pb.h"
+#include "proto/transport/transport.h"
+#include "proto/wire/blob_transfer.h"
+
+namespace tessera {
+
+/// What a client has submitted, until the store has all of it: pulls the scenes, reads which blobs
+/// they need, and pulls those that the store lacks.
+class Submission {
+ public:
+  /// Throws usage_error for a request that names its scenes wrongly.
+  Submission(v1::SubmitJob request, JobStore& store, Time now);
+
+  const v1::SubmitJob& request() const { return request_; }
+  /// What it may come to take: its scenes, its blobs as far as they are known, and its films.
+  uint64_t claimed_bytes() const { return claimed_bytes_; }
+  uint64_t scene_bytes() const { return scene_bytes_; }
+
+  void on_chunk(const v1::BlobChunk& chunk) { fetch_.on_chunk(chunk, pulled_); }
+  void on_missing(const v1::BlobMissing& missing) { fetch_.on_missing(missing); }
+  /// Puts what came into the store, and reads a few scenes of it. What to ask the client for now.
+  /// Throws Error where that cannot go on.
+  std::vector<v1::BlobRequest> advance(JobStore& store, Time now);
+  bool finished() const { return unread_.empty() && fetch_.finished(); }
+  /// Of all its frames, the scenes among them; once it is finished.
+  std::vector<Digest> blobs() const;
+
+  // For whoever keeps it.
+  PeerId peer;
+  Time last_heard;
+  v1::JobStatus status;  ///< FETCHING, or ENDED where it failed
+
+ private:
+  void want(const Digest& digest, uint64_t size, JobStore& store);
+  void read_scene(const Digest& digest, JobStore& store);
+
+  v1::SubmitJob request_;
+  uint64_t claimed_bytes_ = 0, scene_bytes_ = 0;
+  BlobFetch fetch_;
+  BlobStore pulled_;
+  std::deque<Digest> unread_;  ///< scenes
+  std::unordered_set<Digest> needed_;
+};
+
+}  // namespace tessera

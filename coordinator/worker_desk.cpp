@@ -1,0 +1,398 @@
+#include "coordinator/worker_desk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "base/log.h"
+#include "base/plural.h"
+#include "proto/wire/printable.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kMaxFailuresOfWorker = 3;
+
+}  // namespace
+
+WorkerDesk::WorkerDesk(const CoordinatorOptions& options, JobTable& jobs)
+    : options_(options), jobs_(jobs), workers_(options_) {}
+
+v1::Envelope& WorkerDesk::send(const PeerId& peer) {
+  outgoing_.push_back({peer, {}});
+  return outgoing_.back().message;
+}
+
+std::vector<WorkerDesk::Outgoing> WorkerDesk::take_outgoing() {
+  return std::exchange(outgoing_, {});
+}
+
+// -------------------------------------------------------------------------------------- messages
+
+void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Time now) {
+  if (message.has_hello()) return on_hello(peer, message.hello(), now);
+  WorkerRecord* const worker = workers_.by_peer(peer);
+  if (!worker) {
+    send(peer).mutable_hello_request();
+    return;
+  }
+  // Nothing but a set-aside id is refused after its hello was accepted.
+  if (auto reject = workers_.judge(worker->hello)) {
+    *send(peer).mutable_reject() = std::move(*reject);
+    return;
+  }
+  if (message.has_bye()) {
+    if (message.bye().session() == worker->hello.session()) {
+      lose(*worker, LossCause::left, printable(message.bye().reason()), now);
+    }
+    return;
+  }
+  workers_.heard(*worker, now);
+  for (ActiveJob* job : jobs_.running()) {
+    job->scheduler().set_suspect(worker->id, false);
+    job->note_worker(worker->id);
+  }
+  switch (message.message_case()) {
+    case v1::Envelope::kHeartbeat:
+      return on_heartbeat(*worker, message.heartbeat(), now);
+    case v1::Envelope::kTileBand:
+      if (ActiveJob* job = jobs_.running(message.tile_band().job())) {
+        on_band(*worker, *job, message.tile_band(), now);
+      }
+      return;
+    case v1::Envelope::kTileFailed:
+      return on_tile_failed(*worker, message.tile_failed(), now);
+    case v1::Envelope::kSceneReady:
+      if (message.scene_ready().session() == worker->hello.session()) {
+        on_ready(*worker, message.scene_ready(), now);
+      }
+      return;
+    case v1::Envelope::kSceneFailed:
+      return on_scene_failed(*worker, message.scene_failed());
+    default:
+      return;  // not for a coordinator, or of a newer minor version
+  }
+}
+
+void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, Time now) {
+  if (auto reject = workers_.judge(hello)) {
+    spdlog::warn("refused a worker: {}", reject->text());
+    *send(peer).mutable_reject() = std::move(*reject);
+    return;
+  }
+  const auto greeting = workers_.greet(peer, hello, now);
+  if (!greeting.worker) return;
+  WorkerRecord& worker = *greeting.worker;
+  if (greeting.anew && hello.session() == 1) {
+    ++counters_.workers_seen;
+    spdlog::info("worker {} has come, with {}", worker.name(), counted(hello.threads(), "thread"));
+  }
+  v1::Welcome& welcome = *send(peer).mutable_welcome();
+  welcome.set_epoch(options_.epoch);
+  welcome.set_farm(options_.farm != 0 ? options_.farm : options_.epoch);
+  welcome.set_session(hello.session());
+  const auto milliseconds = [](Time time) {
+    return static_cast<uint32_t>(
+        std::chrono::duration_cast<std::chrono::milliseconds>(time).count());
+  };
+  welcome.set_heartbeat_ms(milliseconds(options_.heartbeat));
+  welcome.set_lost_after_ms(milliseconds(options_.lost_after));
+  welcome.set_compress_pixels(options_.compress_pixels);
+  welcome.set_bulk_endpoint(options_.bulk_endpoint);
+  // Not before the welcome: what follows from it tells of jobs, and who is not welcomed yet does
+  // not listen.
+  for (ActiveJob* job : jobs_.running()) {
+    job->note_worker(worker.id);
+    if (greeting.anew) act(*job, job->scheduler().leave(worker.id, LossCause::left, now), now);
+  }
+  fill(worker, now);
+}
+
+void WorkerDesk::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now) {
+  if (heartbeat.session() != worker.hello.session()) return;
+  v1::Ping& ping = *send(worker.peer).mutable_ping();
+  ping.set_session(heartbeat.session());
+  ping.set_results(heartbeat.results());
+  look_at_jobs(worker, heartbeat, now);
+  std::map<uint64_t, std::vector<LeaseProgress>> held;
+  for (const auto& entry : heartbeat.progress()) {
+    held[entry.job()].push_back({entry.lease(), entry.work_done(), entry.started()});
+  }
+  worker.foreign = 0;
+  for (ActiveJob* job : jobs_.running()) {
+    SchedulerEvents events;
+    worker.foreign += job->scheduler().report(worker.id, held[job->id()], now, events);
+    held.erase(job->id());
+    act(*job, events, now);
+  }
+  // What is left is of jobs that are no more: it is cancelled, but runs as yet.
+  for (const auto& [job, leases] : held) worker.foreign += leases.size();
+  fill(worker, now);
+}
+
+void WorkerDesk::look_at_jobs(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now) {
+  std::map<uint64_t, bool> has;
+  for (const auto& entry : heartbeat.jobs()) {
+    has[entry.job()] = entry.ready();
+    if (const ActiveJob* job = jobs_.running(entry.job())) {
+      // It has it from a coordinator before us.
+      if (!worker.jobs.contains(entry.job())) tell(worker, *job, now);
+      continue;
+    }
+    send(worker.peer).mutable_cancel_job()->set_job(entry.job());
+    worker.jobs.erase(entry.job());
+  }
+  for (auto& [id, known] : worker.jobs) {
+    const auto it = has.find(id);
+    const bool ready = it != has.end() && it->second;
+    // It has forgotten the job, or what told it was lost; or its SceneReady was, and told the job
+    // again it repeats that, with all that belongs to it.
+    if (it != has.end() && ready == known.ready) continue;
+    if (now - known.told < options_.heartbeat) continue;
+    known.ready = false;
+    if (const ActiveJob* job = jobs_.running(id)) tell(worker, *job, now);
+  }
+}
+
+void WorkerDesk::tell(WorkerRecord& worker, const ActiveJob& job, Time now) {
+  *send(worker.peer).mutable_job_start() = job.start_message();
+  worker.jobs[job.id()].told = now;
+}
+
+void WorkerDesk::on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now) {
+  ActiveJob* const job = jobs_.running(ready.job());
+  if (!job) return;
+  worker.jobs[ready.job()].ready = true;
+  job->assembler().note_build_counters(ready.counters());
+  // Not a number fails the comparison, and is left out.
+  double& longest = job->report().build_seconds;
+  if (ready.build_seconds() > longest) longest = ready.build_seconds();
+  job->scheduler().join(worker.id);
+  fill(worker, now);
+}
+
+void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBand& band, Time now) {
+  TileScheduler& scheduler = job.scheduler();
+  const uint32_t tile = TileScheduler::tile_of(band.lease());
+  if (!scheduler.issued(band.lease(), worker.id) && !scheduler.adopt(band.lease(), worker.id)) {
+    spdlog::warn("worker {} sent pixels under a lease that it was not given", worker.name());
+    return;
+  }
+  // What else it sent of that tile before it heard of it.
+  const auto& disputed = scheduler.disputed_by(tile);
+  if (std::find(disputed.begin(), disputed.end(), worker.id) != disputed.end()) return;
+  const bool was_complete = tile < job.assembler().tiles().size() && job.assembler().complete(tile);
+  BandResult result = job.assembler().add(band, worker.id);
+  if (!result.valid) {
+    spdlog::warn("worker {} sent a damaged band of tile {}", worker.name(), tile);
+    return act(job, scheduler.fail(band.lease(), worker.id, now), now);
+  }
+  job.report().bytes_results += band.pixels().size();
+  counters_.bytes_results += band.pixels().size();
+  worker.bytes_results += band.pixels().size();
+  job.note_result(now);
+  if (result.duplicate_tile) ++job.report().duplicates;
+  if (result.duplicate_tile) ++counters_.duplicates;
+  if (result.mismatch) return on_mismatch(job, std::move(*result.mismatch), now);
+  act(job, job.note_band(band, worker.id, was_complete), now);
+  if (result.completed_tile) on_completed(worker, job, band.lease(), now);
+  if (band.last()) fill(worker, now);
+}
+
+void WorkerDesk::on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId lease, Time now) {
+  const uint32_t tile = TileScheduler::tile_of(lease);
+  const auto completion = job.complete(tile, lease, worker.id, now);
+  const double seconds = to_seconds(completion.events.took.value_or(Time{}));
+  job.note_tile_seconds(tile, seconds);
+  ++counters_.tiles_done;
+  counters_.tile_seconds += seconds;
+  ++worker.tiles_done;
+  worker.tile_seconds += seconds;
+  act(job, completion.events, now);
+  if (completion.conviction) convict(job, *completion.conviction, now);
+  if (const auto& about = completion.undecided) {
+    job.fail(ExitCode::render_failed,
+             fmt::format("tile {}: workers {}, {} and {} traced three different pictures; expected "
+                         "the same bits",
+                         tile, name_of(about->first), name_of(about->second), worker.name()));
+  }
+}
+
+std::string WorkerDesk::name_of(WorkerId id) {
+  if (id == kFromStore) return "(before)";
+  const WorkerRecord* worker = workers_.by_id(id);
+  return worker ? worker->name() : "(forgotten)";
+}
+
+void WorkerDesk::convict(ActiveJob& job, const Conviction& conviction, Time now) {
+  const Mismatch& about = conviction.dispute;
+  const WorkerId right = about.first == conviction.wrong ? about.second : about.first;
+  const std::string what = fmt::format(
+      "worker {} traced wrong pixels in row {} of tile {}, as workers {} and {} agree",
+      name_of(conviction.wrong), about.row, about.tile, name_of(right), name_of(conviction.judge));
+  spdlog::error("{}; it is set aside, and all its tiles are traced again", what);
+  ++job.report().liars;
+  set_aside(conviction.wrong, what, now);
+  // What is kept from before is of this job alone.
+  const auto jobs = conviction.wrong == kFromStore ? std::vector{&job} : jobs_.running();
+  for (ActiveJob* each : jobs) act(*each, each->redo_tiles_of(conviction.wrong), now);
+}
+
+void WorkerDesk::on_mismatch(ActiveJob& job, Mismatch mismatch, Time now) {
+  ++job.report().mismatches;
+  ++counters_.mismatches;
+  const bool again = !job.scheduler().disputed_by(mismatch.tile).empty();
+  const std::string what = fmt::format(
+      "tile {} from row {}: workers {} and {} traced different "
+      "pixels; expected the same bits",
+      mismatch.tile, mismatch.row, name_of(mismatch.first), name_of(mismatch.second));
+  spdlog::error("{}", what);
+  const auto events = job.dispute(std::move(mismatch), now);
+  if (again) return job.fail(ExitCode::render_failed, what);
+  act(job, events, now);
+}
+
+void WorkerDesk::fail_undecided(ActiveJob& job, Time now) {
+  const auto tile = job.scheduler().undecided(now);
+  if (!tile) return;
+  const auto& by = job.scheduler().disputed_by(*tile);
+  job.fail(ExitCode::render_failed,
+           fmt::format("tile {}: workers {} and {} traced different pixels, and there is no "
+                       "third to decide",
+                       *tile, name_of(by[0]), name_of(by[1])));
+}
+
+void WorkerDesk::on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now) {
+  ActiveJob* const job = jobs_.running(failed.job());
+  if (!job) return;
+  const std::string text = printable(failed.text());
+  spdlog::warn("worker {} failed tile {}: {}", worker.name(), failed.tile(), text);
+  job->report().failure = text;
+  act(*job, job->scheduler().fail(failed.lease(), worker.id, now), now);
+}
+
+void WorkerDesk::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed) {
+  ActiveJob* const job = jobs_.running(failed.job());
+  if (!job) return;
+  const std::string text = printable(failed.text());
+  if (!job->scene_failed_at(worker.id)) {
+    spdlog::info("worker {} could not build the scene: {}", worker.name(), text);
+  }
+  std::vector<WorkerId> present;
+  for (const WorkerRecord* other : workers_.present()) present.push_back(other->id);
+  const bool bad = failed.exit_code() == static_cast<uint32_t>(ExitCode::bad_scene);
+  job->note_scene_failure(worker.id, bad ? ExitCode::bad_scene : ExitCode::render_failed, text,
+                          present);
+}
+
+// --------------------------------------------------------------------------------------- workers
+
+void WorkerDesk::on_peer_gone(const PeerId& peer, Time now) {
+  WorkerRecord* worker = workers_.by_peer(peer);
+  if (!worker || worker->peer != peer) return;
+  lose(*worker, LossCause::vanished, "its connection is gone", now);
+}
+
+void WorkerDesk::on_process_ended(pid_t process, bool crashed, const std::string& how, Time now) {
+  WorkerRecord* worker = workers_.by_process(process);
+  if (worker) lose(*worker, crashed ? LossCause::crashed : LossCause::vanished, how, now);
+}
+
+void WorkerDesk::lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now) {
+  if (worker.state == WorkerState::lost) return;
+  if (cause != LossCause::left) spdlog::warn("lost worker {}: {}", worker.name(), how);
+  workers_.lose(worker);
+  if (cause != LossCause::left) ++counters_.workers_lost;
+  for (ActiveJob* job : jobs_.running()) {
+    job->note_lost_worker();
+    act(*job, job->scheduler().leave(worker.id, cause, now), now);
+  }
+}
+
+void WorkerDesk::set_aside(WorkerId id, const std::string& cause, Time now) {
+  if (id == kFromStore) return;
+  workers_.set_aside(id, cause);
+  ++counters_.workers_set_aside;
+  WorkerRecord* const worker = workers_.by_id(id);
+  if (!worker) return;
+  const auto reject = workers_.judge(worker->hello);
+  if (reject) *send(worker->peer).mutable_reject() = *reject;
+  lose(*worker, LossCause::left, "it is set aside", now);
+}
+
+void WorkerDesk::judge_failures(WorkerRecord& worker, Time now) {
+  if (++worker.failures < kMaxFailuresOfWorker || worker.state == WorkerState::lost) return;
+  const auto present = workers_.present();
+  const bool others = std::any_of(present.begin(), present.end(), [&](const WorkerRecord* other) {
+    return other != &worker && other->failures < kMaxFailuresOfWorker;
+  });
+  // The last one is kept, for want of a better.
+  if (!others) return;
+  set_aside(worker.id,
+            fmt::format("worker {} failed {} tiles; expected none", worker.name(), worker.failures),
+            now);
+}
+
+void WorkerDesk::on_tick(Time now) {
+  const auto silence = workers_.check(now);
+  for (WorkerRecord* worker : silence.suspects) {
+    for (ActiveJob* job : jobs_.running()) job->scheduler().set_suspect(worker->id, true);
+  }
+  for (WorkerRecord* worker : silence.lost) {
+    // A process of ours that is stopped would never come back by itself.
+    note_stuck(*worker);
+    lose(*worker, LossCause::vanished, "no word from it for too long", now);
+  }
+  for (ActiveJob* job : jobs_.running()) {
+    const SchedulerEvents events = job->scheduler().expire(now);
+    for (const WorkerId id : events.blamed) {
+      if (const WorkerRecord* worker = workers_.by_id(id)) note_stuck(*worker);
+    }
+    act(*job, events, now);
+    fail_undecided(*job, now);
+    if (const size_t count = job->scheduler().abandon_checks(now)) {
+      spdlog::warn("{} could not be verified: there is no second worker", counted(count, "tile"));
+    }
+  }
+  fill(now);
+}
+
+void WorkerDesk::note_stuck(const WorkerRecord& worker) {
+  if (worker.hello.host() != options_.host) return;
+  stuck_.push_back(static_cast<pid_t>(worker.hello.process_id()));
+}
+
+std::vector<pid_t> WorkerDesk::take_stuck_processes() { return std::exchange(stuck_, {}); }
+
+void WorkerDesk::describe(FarmSnapshot& snapshot, Time now) const {
+  snapshot.counters = counters_;
+  for (const auto& [id, worker] : workers_.all()) {
+    FarmSnapshot::Worker& shown = snapshot.workers.emplace_back();
+    shown.id = id;
+    shown.name = worker.name();
+    shown.state = worker.state == WorkerState::active    ? FarmSnapshot::WorkerState::active
+                  : worker.state == WorkerState::suspect ? FarmSnapshot::WorkerState::suspect
+                                                         : FarmSnapshot::WorkerState::lost;
+    shown.threads = worker.hello.threads();
+    shown.credit = worker.hello.credit();
+    shown.tiles_held = held_by(worker);
+    shown.scenes = worker.jobs.size();
+    shown.tiles_done = worker.tiles_done;
+    shown.tile_seconds = worker.tile_seconds;
+    shown.bytes_results = worker.bytes_results;
+    shown.failures = worker.failures;
+    shown.silent_seconds = to_seconds(now - worker.last_heard);
+    shown.connected_seconds = to_seconds(now - worker.came);
+  }
+}
+
+void WorkerDesk::shut_down(const std::string& reason) {
+  for (const WorkerRecord* worker : workers_.present()) {
+    send(worker->peer).mutable_shutdown()->set_reason(reason);
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/monotonic.h"
+#include "coordinator/active_job.h"
+#include "coordinator/coordinator_options.h"
+#include "coordinator/farm_snapshot.h"
+#include "coordinator/job_table.h"
+#include "coordinator/worker_registry.h"
+#include "proto/transport/transport.h"
+
+namespace tessera {
+
+/// Where workers come: takes them in, tells them of jobs, gives them tiles, takes their pixels, and
+/// notices when they are no more.
+class WorkerDesk {
+ public:
+  /// `jobs` must outlive it.
+  WorkerDesk(const CoordinatorOptions& options, JobTable& jobs);
+
+  struct Outgoing {
+    PeerId peer;
+    v1::Envelope message;
+  };
+
+  void on_control(const PeerId& peer, const v1::Envelope& message, Time now);
+  void on_peer_gone(const PeerId& peer, Time now);
+  void on_process_ended(pid_t process, bool crashed, const std::string& how, Time now);
+  void on_tick(Time now);
+  /// Tells workers what has begun and ended.
+  void follow(const JobTable::Changes& changes, Time now);
+  /// Gives tiles to whoever has room.
+  void fill(Time now);
+  /// Gives no more.
+  void drain() { draining_ = true; }
+  void shut_down(const std::string& reason);
+
+  std::vector<Outgoing> take_outgoing();
+  std::vector<pid_t> take_stuck_processes();
+  const WorkerRegistry& workers() const { return workers_; }
+  /// What it knows of: workers, and counters of tiles and of them.
+  void describe(FarmSnapshot& snapshot, Time now) const;
+
+ private:
+  void on_hello(const PeerId& peer, const v1::Hello& hello, Time now);
+  void on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now);
+  void on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBand& band, Time now);
+  void on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId lease, Time now);
+  void on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now);
+  void on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now);
+  void on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed);
+  void on_mismatch(ActiveJob& job, Mismatch mismatch, Time now);
+  /// A worker gave wrong pixels: it is set aside, and what it traced is traced again.
+  void convict(ActiveJob& job, const Conviction& conviction, Time now);
+  void set_aside(WorkerId id, const std::string& cause, Time now);
+  void fail_undecided(ActiveJob& job, Time now);
+  std::string name_of(WorkerId id);
+
+  void look_at_jobs(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now);
+  void tell(WorkerRecord& worker, const ActiveJob& job, Time now);
+  void fill(WorkerRecord& worker, Time now);
+  bool give_tile(WorkerRecord& worker, Time now);
+  size_t held_by(const WorkerRecord& worker) const;
+
+  void lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now);
+  void note_stuck(const WorkerRecord& worker);
+  void act(ActiveJob& job, const SchedulerEvents& events, Time now);
+  void judge_failures(WorkerRecord& worker, Time now);
+  v1::Envelope& send(const PeerId& peer);
+
+  CoordinatorOptions options_;
+  JobTable& jobs_;
+  WorkerRegistry workers_;
+  std::vector<Outgoing> outgoing_;
+  std::vector<pid_t> stuck_;
+  FarmSnapshot::Counters counters_;
+  bool draining_ = false;
+};
+
+}  // namespace tessera

@@ -1,0 +1,91 @@
+// Who gets which tile: the other half of WorkerDesk.
+#include <algorithm>
+
+#include "base/log.h"
+#include "coordinator/worker_desk.h"
+
+namespace tessera {
+namespace {
+
+/// Scenes that a worker is told of at one time.
+constexpr size_t kJobsOfWorker = 16;
+
+}  // namespace
+
+size_t WorkerDesk::held_by(const WorkerRecord& worker) const {
+  size_t held = 0;
+  for (ActiveJob* job : jobs_.running()) held += job->scheduler().held_by(worker.id);
+  return held;
+}
+
+void WorkerDesk::fill(Time now) {
+  for (WorkerRecord* worker : workers_.present()) fill(*worker, now);
+}
+
+void WorkerDesk::fill(WorkerRecord& worker, Time now) {
+  if (worker.foreign > 0 || worker.state != WorkerState::active) return;
+  if (draining_ || !jobs_.store_trouble().empty()) return;
+  while (held_by(worker) < worker.hello.credit()) {
+    if (!give_tile(worker, now)) return;
+  }
+}
+
+bool WorkerDesk::give_tile(WorkerRecord& worker, Time now) {
+  const std::vector<ActiveJob*> jobs = jobs_.by_need(now);
+  // Beside a tile that failed before, nothing else runs.
+  for (ActiveJob* job : jobs_.running()) {
+    if (job->scheduler().isolates(worker.id)) return false;
+  }
+  const size_t held = held_by(worker);
+  // It builds one scene at a time.
+  bool builds = std::any_of(worker.jobs.begin(), worker.jobs.end(),
+                            [](const auto& known) { return !known.second.ready; });
+  for (ActiveJob* job : jobs) {
+    if (job->ended() || job->scene_failed_at(worker.id)) continue;
+    if (worker.ready_for(job->id())) {
+      TileScheduler& scheduler = job->scheduler();
+      const auto lease = scheduler.assign(worker.id, now, held > scheduler.held_by(worker.id));
+      if (!lease) continue;
+      if (lease->speculative) ++counters_.speculative;
+      if (lease->again) ++counters_.retries;
+      job->note_assignment(now);
+      *send(worker.peer).mutable_assign() = job->assignment(*lease);
+      return true;
+    }
+    if (builds || worker.jobs.contains(job->id()) || worker.jobs.size() >= kJobsOfWorker) continue;
+    tell(worker, *job, now);
+    builds = true;
+  }
+  return false;
+}
+
+void WorkerDesk::follow(const JobTable::Changes& changes, Time now) {
+  for (WorkerRecord* worker : workers_.present()) {
+    for (const uint64_t job : changes.ended) {
+      if (worker->jobs.erase(job) > 0) send(worker->peer).mutable_cancel_job()->set_job(job);
+    }
+    for (ActiveJob* job : changes.begun) job->note_worker(worker->id);
+  }
+  if (!changes.ended.empty() || !changes.begun.empty()) fill(now);
+}
+
+void WorkerDesk::act(ActiveJob& job, const SchedulerEvents& events, Time now) {
+  for (const Lease& lease : events.cancelled) {
+    const WorkerRecord* worker = workers_.by_id(lease.worker);
+    if (!worker) continue;
+    v1::CancelTile& cancel = *send(worker->peer).mutable_cancel_tile();
+    cancel.set_lease(lease.id);
+    cancel.set_job(job.id());
+  }
+  counters_.tiles_given_up += events.given_up.size();
+  for (const uint32_t tile : events.given_up) {
+    spdlog::error("tile {} is given up: it failed too often", tile);
+  }
+  for (const WorkerId id : events.blamed) {
+    WorkerRecord* worker = workers_.by_id(id);
+    if (worker) judge_failures(*worker, now);
+  }
+  if (!events.cancelled.empty() || job.scheduler().has_pending()) fill(now);
+}
+
+}  // namespace tessera

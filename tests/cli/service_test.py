@@ -1,0 +1,270 @@
+#!/usr/bin/env python3
+"""The coordinator service: jobs that outlive clients, workers, and the coordinator itself."""
+import contextlib
+import json
+import os
+import pathlib
+import random
+import signal
+import socket
+import sqlite3
+import subprocess
+import time
+import unittest
+
+import scenes
+from tessera_process import SLOWER, TesseraTest, wait_until
+
+LOAD = ["--size", "320x240", "--tile", "16", "--spp"]
+TILES = 300
+
+
+def free_port():
+    """A port whose successor, for blobs, is free too."""
+    while True:
+        with socket.socket() as one, socket.socket() as two:
+            one.bind(("127.0.0.1", 0))
+            try:
+                two.bind(("127.0.0.1", one.getsockname()[1] + 1))
+                return one.getsockname()[1]
+            except (OSError, OverflowError):
+                pass
+
+
+class ServiceTest(TesseraTest):
+    spp = 8
+
+    def setUp(self):
+        super().setUp()
+        self.endpoint = f"tcp://127.0.0.1:{free_port()}"
+        self.store = self.folder / "farm"
+        self.scene = self.write("scene.tessera", scenes.glass_scene())
+
+    def serve(self, *options):
+        """A coordinator that answers."""
+        process = self.start("serve", "--bind", self.endpoint, "--store", self.store, *options)
+        line = process.stdout.readline()
+        self.assertIn("serving at", line, process.stderr.read() if not line else "")
+        return process
+
+    def worker(self, *options):
+        return self.start("worker", "--connect", self.endpoint, "--threads", 2, "--quiet", *options)
+
+    def ask(self, *command, code=0):
+        result = self.run_program(*command, "--connect", self.endpoint)
+        self.assertEqual(code, result.code, result.err)
+        return result.out
+
+    def submit(self, *options, scene=None):
+        return int(self.ask("submit", scene or self.scene, *LOAD, self.spp, *options))
+
+    def status(self, job):
+        return json.loads(self.ask("status", job, "--json"))
+
+    def pixels(self, job, *options):
+        """What was fetched, as the bytes of a file of floats."""
+        self.ask("fetch", job, "--wait", "-o", "fetched.pfm", *options)
+        return (self.folder / "fetched.pfm").read_bytes()
+
+    def expected(self, *options):
+        self.render(self.scene, "-o", "expected.pfm", "--workers", "0", *LOAD, self.spp, *options)
+        return (self.folder / "expected.pfm").read_bytes()
+
+    def stop(self, *processes):
+        for process in processes:
+            process.send_signal(signal.SIGTERM)
+        for process in processes:
+            process.communicate(timeout=60)
+
+    def kept_tiles(self):
+        """How many tiles the store of a coordinator that is no more has."""
+        with contextlib.closing(sqlite3.connect(self.store / "farm.db")) as database:
+            return database.execute("SELECT count(*) FROM tiles").fetchone()[0]
+
+
+class Kills(ServiceTest):
+    def test_no_committed_tile_is_traced_again(self):
+        reference = self.expected()
+        resumed = 0
+        for seed in range(4):
+            with self.subTest(seed=seed):
+                chance = random.Random(seed)
+                self.store = self.folder / f"farm{seed}"
+                service, workers = self.serve(), [self.worker(), self.worker()]
+                job = self.submit()
+                for _ in range(1 + seed % 3):
+                    time.sleep(chance.uniform(0.02, 0.4) * SLOWER)
+                    service.send_signal(signal.SIGKILL)
+                    service.communicate()
+                    kept = self.kept_tiles()
+                    service = self.serve()
+                    if kept < TILES:
+                        self.assertEqual(kept, self.status(job)["tiles"]["restored"])
+                    resumed += 0 < kept < TILES
+                self.assertEqual(reference, self.pixels(job))
+                status = self.status(job)
+                self.assertEqual(("done", TILES), (status["state"], status["tiles"]["done"]))
+                self.assertEqual(TILES, len(self.tiles_of_store(service, workers)))
+        self.assertGreaterEqual(resumed, 2)
+
+    def tiles_of_store(self, service, workers):
+        self.stop(service, *workers)
+        with contextlib.closing(sqlite3.connect(self.store / "farm.db")) as database:
+            return database.execute("SELECT x0, y0 FROM tiles").fetchall()
+
+    def test_a_second_coordinator_on_a_store_is_refused(self):
+        service = self.serve()
+        second = self.run_program("serve", "--bind", f"tcp://127.0.0.1:{free_port()}", "--store", self.store)
+        self.assert_error(second, 2, "another process uses it")
+        self.assertEqual("0 workers", self.ask("status").splitlines()[-1])
+        self.stop(service)
+
+
+class Ends(ServiceTest):
+    def test_told_to_end_it_takes_what_is_traced(self):
+        reference = self.expected()
+        service, worker = self.serve(), self.worker()
+        job = self.submit()
+        wait_until(lambda: self.status(job)["tiles"]["done"] > 0, 20, "the job runs")
+        service.send_signal(signal.SIGTERM)
+        _, log = service.communicate(timeout=30)
+        self.assertEqual(0, service.returncode, log)
+        self.assertEqual(0, worker.wait(30), "it is told to end")
+        kept = self.kept_tiles()
+        service, worker = self.serve(), self.worker()
+        self.assertEqual(reference, self.pixels(job))
+        if kept < TILES:
+            self.assertEqual(kept, self.status(job)["tiles"]["restored"])
+        self.stop(service, worker)
+
+    def test_a_worker_told_to_end_gives_back_its_tiles(self):
+        service, first = self.serve(), self.worker()
+        job = self.submit()
+        wait_until(lambda: self.status(job)["tiles"]["done"] > 0, 20, "the job runs")
+        second = self.worker()
+        first.send_signal(signal.SIGTERM)
+        self.assertEqual(0, first.wait(30))
+        self.assertEqual(self.expected(), self.pixels(job))
+        service.send_signal(signal.SIGTERM)
+        lost = [line for line in service.communicate(timeout=30)[1].splitlines()
+                if "lost worker" in line and f":{first.pid}:" in line]
+        self.assertEqual([], lost)
+        self.assertEqual(0, second.wait(30))
+
+    def test_an_orphan_comes_back_or_leaves(self):
+        service = self.serve()
+        patient, hasty = self.worker(), self.worker("--orphan-timeout", 1)
+        job = self.submit()
+        wait_until(lambda: self.status(job)["tiles"]["done"] > 0, 20, "the job runs")
+        service.send_signal(signal.SIGKILL)
+        service.communicate()
+        self.assertEqual(3, hasty.wait(30 * SLOWER))
+        service = self.serve()
+        self.assertEqual(self.expected(), self.pixels(job))
+        self.assertIsNone(patient.poll())
+        self.stop(service, patient)
+
+    @unittest.skipIf(os.geteuid() != 0, "a small disk can be mounted by root alone")
+    def test_a_full_disk_pauses_the_job_until_there_is_room(self):
+        self.store.mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=600k", "none", self.store],
+                          capture_output=True).returncode != 0:
+            self.skipTest("no small disk can be mounted here")
+        self.addCleanup(subprocess.run, ["umount", "-l", self.store])
+        service, worker = self.serve(), self.worker()
+        job = self.submit()
+        wait_until(lambda: "full" in self.status(job)["failure"], 60, "the disk is full")
+        done = self.status(job)["tiles"]["done"]
+        time.sleep(0.5)
+        self.assertLess(self.status(job)["tiles"]["done"], min(TILES, done + 12))
+        subprocess.run(["mount", "-o", "remount,size=40m", self.store], check=True)
+        self.assertEqual(self.expected(), self.pixels(job))
+        self.stop(service, worker)
+
+
+class Jobs(ServiceTest):
+    def test_from_submission_to_pictures(self):
+        service, worker = self.serve(), self.worker()
+        first = self.submit()
+        self.assertEqual(self.expected(), self.pixels(first))
+        second = self.run_program("submit", self.scene, *LOAD, 2, "--priority", 5, "--name", "again",
+                                  "--connect", self.endpoint)
+        self.assertEqual(f"{first + 1}\n", second.out)
+        self.assertIn("sent 0 of 1 blob, 0 bytes", second.err)
+        self.ask("fetch", "again", "--wait", "-o", "again.png")
+        self.assertTrue((self.folder / "again.png").stat().st_size > 100)
+        result = self.run_program("fetch", "agian", "--connect", self.endpoint)
+        self.assert_error(result, 2, "'agian' is no job", "did you mean 'again'?")
+        self.assert_error(self.run_program("pause", 9, "--connect", self.endpoint), 2,
+                          "'9' is no job", "2 jobs, from 1 to 2")
+        self.ask("cancel", first, "--forget")
+        self.assert_error(self.run_program("status", first, "--connect", self.endpoint), 2, "forgotten")
+        # render waits for its job, fetches it, and leaves nothing.
+        stats = self.render(self.scene, *LOAD, self.spp, "--connect", self.endpoint)
+        self.assertEqual(TILES, stats["tiles"]["done"])
+        self.assertEqual([2], [job["job"] for job in json.loads(self.ask("status", "--json"))["jobs"]])
+        self.stop(service, worker)
+
+    def test_an_animation(self):
+        service, worker = self.serve(), self.worker()
+        scene = self.write("moving.tessera", scenes.CAMERA + scenes.SUN + """
+            nodes { keys { time: 0 transform { steps { translate { x: 0 } } } }
+                    keys { time: 1 transform { steps { translate { x: 1 } } } } shape { sphere { } } }
+            """)
+        options = ["--size", "64x48", "--frames", "3-6"]
+        job = int(self.ask("submit", scene, *options))
+        self.ask("fetch", job, "--wait", "-o", "fetched.pfm")
+        result = self.run_program("render", scene, *options, "-o", "rendered.pfm", "--workers", 0)
+        self.assertEqual(0, result.code, result.err)
+        for frame in range(3, 7):
+            self.assertEqual((self.folder / f"rendered.{frame:04}.pfm").read_bytes(),
+                             (self.folder / f"fetched.{frame:04}.pfm").read_bytes())
+        self.stop(service, worker)
+
+    def test_pause_resume_and_cancel(self):
+        service = self.serve()
+        job = self.submit()
+        self.assertEqual(f"job {job} is paused\n", self.ask("pause", job))
+        worker = self.worker()
+        time.sleep(0.5 * SLOWER)
+        self.assertEqual(0, self.status(job)["tiles"]["done"])
+        self.assert_error(self.run_program("fetch", job, "--connect", self.endpoint), 3, "--wait waits")
+        # It stays so over a restart.
+        service.send_signal(signal.SIGKILL)
+        service.communicate()
+        service = self.serve()
+        self.assertEqual("paused", self.status(job)["state"])
+        self.ask("resume", job, "--priority", "7")
+        self.assertEqual(self.expected(), self.pixels(job))
+        self.assertEqual(7, self.status(job)["priority"])
+        self.assert_error(self.run_program("pause", job, "--connect", self.endpoint), 2, "is done")
+        self.spp = 4096
+        long = self.submit()
+        wait_until(lambda: self.status(long)["tiles"]["done"] > 0, 20, "the job runs")
+        self.assertEqual(f"job {long} is cancelled\n", self.ask("cancel", long))
+        self.ask("fetch", long, "-o", "part.png", code=4)
+        self.assertTrue((self.folder / "part.png").exists())
+        self.stop(service, worker)
+
+    def test_a_wrong_scene_fails_its_job_alone(self):
+        service, worker = self.serve(), self.worker()
+        bad = self.write("bad.tessera", scenes.ONE_SPHERE.replace("sphere {", "sphere { radius: -1"))
+        job = self.submit(scene=bad)
+        result = self.run_program("fetch", job, "--wait", "--connect", self.endpoint)
+        self.assert_error(result, 1, "radius")
+        good = self.submit()
+        self.assertEqual(self.expected(), self.pixels(good))
+        self.assertEqual("failed", self.status(job)["state"])
+        self.stop(service, worker)
+
+
+class StoreFolder(ServiceTest):
+    def test_what_is_no_store_is_left_alone(self):
+        self.store.mkdir()
+        (self.store / "farm.db").write_bytes(b"diary " * 1000)
+        result = self.run_program("serve", "--bind", self.endpoint, "--store", self.store)
+        self.assert_error(result, 2, "expected a store")
+        self.assertEqual(6000, (self.store / "farm.db").stat().st_size)
+        pathlib.Path(self.folder / "file").write_text("x")
+        result = self.run_program("serve", "--bind", self.endpoint, "--store", self.folder / "file")
+        self.assert_error(result, 2, "folder to write to")

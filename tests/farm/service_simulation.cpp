@@ -1,0 +1,250 @@
+#include "tests/farm/service_simulation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "proto/wire/blob_transfer.h"
+#include "proto/wire/scene_codec.h"
+
+namespace tessera::testing {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr Time kPatience = seconds(1200);
+
+Digest digest_of(const Film& film) { return Digest::of(std::as_bytes(film.values())); }
+
+}  // namespace
+
+ServiceSimulation::ServiceSimulation(uint64_t seed)
+    : Simulation(seed, [](Faults& faults, CoordinatorOptions&) {
+        // Those of one job of this process are simulated there.
+        faults.by_client = faults.bad_scene = faults.restarts = false;
+      }) {
+  service_.jobs = 1 + static_cast<int>(draw(5));
+  service_.orders = draw() < 0.4 ? 0 : static_cast<int>(draw(6));
+  service_.kills = draw() < 0.3 ? 0 : static_cast<int>(draw(4));
+  service_.full = draw() < 0.3;
+  coordinator_ = std::make_unique<Coordinator>(options_, store_);
+}
+
+void ServiceSimulation::with_coordinator(const std::function<void(Coordinator&)>& act) {
+  try {
+    act(*coordinator_);
+  } catch (const Killed&) {
+    restart();
+  }
+}
+
+void ServiceSimulation::restart() {
+  say("the coordinator is killed, and started anew");
+  ++restarts_;
+  ++options_.epoch;
+  coordinator_ = std::make_unique<Coordinator>(options_, store_);
+  deliver();
+}
+
+void ServiceSimulation::note_sent(const OutgoingMessage& out) {
+  if (!out.message.has_assign()) return;
+  const v1::Assign& assign = out.message.assign();
+  constexpr int kFrameBits = 20;
+  const uint64_t job = assign.job() >> kFrameBits;
+  const auto frame = static_cast<int>(assign.job() & ((1u << kFrameBits) - 1)) - 1;
+  const auto jobs = store_->jobs();
+  const auto of = std::find_if(jobs.begin(), jobs.end(),
+                               [job](const v1::KeptJob& kept) { return kept.job() == job; });
+  if (of == jobs.end()) return;
+  const std::string& key = of->tile_keys(frame);
+  // A client that took its submission for refused may have made another job of the same frames.
+  const auto has_key = [&key](const v1::KeptJob& kept) {
+    return std::count(kept.tile_keys().begin(), kept.tile_keys().end(), key) > 0;
+  };
+  if (std::count_if(jobs.begin(), jobs.end(), has_key) > 1) return;
+  const v1::PixelRect& r = assign.rect();
+  for (const FinishedTile& tile : store_->find(*Digest::parse(key))) {
+    if (tile.rect != PixelRect{r.x0(), r.y0(), r.x1(), r.y1()}) continue;
+    flaw_ = fmt::format("tile {} of job {} is kept, and given out again", assign.tile(), job);
+  }
+}
+
+// --------------------------------------------------------------------------------------- clients
+
+void ServiceSimulation::come(int number) {
+  Client client;
+  client.request.set_submission(random_() | 1);
+  client.request.set_detached(true);
+  client.request.set_priority(static_cast<int32_t>(draw(3)));
+  client.request.set_weight(1 + static_cast<uint32_t>(draw(3)));
+  const int frames = draw() < 0.6 ? 1 : 2 + static_cast<int>(draw(2));
+  for (int frame = 0; frame < frames; ++frame) {
+    JobSpec spec = job_;
+    spec.frame.set_seed(static_cast<uint32_t>(100 * number + frame));
+    v1::JobFrame& added = *client.request.add_frames();
+    const std::string scene = serialize_scene(spec.scene);
+    const auto bytes = std::as_bytes(std::span(scene));
+    added.set_scene_digest(client.blobs.put({bytes.begin(), bytes.end()}).hex());
+    added.set_scene_size(scene.size());
+    *added.mutable_settings() = spec.frame;
+    v1::PixelRect& crop = *client.request.mutable_crop();
+    crop.set_x0(spec.crop.x0);
+    crop.set_y0(spec.crop.y0);
+    crop.set_x1(spec.crop.x1);
+    crop.set_y1(spec.crop.y1);
+    client.request.set_tile_size(static_cast<uint32_t>(spec.tile_size));
+    Film film(spec.crop);
+    TileProgress progress;
+    const auto pixels = FakeRenderer(spec.frame.seed())
+                            .render({spec.crop, 0, spec.frame.samples_per_pixel()}, progress);
+    film.write(spec.crop, spec.crop.y0, spec.crop.height(), pixels->values);
+    client.films.push_back(digest_of(film));
+  }
+  const PeerId peer = fmt::format("client-{}", number);
+  ask(peer, clients_.emplace(peer, std::move(client)).first->second);
+}
+
+void ServiceSimulation::ask(const PeerId& peer, Client& client) {
+  client.next_question = now_ + milliseconds(500);
+  v1::Envelope message;
+  if (client.job == 0) {
+    *message.mutable_submit_job() = client.request;
+  } else {
+    message.mutable_job_query()->set_job(client.job);
+    message.mutable_job_query()->set_action(client.wants);
+  }
+  carry(message, peer + ">0", [this, peer](const v1::Envelope& arrived) {
+    to_coordinator(Channel::control, peer, arrived);
+  });
+}
+
+bool ServiceSimulation::tell_client(const PeerId& peer, Channel, const v1::Envelope& message) {
+  const auto it = clients_.find(peer);
+  if (it == clients_.end()) return false;
+  Client& client = it->second;
+  if (message.has_blob_request()) {
+    const auto digest = Digest::parse(message.blob_request().digest());
+    const v1::Envelope answer =
+        answer_blob_request(message.blob_request(), digest ? client.blobs.find(*digest) : nullptr);
+    carry(answer, peer + ">1", [this, peer](const v1::Envelope& arrived) {
+      to_coordinator(Channel::bulk, peer, arrived);
+    });
+  }
+  if (message.has_job_status()) on_status(client, message.job_status());
+  return true;
+}
+
+void ServiceSimulation::on_status(Client& client, const v1::JobStatus& status) {
+  if (client.job == 0) {
+    if (status.submission() != client.request.submission()) return;
+    client.job = status.job();
+    // Refused, since the store took nothing: it is another submission then.
+    if (client.job == 0 && status.state() == v1::JobStatus::ENDED) {
+      client.request.set_submission(random_() | 1);
+    }
+    return;
+  }
+  if (status.job() != client.job) return;
+  if (status.state() == v1::JobStatus::UNKNOWN) flaw_ = "an accepted job is unknown";
+  client.ended |= status.state() == v1::JobStatus::ENDED;
+  const bool paused = status.state() == v1::JobStatus::PAUSED;
+  if (client.wants == v1::JobQuery::PAUSE && paused) client.wants = v1::JobQuery::ASK;
+  // In the end it insists: an order of before may have been on its way for long.
+  const bool resumed = client.wants == v1::JobQuery::RESUME && !paused && !quiet_;
+  if (resumed) client.wants = v1::JobQuery::ASK;
+}
+
+void ServiceSimulation::give_order() {
+  if (clients_.empty()) return;
+  auto it = clients_.begin();
+  std::advance(it, static_cast<ptrdiff_t>(draw(clients_.size())));
+  Client& client = it->second;
+  if (client.job == 0 || client.wants == v1::JobQuery::CANCEL) return;
+  const double what = draw();
+  client.wants = what < 0.5    ? v1::JobQuery::PAUSE
+                 : what < 0.85 ? v1::JobQuery::RESUME
+                               : v1::JobQuery::CANCEL;
+  say(fmt::format("{}: order {}", it->first, static_cast<int>(client.wants)));
+  ask(it->first, client);
+}
+
+Time ServiceSimulation::next_client_time() const {
+  Time next = Time::max();
+  for (const auto& [peer, client] : clients_) {
+    if (!client.ended) next = std::min(next, client.next_question);
+  }
+  return next;
+}
+
+void ServiceSimulation::tick_clients() {
+  for (auto& [peer, client] : clients_) {
+    if (!client.ended && now_ >= client.next_question) ask(peer, client);
+  }
+}
+
+// ------------------------------------------------------------------------------------------- run
+
+std::string ServiceSimulation::verdict() {
+  for (auto& [peer, client] : clients_) {
+    for (uint32_t frame = 0; frame < client.films.size(); ++frame) {
+      v1::JobQuery query;
+      query.set_job(client.job);
+      query.set_frame(frame);
+      const v1::JobStatus status = coordinator_->ask(query, now_);
+      if (status.how() == v1::JobEnd::INTERRUPTED) {
+        if (client.wants != v1::JobQuery::CANCEL) return "a job is cancelled that nobody cancelled";
+        cancelled_ += frame == 0;
+        break;
+      }
+      if (status.end().how() != v1::JobEnd::DONE) return "a frame fails: " + status.failure();
+      if (status.end().film_digest() != client.films[frame].hex()) return "another picture";
+      const auto rays = static_cast<uint64_t>(job_.crop.area()) * 4;
+      if (status.end().counters().values().at("rays_primary") != rays) {
+        return "a tile was counted more or less than once";
+      }
+      restored_ += status.end().totals().values().at("tiles_restored");
+    }
+  }
+  return "";
+}
+
+std::string ServiceSimulation::run_service() {
+  const Time start = now_;
+  for (int i = 0; i < 3; ++i) at(now_ + draw_time(milliseconds(500)), [this] { join(); });
+  for (int i = 0; i < service_.jobs; ++i) at(now_ + draw_time(seconds(5)), [this, i] { come(i); });
+  for (int i = 0; i < faults_.events; ++i) {
+    at(now_ + draw_time(seconds(20)), [this] { something_happens(); });
+  }
+  for (int i = 0; i < service_.orders; ++i) {
+    at(now_ + draw_time(seconds(20)), [this] { give_order(); });
+  }
+  for (int i = 0; i < service_.kills; ++i) {
+    at(now_ + draw_time(seconds(10)),
+       [this] { store_->kill_at(static_cast<int>(draw(20)), draw() < 0.5); });
+  }
+  if (service_.full) {
+    at(now_ + draw_time(seconds(5)), [this] {
+      store_->set_full(true);
+      at(now_ + draw_time(seconds(15)), [this] { store_->set_full(false); });
+    });
+  }
+  at(now_ + seconds(20), [this] {
+    thaw_all();
+    store_->set_full(false);
+    for (auto& [peer, client] : clients_) {
+      if (client.wants != v1::JobQuery::CANCEL) client.wants = v1::JobQuery::RESUME;
+    }
+  });
+  while (now_ - start < kPatience && flaw_.empty()) {
+    now_ = next_time();
+    tick();
+    const bool all = clients_.size() == static_cast<size_t>(service_.jobs) &&
+                     std::all_of(clients_.begin(), clients_.end(),
+                                 [](const auto& entry) { return entry.second.ended; });
+    if (all) return flaw_.empty() ? verdict() : flaw_;
+  }
+  return flaw_.empty() ? "the jobs do not end" : flaw_;
+}
+
+}  // namespace tessera::testing
