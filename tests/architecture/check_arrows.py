@@ -12,18 +12,20 @@ import re
 import sys
 
 ENDINGS = {".h", ".cpp", ".cc", ".hpp", ".inl"}
-TOP_FOLDERS = ["base", "proto", "renderer", "scenes", "coordinator", "worker", "bench", "cli"]
+TOP_FOLDERS = ["base", "proto", "renderer", "scenes", "job", "client", "coordinator", "worker", "bench",
+               "cli"]
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 # The table of docs/architecture.md, a line a row: what its rooms may not reach, not even through
 # others: (prefixes of the rooms, forbidden prefixes, why).
-FARM = ["proto/transport", "coordinator", "worker", "cli"]
+FARM = ["proto/transport", "job", "client", "coordinator", "worker", "cli"]
 WALLS = [
     (["base"], [f for f in TOP_FOLDERS if f != "base"], "base knows nothing of ours"),
     (["proto/tessera/v1"], TOP_FOLDERS, "the messages know nothing of ours"),
     (["proto/wire"], FARM + ["renderer", "scenes", "bench"], "encodings see no sockets"),
     (["proto/transport"],
-     ["proto/tessera", "proto/wire", "renderer", "scenes", "coordinator", "worker", "bench", "cli"],
+     ["proto/tessera", "proto/wire", "renderer", "scenes", "job", "client", "coordinator", "worker",
+      "bench", "cli"],
      "the transport carries bytes"),
     (["renderer/math", "renderer/shapes", "renderer/accel"],
      FARM + ["proto", "scenes", "bench", "renderer/shading", "renderer/film", "renderer/image",
@@ -40,12 +42,18 @@ WALLS = [
         "shapes", "accel", "sampler", "camera", "shading", "film", "image", "scene", "integrator",
         "render")], "scene files see neither sockets nor the renderer beyond math"),
     (["bench"], FARM, "benchmarks see no sockets"),
-    (["coordinator"], ["worker", "cli", "bench", "scenes", "renderer/accel", "renderer/integrator",
+    (["job"], ["proto/transport", "client", "coordinator", "worker", "cli", "bench", "scenes",
+               "renderer/accel", "renderer/scene", "renderer/render"],
+     "what a job is does not depend on who renders it"),
+    (["client"], ["coordinator", "worker", "cli", "bench", "scenes", "renderer/accel",
+                  "renderer/scene", "renderer/render", "renderer/image"],
+     "a client knows the coordinator by its messages alone"),
+    (["coordinator"], ["client", "worker", "cli", "bench", "scenes", "renderer/accel", "renderer/integrator",
                        "renderer/scene", "renderer/render"],
      "the coordinator neither traces nor knows the worker's code"),
     (["coordinator/store"], ["renderer/accel", "renderer/scene", "scenes", "worker", "cli"],
      "a store keeps tiles and knows nothing of what traces them"),
-    (["worker"], ["coordinator", "cli", "bench", "scenes", "renderer/image"],
+    (["worker"], ["client", "coordinator", "cli", "bench", "scenes", "renderer/image"],
      "the worker knows neither the coordinator's code nor files"),
 ]
 
