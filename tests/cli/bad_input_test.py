@@ -61,7 +61,6 @@ class BadCommandLine(TesseraTest):
 
     def test_what_does_not_exist_yet(self):
         self.refused("serve", "--http", "127.0.0.1:8080", says=["--http", "yet"])
-        self.refused("serve", "--store", "jobs", says=["--store", "yet"])
 
     def test_places_that_cannot_be_written(self):
         for place in ["nowhere/picture.png", "tmp", "tmp/"]:

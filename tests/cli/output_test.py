@@ -88,7 +88,7 @@ class Render(TesseraTest):
             self.assertGreater(stats[name], 0, name)
         self.assertGreaterEqual(stats["node_visits"], 0)
         self.assertEqual({"total": 6, "done": 6, "restored": 0, "failed": 0, "retries": 0,
-                          "mismatches": 0},
+                          "mismatches": 0, "verified": 0, "unverified": 0, "retraced": 0},
                          {k: v for k, v in stats["tiles"].items()
                           if k not in ("speculative", "duplicates")})
         self.assertEqual(stats["bytes_shipped"], sum(stats["bytes"].values()))
