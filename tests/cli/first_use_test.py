@@ -167,7 +167,7 @@ class Farm(TesseraTest):
                          ".*the coordinator has ended: ")
         served = (self.folder / "serve").read_text()
         self.assertRegex(served, r"(?s)with 1 thread\n.*job \w+ is done, traced in [\d.]+ s\n")
-        self.assertRegex(served, r"job \w+ has come: 960x540 pixels, 1 sample each, \d+ bytes")
+        self.assertRegex(served, r"job \d+ has come: .*1 frame of 960x540 pixels")
 
     def test_nobody_there(self):
         scene = self.write("scene.tessera", scenes.ONE_SPHERE)
