@@ -17,7 +17,7 @@ BlobLoader::~BlobLoader() {
   if (thread_.joinable()) thread_.join();
 }
 
-void BlobLoader::look(BlobLookup lookup) { put({std::move(lookup), nullptr}); }
+void BlobLoader::look(const BlobLookup& lookup) { put({lookup, nullptr}); }
 
 void BlobLoader::keep(const Digest& digest, BlobData blob) {
   if (cache_) put({{digest, blob->size()}, std::move(blob)});

@@ -37,7 +37,7 @@ class BlobLoader {
   BlobLoader(const BlobLoader&) = delete;
   BlobLoader& operator=(const BlobLoader&) = delete;
 
-  void look(BlobLookup lookup);
+  void look(const BlobLookup& lookup);
   void keep(const Digest& digest, BlobData blob);
   std::optional<BlobFound> take_found();
 

@@ -138,7 +138,7 @@ class WorkerLoop {
       } else if (auto* trace = std::get_if<StartTrace>(&action)) {
         service_.trace(std::move(trace->run));
       } else if (auto* look = std::get_if<LookForBlob>(&action)) {
-        loader_.look(std::move(look->lookup));
+        loader_.look(look->lookup);
       } else if (auto* keep = std::get_if<KeepBlob>(&action)) {
         loader_.keep(keep->digest, std::move(keep->blob));
       } else if (auto* quit = std::get_if<Quit>(&action)) {

