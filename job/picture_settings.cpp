@@ -43,8 +43,7 @@ OutputSettings picture_settings(const v1::Output& output) {
   result.transfer = transfer_curve(output.transfer());
   if (output.has_gamma()) result.gamma = output.gamma();
   if (!(result.gamma > 0 && std::isfinite(result.gamma))) {
-    throw scene_error(
-        fmt::format("settings: output.gamma is {}; expected above 0", result.gamma));
+    throw scene_error(fmt::format("settings: output.gamma is {}; expected above 0", result.gamma));
   }
   result.exposure = output.exposure();
   if (output.quantization() == v1::Output::TRUNCATE) result.quantization = Quantization::truncate;
@@ -52,8 +51,8 @@ OutputSettings picture_settings(const v1::Output& output) {
     result.has_response = true;
     for (int i = 0; i < 3; ++i) result.response[static_cast<size_t>(i)] = output.response(i);
   } else if (output.response_size() != 0) {
-    throw scene_error(fmt::format(
-        "settings: output.response has {} numbers; expected 3 or none", output.response_size()));
+    throw scene_error(fmt::format("settings: output.response has {} numbers; expected 3 or none",
+                                  output.response_size()));
   }
   return result;
 }

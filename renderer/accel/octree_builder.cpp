@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <thread>
 
+#include "base/parallel.h"
 #include "renderer/accel/octree_layout.h"
 
 namespace tessera {
@@ -23,18 +22,6 @@ constexpr float kMinWidth = 0x1p-19f;
 constexpr float kSearchMargin = 0.1f;
 
 constexpr size_t kWorthThreads = 4096;
-
-template <typename Work>
-void run_parallel(size_t tasks, int threads, const Work& work) {
-  std::atomic<size_t> next{0};
-  const auto loop = [&] {
-    for (size_t i; (i = next.fetch_add(1)) < tasks;) work(i);
-  };
-  std::vector<std::jthread> helpers;
-  for (size_t i = 1; i < std::min(static_cast<size_t>(std::max(1, threads)), tasks); ++i)
-    helpers.emplace_back(loop);
-  loop();
-}
 
 class Builder {
  public:
@@ -59,8 +46,8 @@ class Builder {
     for (int depth = 1; depth < options_.max_depth && begin < voxels.size(); ++depth) {
       const size_t end = voxels.size();
       std::vector<std::vector<Voxel>> children(end - begin);
-      run_parallel(end - begin, boxes_.size() < kWorthThreads ? 1 : threads,
-                   [&](size_t i) { children[i] = split(voxels[begin + i]); });
+      for_each_parallel(end - begin, boxes_.size() < kWorthThreads ? 1 : threads,
+                        [&](size_t i) { children[i] = split(voxels[begin + i]); });
       for (size_t i = 0; i < children.size(); ++i) {
         if (children[i].empty()) continue;
         Voxel& parent = voxels[begin + i];

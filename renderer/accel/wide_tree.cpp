@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <thread>
 
+#include "base/parallel.h"
 #include "renderer/accel/binning.h"
 #include "renderer/math/rounding.h"
 
@@ -52,7 +51,7 @@ class Builder {
     const Range all = make_range(boxes_, 0, count);
     top.root = build_range(top, all, 0, &pending);
     std::vector<Part> parts(pending.size());
-    run(pending.size(), [&](size_t i) {
+    for_each_parallel(pending.size(), threads_, [&](size_t i) {
       parts[i].root = build_range(parts[i], pending[i].range, pending[i].depth, nullptr);
     });
     WideTree tree = join(top, pending, parts);
@@ -62,17 +61,6 @@ class Builder {
   }
 
  private:
-  template <typename Work>
-  void run(size_t tasks, Work work) {
-    std::atomic<size_t> next{0};
-    const auto loop = [&] {
-      for (size_t i; (i = next.fetch_add(1)) < tasks;) work(i);
-    };
-    std::vector<std::jthread> helpers;
-    for (size_t i = 1; i < std::min<size_t>(threads_, tasks); ++i) helpers.emplace_back(loop);
-    loop();
-  }
-
   /// Bins of a range; large ones by all threads. Sums and extremes come out the same in any order.
   Bins fill(const Binning& binning, const Range& range, bool parallel) {
     constexpr size_t kWorthThreads = 1 << 17;
@@ -82,7 +70,7 @@ class Builder {
       return bins;
     }
     std::vector<Bins> parts(static_cast<size_t>(threads_), bins);
-    run(parts.size(), [&](size_t i) {
+    for_each_parallel(parts.size(), threads_, [&](size_t i) {
       const size_t begin = range.begin + range.count() * i / parts.size();
       const size_t end = range.begin + range.count() * (i + 1) / parts.size();
       parts[i].add(binning, boxes_, begin, end);

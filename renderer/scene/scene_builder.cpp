@@ -4,12 +4,10 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <thread>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/scene/csg_plan.h"
 #include "renderer/scene/material_table.h"
@@ -31,32 +29,6 @@ struct ShapeMaterials {
   KeptAttributes keep;
   Cull cull = Cull::none;
 };
-
-/// Calls work(i) for every i below count on up to `threads` threads. Of several exceptions the one
-/// of the smallest i is thrown, whatever the timing.
-template <typename Work>
-void for_each_parallel(size_t count, int threads, const Work& work) {
-  std::atomic<size_t> next{0};
-  std::vector<std::exception_ptr> failures(count);
-  const auto run = [&] {
-    for (size_t i = next++; i < count; i = next++) {
-      try {
-        work(i);
-      } catch (...) {
-        failures[i] = std::current_exception();
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> helpers;
-    const size_t wanted = std::min(count, static_cast<size_t>(std::max(threads, 1)));
-    for (size_t i = 1; i < wanted; ++i) helpers.emplace_back(run);
-    run();
-  }
-  for (const std::exception_ptr& failure : failures) {
-    if (failure) std::rethrow_exception(failure);
-  }
-}
 
 /// The pixels that the corners of the scene's box span, for the box is convex. The margin of a
 /// pixel is far above the rounding errors of projecting and of tracing.

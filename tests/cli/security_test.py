@@ -66,7 +66,7 @@ class KeyedFarm(TesseraTest):
         return (self.folder / "serve.log").read_text()
 
     def wait_for_log(self, text):
-        wait_until(lambda: text in self.logged(), 20, f"'{text}' in the log")
+        wait_until(lambda: text in self.logged(), f"'{text}' in the log")
 
     def render_on_farm(self, *who, spp=16, **options):
         return self.start("render", self.scene, "-o", "picture.png", "--stats", "stats.json",
@@ -212,7 +212,7 @@ class KeyedFarm(TesseraTest):
         self.allow("node", "other", "alice")
         self.serve()
         revoked, stays = self.worker(*self.as_("node")), self.worker(*self.as_("other"))
-        wait_until(lambda: self.logged().count("has come, with") == 2, 20, "both workers have come")
+        wait_until(lambda: self.logged().count("has come, with") == 2, "both workers have come")
         job = self.render_on_farm(*self.as_("alice"), spp=64)
         self.wait_for_log("of 320x240 pixels")
         self.allow("other", "alice")
@@ -229,7 +229,7 @@ class KeyedFarm(TesseraTest):
         # The other way round: who is listed again comes back by itself.
         self.allow("node", "alice")
         self.coordinator.send_signal(signal.SIGHUP)
-        wait_until(lambda: self.logged().count("lost worker") == 2, 20, "the other one is out")
+        wait_until(lambda: self.logged().count("lost worker") == 2, "the other one is out")
         self.assert_right(self.render_on_farm(*self.as_("alice")))
         self.end_farm(revoked)
         stays.send_signal(signal.SIGTERM)

@@ -224,7 +224,7 @@ TEST(RenderLoop, RefusesAWorkerOfAnotherVersionAndNamesBoth) {
   server.join();
   EXPECT_EQ(strangers.end(0).exit_code, ExitCode::bad_usage);
   EXPECT_THAT(strangers.end(0).reason, ::testing::HasSubstr("speaks protocol 77"));
-  EXPECT_THAT(strangers.end(0).reason, ::testing::HasSubstr("expected 1"));
+  EXPECT_THAT(strangers.end(0).reason, ::testing::HasSubstr("expected 2"));
   EXPECT_EQ(strangers.end(1).exit_code, ExitCode::bad_usage);
   EXPECT_THAT(strangers.end(1).reason, ::testing::HasSubstr("'x87'"));
 }

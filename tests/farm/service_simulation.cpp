@@ -48,7 +48,8 @@ void ServiceSimulation::restart() {
 }
 
 void ServiceSimulation::note_sent(const OutgoingMessage& out) {
-  if (!out.message.has_assign()) return;
+  // A kept tile may be given out again to be verified.
+  if (!out.message.has_assign() || options_.verify > 0) return;
   const v1::Assign& assign = out.message.assign();
   constexpr int kFrameBits = 20;
   const uint64_t job = assign.job() >> kFrameBits;

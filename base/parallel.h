@@ -1,0 +1,48 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+namespace tessera {
+
+/// Calls work(i) for every i below `count`, on the calling thread and up to `threads` - 1 others,
+/// fewer where no more can be had. Of several exceptions the one of the smallest i is thrown,
+/// whatever the timing.
+template <typename Work>
+void for_each_parallel(size_t count, int threads, const Work& work) {
+  std::atomic<size_t> next{0};
+  std::mutex mutex;
+  size_t failed = count;
+  std::exception_ptr failure;
+  const auto run = [&] {
+    for (size_t i = next++; i < count; i = next++) {
+      try {
+        work(i);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (i >= failed) continue;
+        failed = i;
+        failure = std::current_exception();
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> helpers;
+    const size_t wanted = std::min(count, static_cast<size_t>(std::max(threads, 1)));
+    try {
+      for (size_t i = 1; i < wanted; ++i) helpers.emplace_back(run);
+    } catch (const std::system_error&) {
+      // Those that there are do it all.
+    }
+    run();
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace tessera

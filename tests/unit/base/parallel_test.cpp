@@ -1,0 +1,38 @@
+#include "base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace tessera {
+namespace {
+
+TEST(Parallel, DoesEachOnce) {
+  for (const int threads : {0, 1, 3, 8}) {
+    std::vector<std::atomic<int>> done(100);
+    for_each_parallel(done.size(), threads, [&](size_t i) { ++done[i]; });
+    for (const auto& count : done) EXPECT_EQ(count, 1);
+  }
+  for_each_parallel(0, 4, [](size_t) { FAIL(); });
+}
+
+TEST(Parallel, ThrowsTheFirstOfTheFailures) {
+  for (int round = 0; round < 50; ++round) {
+    std::string what;
+    std::atomic<int> done{0};
+    try {
+      for_each_parallel(40, 4, [&](size_t i) {
+        ++done;
+        if (i % 10 == 7) throw std::runtime_error(std::to_string(i));
+      });
+    } catch (const std::runtime_error& error) {
+      what = error.what();
+    }
+    EXPECT_EQ(what, "7");
+    EXPECT_EQ(done, 40);
+  }
+}
+
+}  // namespace
+}  // namespace tessera
