@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "job/job_messages.h"
 #include "proto/wire/scene_codec.h"
 
 namespace tessera {
@@ -23,11 +24,7 @@ void add_frame(SubmittedJob& job, const JobSpec& frame, int number, const v1::Ou
   added.set_scene_digest(job.blobs.put({bytes.begin(), bytes.end()}).hex());
   *added.mutable_settings() = frame.frame;
   *added.mutable_output() = output;
-  v1::PixelRect& crop = *job.request.mutable_crop();
-  crop.set_x0(frame.crop.x0);
-  crop.set_y0(frame.crop.y0);
-  crop.set_x1(frame.crop.x1);
-  crop.set_y1(frame.crop.y1);
+  *job.request.mutable_crop() = to_message(frame.crop);
   job.request.set_tile_size(static_cast<uint32_t>(frame.tile_size));
 }
 

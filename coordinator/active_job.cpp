@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "coordinator/tile_store.h"
+#include "job/job_messages.h"
 #include "job/tile_grid.h"
 #include "proto/wire/scene_codec.h"
 #include "proto/wire/shared_memory.h"
@@ -184,11 +185,7 @@ v1::Assign ActiveJob::assignment(const Lease& lease) const {
   assign.set_job(id_);
   assign.set_lease(lease.id);
   assign.set_tile(lease.tile);
-  const PixelRect& rect = assembler_.tiles()[lease.tile];
-  assign.mutable_rect()->set_x0(rect.x0);
-  assign.mutable_rect()->set_y0(rect.y0);
-  assign.mutable_rect()->set_x1(rect.x1);
-  assign.mutable_rect()->set_y1(rect.y1);
+  *assign.mutable_rect() = to_message(assembler_.tiles()[lease.tile]);
   assign.set_sample_count(samples_);
   return assign;
 }

@@ -31,6 +31,15 @@ constexpr std::array<std::pair<const char*, Total>, 15> kTotals = {{
 
 PixelRect rect_of(const v1::PixelRect& r) { return {r.x0(), r.y0(), r.x1(), r.y1()}; }
 
+v1::PixelRect to_message(const PixelRect& rect) {
+  v1::PixelRect message;
+  message.set_x0(rect.x0);
+  message.set_y0(rect.y0);
+  message.set_x1(rect.x1);
+  message.set_y1(rect.y1);
+  return message;
+}
+
 v1::JobEnd to_message(const JobReport& report) {
   v1::JobEnd end;
   end.set_how(static_cast<v1::JobEnd::How>(report.end));
@@ -40,11 +49,7 @@ v1::JobEnd to_message(const JobReport& report) {
   constexpr size_t kMaxHoles = 10000;
   for (const PixelRect& hole : report.holes) {
     if (static_cast<size_t>(end.holes_size()) == kMaxHoles) break;
-    v1::PixelRect& rect = *end.add_holes();
-    rect.set_x0(hole.x0);
-    rect.set_y0(hole.y0);
-    rect.set_x1(hole.x1);
-    rect.set_y1(hole.y1);
+    *end.add_holes() = to_message(hole);
   }
   for (const auto& [name, value] : report.counters) {
     (*end.mutable_counters()->mutable_values())[name] = value;

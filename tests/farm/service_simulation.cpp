@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "job/job_messages.h"
 #include "proto/wire/blob_transfer.h"
 #include "proto/wire/scene_codec.h"
 
@@ -89,11 +90,7 @@ void ServiceSimulation::come(int number) {
     added.set_scene_digest(client.blobs.put({bytes.begin(), bytes.end()}).hex());
     added.set_scene_size(scene.size());
     *added.mutable_settings() = spec.frame;
-    v1::PixelRect& crop = *client.request.mutable_crop();
-    crop.set_x0(spec.crop.x0);
-    crop.set_y0(spec.crop.y0);
-    crop.set_x1(spec.crop.x1);
-    crop.set_y1(spec.crop.y1);
+    *client.request.mutable_crop() = to_message(spec.crop);
     client.request.set_tile_size(static_cast<uint32_t>(spec.tile_size));
     Film film(spec.crop);
     TileProgress progress;
