@@ -1,5 +1,4 @@
 // N16, N19: whole scenes with damaged numbers, and mirrors that face each other.
-#include <pthread.h>
 
 #include <cmath>
 
@@ -148,13 +147,8 @@ void* render_mirror_box(void* result) {
 }
 
 TEST(N19, ABoxOfMirrorsTenThousandDeepUnderASmallStack) {
-  pthread_attr_t attributes;
-  ASSERT_EQ(pthread_attr_init(&attributes), 0);
-  ASSERT_EQ(pthread_attr_setstacksize(&attributes, 1 << 20), 0);
-  pthread_t thread;
   TilePixels tile;
-  ASSERT_EQ(pthread_create(&thread, &attributes, render_mirror_box, &tile), 0);
-  pthread_join(thread, nullptr);
+  ASSERT_NO_FATAL_FAILURE(numerics::run_on_small_stack(render_mirror_box, &tile));
   // Were one bounce to leave the box, its sum would end there.
   double sum = 0, share = 1;
   for (uint32_t i = 0; i <= kBounces; ++i, share *= kShare) sum += share;

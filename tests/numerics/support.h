@@ -1,6 +1,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 #include <quadmath.h>
 
 #include <cmath>
@@ -25,6 +26,16 @@ inline int64_t ray_count(int64_t full) {
     return text && text[0] == '1';
   }();
   return all ? full : (full + 99) / 100;
+}
+
+/// Runs work(argument) in a thread of 1 MiB of stack.
+inline void run_on_small_stack(void* (*work)(void*), void* argument) {
+  pthread_attr_t attributes;
+  ASSERT_EQ(pthread_attr_init(&attributes), 0);
+  ASSERT_EQ(pthread_attr_setstacksize(&attributes, 1 << 20), 0);
+  pthread_t thread;
+  ASSERT_EQ(pthread_create(&thread, &attributes, work, argument), 0);
+  pthread_join(thread, nullptr);
 }
 
 /// A test in shards of one seed each, which CTest runs in parallel: with

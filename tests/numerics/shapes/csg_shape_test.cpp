@@ -1,6 +1,5 @@
 // N11, N19: CSG surfaces that rays leave, deep trees; and what a combination refuses and reports.
 #include <gtest/gtest.h>
-#include <pthread.h>
 
 #include "base/error.h"
 #include "renderer/shapes/disc.h"
@@ -146,13 +145,8 @@ void* trace_deep(void* argument) {
 }
 
 TEST(N19, DepthOfAHundredThousandUnderASmallStack) {
-  pthread_attr_t attributes;
-  ASSERT_EQ(pthread_attr_init(&attributes), 0);
-  ASSERT_EQ(pthread_attr_setstacksize(&attributes, 1 << 20), 0);
-  pthread_t thread;
   DeepResult result;
-  ASSERT_EQ(pthread_create(&thread, &attributes, trace_deep, &result), 0);
-  pthread_join(thread, nullptr);
+  ASSERT_NO_FATAL_FAILURE(run_on_small_stack(trace_deep, &result));
   EXPECT_EQ(result.hits, 3u);
   EXPECT_EQ(result.wrong, 0u);
 }
