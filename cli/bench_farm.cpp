@@ -76,16 +76,16 @@ json paired_row(const std::string& measure, double limit, int repeats,
           {"limit", limit}};
 }
 
-json processes_row(const BenchFarmOptions& options, const TemporaryFolder& folder) {
+json processes_row(const BenchFarmOptions& options, const TemporaryFolder& folder, int samples) {
   const std::string scene = options.scene.empty() ? write_spheres(folder, 12) : options.scene;
   const auto render = [&](int workers, int threads) {
     return timed_process({kThisProgram, "render", scene, "--quiet", "-o", folder.file("frame.png"),
-                          "--size", "1920x1080", "--spp", "4", "--workers", std::to_string(workers),
-                          "--threads", std::to_string(threads)});
+                          "--size", "1920x1080", "--spp", std::to_string(samples), "--workers",
+                          std::to_string(workers), "--threads", std::to_string(threads)});
   };
   return paired_row(
-      fmt::format("1080p frame: {} against {}", counted(options.workers, "worker"),
-                  counted(options.workers, "thread")),
+      fmt::format("1080p frame, {}: {} against {}", counted(samples, "sample"),
+                  counted(options.workers, "worker"), counted(options.workers, "thread")),
       1.03, options.repeats, [&] { return render(options.workers, 1); },
       [&] { return render(0, options.workers); });
 }
@@ -141,8 +141,8 @@ json worker_row(const BenchFarmOptions& options, const TemporaryFolder& folder) 
 
 json bench_farm(const BenchFarmOptions& options) {
   const TemporaryFolder folder;
-  json rows = json::array({processes_row(options, folder), one_sphere_row(options, folder),
-                           worker_row(options, folder)});
+  json rows = json::array({processes_row(options, folder, 16), processes_row(options, folder, 4),
+                           one_sphere_row(options, folder), worker_row(options, folder)});
   for (json& row : rows) {
     const double measured = row[row.contains("ratio") ? "ratio" : "seconds"];
     row["beyond_limit"] = measured > row["limit"].get<double>();

@@ -48,10 +48,6 @@ using Clock = std::chrono::steady_clock;
 constexpr uint64_t kFewSamples = uint64_t{1} << 24;
 constexpr double kSecondsToPrepare = 1;
 
-bool is_short_file(const std::filesystem::path& path) {
-  return std::filesystem::file_size(path) < 64 * 1024;
-}
-
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -66,11 +62,10 @@ class RenderRun {
     check_outputs();
     if (options_.resume) store_ = std::make_shared<SqliteTileStore>(store_path());
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
-    // What reads in no time tells first whether its picture will be there in no time too.
-    if (!is_short_file(options_.scene)) farm_ = start_farm();
+    // Workers get ready while the scene is read.
+    farm_ = start_farm();
     read(first.value_or(0));
     if (sample_count(first) < kFewSamples) prepare_to_write_pictures();
-    if (!farm_) farm_ = start_farm();
     const ExitCode code = render_frames();
     // All pictures are written.
     if (store_ && code == ExitCode::done) store_->remove();
