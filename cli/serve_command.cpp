@@ -13,6 +13,7 @@
 #include "cli/interrupt.h"
 #include "cli/option_values.h"
 #include "cli/say.h"
+#include "cli/service_manager.h"
 #include "coordinator/render_loop.h"
 #include "coordinator/store/sqlite_job_store.h"
 #include "proto/transport/zmq_transport.h"
@@ -85,10 +86,12 @@ ExitCode serve(const ServeOptions& options) {
                   std::move(store));
   say("serving at {}\n", loop.endpoint());
   std::fflush(stdout);
+  notify_service_manager("READY=1");
   // What is traced while no store keeps it is lost in any case.
   loop.serve(interrupted(), options.store.empty() ? Time{0} : kDrain, [&] {
     if (take_hangup()) reload(loop, options);
   });
+  notify_service_manager("STOPPING=1");
   loop.bid_farewell("the coordinator was told to end");
   return ExitCode::done;
 }

@@ -29,9 +29,28 @@ struct WorkerCommandOptions {
   int parent = 0;
   bool quiet = false;
   int arena = -1;  ///< a descriptor of SharedArena that was inherited
-  double orphan_timeout = 60;
+  Time orphan_timeout = std::chrono::seconds(60);
+  Time idle_timeout = Time::max();
   unsigned protocol_major = 0;
 };
+
+/// Adds an option of seconds.
+void add_timeout(CLI::App& command, const std::string& name, const std::string& description,
+                 Time& value) {
+  command
+      .add_option_function<std::string>(
+          name,
+          [name, &value](const std::string& text) {
+            const double seconds = parse_number(name, text);
+            if (!(seconds > 0 && seconds <= 1e6)) {
+              throw usage_error(
+                  fmt::format("{}: {}; expected above 0, at most 1000000", name, text));
+            }
+            value = std::chrono::duration_cast<Time>(std::chrono::duration<double>(seconds));
+          },
+          description)
+      ->type_name("SECONDS");
+}
 
 ExitCode work(const WorkerCommandOptions& options) {
   if (options.parent > 0 && !die_with_parent(options.parent)) return ExitCode::done;
@@ -55,8 +74,8 @@ ExitCode work(const WorkerCommandOptions& options) {
   } else if (options.cache_budget) {
     throw usage_error("--cache-budget: is for --cache; expected that beside it");
   }
-  worker.orphan_timeout =
-      std::chrono::duration_cast<Time>(std::chrono::duration<double>(options.orphan_timeout));
+  worker.orphan_timeout = options.orphan_timeout;
+  worker.idle_timeout = options.idle_timeout;
   worker.protocol_major = options.protocol_major;
   const auto transport = connect(options.connection);
   spdlog::info("connecting to {}", options.connection.endpoint);
@@ -64,6 +83,8 @@ ExitCode work(const WorkerCommandOptions& options) {
   if (end.exit_code != ExitCode::done) throw Error(end.exit_code, end.reason);
   if (interrupted()) {
     spdlog::info("stopped");
+  } else if (end.reason.empty()) {
+    spdlog::info("stopped: there was nothing to trace");
   } else {
     spdlog::info("the coordinator has ended: {}", end.reason);
   }
@@ -99,21 +120,13 @@ void add_worker_command(CLI::App& app, Action& action) {
           "What the cache may come to take, such as 500M or 10G; what was used longest ago goes "
           "first [10G]")
       ->type_name("BYTES");
-  command
-      ->add_option_function<std::string>(
-          "--orphan-timeout",
-          [options](const std::string& text) {
-            const double seconds = parse_number("--orphan-timeout", text);
-            if (!(seconds > 0 && seconds <= 1e6)) {
-              throw usage_error(
-                  fmt::format("--orphan-timeout: {}; expected above 0, at most 1000000", text));
-            }
-            options->orphan_timeout = seconds;
-          },
-          "End after so long without a word from the coordinator: until then finish its tiles, "
-          "keep "
-          "them, and connect again [60]")
-      ->type_name("SECONDS");
+  add_timeout(*command, "--orphan-timeout",
+              "End after so long without a word from the coordinator: until then finish its tiles, "
+              "keep them, and connect again [60]",
+              options->orphan_timeout);
+  add_timeout(*command, "--idle-timeout",
+              "End, with exit code 0, after so long without anything to trace [never]",
+              options->idle_timeout);
   command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   // Not for users: an empty group hides them from --help.
   command->add_option("--parent", options->parent)->group("");

@@ -59,7 +59,8 @@ class WorkerLoop {
         service_(options.make_renderer, options.threads, [&transport] { transport.wake(); }),
         loader_(options.cache, [&transport] { transport.wake(); }),
         session_(session_options(options), monotonic_now()),
-        threads_(options.threads) {}
+        threads_(options.threads),
+        idle_timeout_(options.idle_timeout) {}
 
   WorkerEnd run(const std::atomic<bool>& stop) {
     while (true) {
@@ -69,15 +70,23 @@ class WorkerLoop {
         perform();
         break;
       }
+      if (is_idle()) {
+        session_.leave("idle");
+        perform();
+        break;
+      }
       const Time pause =
           std::clamp(session_.next_deadline() - monotonic_now(), Time{0}, kLongestWait);
       // Rounded up, or the last millisecond would be spent in circles.
       transport_.wait(std::chrono::ceil<std::chrono::milliseconds>(pause));
       receive();
       while (const auto found = loader_.take_found()) session_.on_found(*found, monotonic_now());
-      while (auto built = service_.take_built())
+      while (auto built = service_.take_built()) {
+        --underway_;
         session_.on_built(std::move(*built), monotonic_now());
+      }
       while (auto traced = service_.take_traced()) {
+        --underway_;
         session_.on_traced(std::move(*traced), monotonic_now());
       }
       if (session_.next_deadline() <= monotonic_now()) session_.on_tick(monotonic_now());
@@ -102,6 +111,7 @@ class WorkerLoop {
     for (size_t i = 0; i < kMessagesPerRound; ++i) {
       const auto received = transport_.receive();
       if (!received) return;
+      if (received->channel == Channel::bulk) last_work_ = monotonic_now();
       const auto message = decode(received->bytes, max_message_bytes(received->channel));
       if (message) {
         session_.on_message(received->channel, *message, monotonic_now());
@@ -109,6 +119,11 @@ class WorkerLoop {
         spdlog::warn("dropped a message of {} bytes that is none of ours", received->bytes.size());
       }
     }
+  }
+
+  bool is_idle() {
+    if (underway_ > 0) last_work_ = monotonic_now();
+    return idle_timeout_ != Time::max() && monotonic_now() - last_work_ > idle_timeout_;
   }
 
   void tell_connection() {
@@ -135,8 +150,10 @@ class WorkerLoop {
       } else if (std::get_if<Reconnect>(&action)) {
         transport_.reconnect();
       } else if (auto* build = std::get_if<StartBuild>(&action)) {
+        ++underway_;
         service_.build(std::move(build->run));
       } else if (auto* trace = std::get_if<StartTrace>(&action)) {
+        ++underway_;
         service_.trace(std::move(trace->run));
       } else if (auto* look = std::get_if<LookForBlob>(&action)) {
         loader_.look(look->lookup);
@@ -158,6 +175,9 @@ class WorkerLoop {
   WorkerSession session_;
   WorkerEnd end_;
   int threads_;
+  Time idle_timeout_;
+  Time last_work_ = monotonic_now();
+  int underway_ = 0;  ///< builds and traces that have not come back
   bool told_welcome_ = false;
   std::string told_trouble_;
 };

@@ -24,6 +24,8 @@ struct WorkerOptions {
   int threads = 1;
   /// Ends after so long without a word from the coordinator; Time::max(): never.
   Time orphan_timeout = std::chrono::seconds(60);
+  /// Ends (done) after so long without anything to build, trace or fetch; Time::max(): never.
+  Time idle_timeout = Time::max();
   /// Results that are kept for a coordinator that is away.
   uint64_t spool_bytes = uint64_t{256} << 20;
   TileRendererFactory make_renderer;
@@ -38,7 +40,8 @@ struct WorkerOptions {
 
 struct WorkerEnd {
   ExitCode exit_code = ExitCode::done;
-  std::string reason;  ///< for the log; names both sides where the coordinator refused
+  /// For the log; names both sides where the coordinator refused. Empty where it left of itself.
+  std::string reason;
 };
 
 /// Arranges that this process is killed when its parent ends; false if that has already ended.
@@ -46,8 +49,8 @@ struct WorkerEnd {
 bool die_with_parent(pid_t parent);
 
 /// Works for the coordinator behind `transport` until that says to end, refuses this worker
-/// (bad_usage), stays silent too long (render_failed), or `stop` is set (done: the coordinator is
-/// told). A running tile is then given back.
+/// (bad_usage), stays silent too long (render_failed), there is nothing to do for too long (done),
+/// or `stop` is set (done: the coordinator is told). A running tile is then given back.
 WorkerEnd run_worker(ClientTransport& transport, const WorkerOptions& options,
                      const std::atomic<bool>& stop);
 

@@ -11,6 +11,7 @@ import sqlite3
 import subprocess
 import time
 import unittest
+import unittest.mock
 
 import scenes
 from tessera_process import SLOWER, TesseraTest, wait_until
@@ -163,6 +164,29 @@ class Ends(ServiceTest):
         self.assertEqual(self.expected(), self.pixels(job))
         self.assertIsNone(patient.poll())
         self.stop(service, patient)
+
+    def test_an_idle_worker_leaves(self):
+        service = self.serve()
+        job = self.submit()
+        worker = self.worker("--idle-timeout", 2 * SLOWER)
+        self.assertEqual(self.expected(), self.pixels(job))
+        self.assertEqual(0, worker.wait(30 * SLOWER))
+        self.assertEqual("0 workers", self.ask("status").splitlines()[-1])
+        self.stop(service)
+
+    def test_the_service_manager_is_told(self):
+        """What systemd's Type=notify waits for, by a socket of either kind."""
+        for address in (str(self.folder / "notify"), f"\0tessera-test-{self.mark}"):
+            with self.subTest(address=address), \
+                    socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+                manager.bind(address)
+                manager.settimeout(60)
+                with unittest.mock.patch.dict(
+                        os.environ, NOTIFY_SOCKET=address.replace("\0", "@")):
+                    service = self.serve()
+                self.assertEqual(b"READY=1", manager.recv(100))
+                self.stop(service)
+                self.assertEqual(b"STOPPING=1", manager.recv(100))
 
     @unittest.skipIf(os.geteuid() != 0, "a small disk can be mounted by root alone")
     def test_a_full_disk_pauses_the_job_until_there_is_room(self):

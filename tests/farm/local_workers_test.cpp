@@ -15,6 +15,7 @@
 #include "coordinator/render_loop.h"
 #include "proto/transport/zmq_transport.h"
 #include "tests/farm/fake_renderer.h"
+#include "tests/temporary_folder.h"
 
 namespace tessera::testing {
 namespace {
@@ -69,16 +70,14 @@ TEST(LocalWorkers, RenderAndLeaveNothingBehind) {
 
 /// A job with four workers, the first of which lies in every tile.
 JobResult render_with_a_liar(double verify, const JobSpec& job) {
-  std::string folder = (std::filesystem::temp_directory_path() / "tessera-test-XXXXXX").string();
-  EXPECT_NE(mkdtemp(folder.data()), nullptr);
+  const TemporaryFolder folder;
   LocalWorkerOptions workers = fake_workers(4, 2);
-  workers.extra_arguments.insert(workers.extra_arguments.end(), {"--lie-once", folder + "/liar"});
+  workers.extra_arguments.insert(workers.extra_arguments.end(), {"--lie-once", folder / "liar"});
   CoordinatorOptions options;
   options.verify = verify;
   options.verify_key = 11;
   Farm farm(workers, options);
   JobResult result = farm.render(job, nullptr);
-  std::filesystem::remove_all(folder);
   return result;
 }
 
@@ -96,10 +95,9 @@ TEST(LocalWorkers, OneThatLiesIsSetAsideAndItsTilesAreTracedAgain) {
 }
 
 TEST(LocalWorkers, OneThatLiesAmongTwoFailsTheJobAndBothAreNamed) {
-  std::string folder = (std::filesystem::temp_directory_path() / "tessera-test-XXXXXX").string();
-  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  const TemporaryFolder folder;
   LocalWorkerOptions workers = fake_workers(2, 2);
-  workers.extra_arguments.insert(workers.extra_arguments.end(), {"--lie-once", folder + "/liar"});
+  workers.extra_arguments.insert(workers.extra_arguments.end(), {"--lie-once", folder / "liar"});
   CoordinatorOptions options;
   options.verify = 1;
   options.lease = std::chrono::seconds(2);
@@ -107,14 +105,12 @@ TEST(LocalWorkers, OneThatLiesAmongTwoFailsTheJobAndBothAreNamed) {
   const JobResult result = farm.render(make_job(100, 60, 16), nullptr);
   EXPECT_EQ(result.report.end, JobReport::End::failed);
   EXPECT_THAT(result.report.failure, ::testing::HasSubstr("there is no third to decide"));
-  std::filesystem::remove_all(folder);
 }
 
 TEST(LocalWorkers, OneStoppedBeforeItsHelloIsReplaced) {
-  std::string mark = (std::filesystem::temp_directory_path() / "tessera-stop-XXXXXX").string();
-  ASSERT_NE(mkdtemp(mark.data()), nullptr);
+  const TemporaryFolder folder;
   LocalWorkerOptions options = fake_workers(1, 0);
-  options.extra_arguments.insert(options.extra_arguments.end(), {"--stop-once", mark + "/mark"});
+  options.extra_arguments.insert(options.extra_arguments.end(), {"--stop-once", folder / "mark"});
   CoordinatorOptions times;
   times.greeting = milliseconds(300);
   {
@@ -122,10 +118,9 @@ TEST(LocalWorkers, OneStoppedBeforeItsHelloIsReplaced) {
     const JobSpec job = make_job(64, 64, 16);
     const JobResult result = farm.render(job, nullptr);
     EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
-    EXPECT_TRUE(std::filesystem::exists(mark + "/mark"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "mark"));
     farm.loop.shut_down("done");
   }
-  std::filesystem::remove_all(mark);
 }
 
 TEST(LocalWorkers, KilledOnesAreReplacedAndThePictureIsTheSame) {
@@ -257,14 +252,13 @@ TEST(LocalWorkers, TooManyForTheLimitOfOpenFilesIsAnError) {
 
 TEST(LocalWorkers, DieWithTheirParent) {
   // Who is killed cannot tidy up: its private folder goes into one of ours.
-  std::string folder = (std::filesystem::temp_directory_path() / "tessera-test-XXXXXX").string();
-  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  const TemporaryFolder folder;
   int ends[2];
   ASSERT_EQ(pipe(ends), 0);
   const pid_t parent = fork();
   ASSERT_GE(parent, 0);
   if (parent == 0) {
-    setenv("TMPDIR", folder.c_str(), 1);
+    setenv("TMPDIR", folder.path().c_str(), 1);
     auto* workers = new LocalWorkers(fake_workers(2, 0));
     workers->start();
     const auto running = workers->processes();
@@ -284,13 +278,13 @@ TEST(LocalWorkers, DieWithTheirParent) {
   }
   // What it could not remove itself, the next one does, but not what is in use.
   const auto entries = [&folder] {
-    const auto all = std::filesystem::directory_iterator(folder);
+    const auto all = std::filesystem::directory_iterator(folder.path());
     return std::distance(begin(all), end(all));
   };
   EXPECT_EQ(entries(), 1);
   const char* before = std::getenv("TMPDIR");
   const std::string restored = before ? before : "";
-  setenv("TMPDIR", folder.c_str(), 1);
+  setenv("TMPDIR", folder.path().c_str(), 1);
   {
     const LocalWorkers one(fake_workers(0, 0));
     EXPECT_EQ(entries(), 1);
@@ -299,7 +293,6 @@ TEST(LocalWorkers, DieWithTheirParent) {
   }
   EXPECT_EQ(entries(), 0);
   before ? setenv("TMPDIR", restored.c_str(), 1) : unsetenv("TMPDIR");
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

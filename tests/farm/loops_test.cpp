@@ -12,6 +12,7 @@
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
 #include "tests/farm/fake_renderer.h"
+#include "tests/temporary_folder.h"
 #include "worker/run_worker.h"
 
 namespace tessera::testing {
@@ -50,13 +51,6 @@ class Threads {
   std::vector<std::thread> threads_;
 };
 
-/// A private folder for sockets.
-struct SocketFolder {
-  std::string path = (std::filesystem::temp_directory_path() / "tessera-test-XXXXXX").string();
-  SocketFolder() { EXPECT_NE(mkdtemp(path.data()), nullptr); }
-  ~SocketFolder() { std::filesystem::remove_all(path); }
-};
-
 const std::atomic<bool> kNever{false};
 
 TEST(RenderLoop, InMemoryWorkerTracesTheFrame) {
@@ -81,9 +75,9 @@ TEST(RenderLoop, InMemoryWorkerTracesTheFrame) {
 
 TEST(RenderLoop, SocketWorkersGiveTheSameBitsForAnyCut) {
   for (const char* scheme : {"ipc", "tcp"}) {
-    const SocketFolder folder;
+    const TemporaryFolder folder;
     const std::string endpoint =
-        scheme == std::string("ipc") ? "ipc://" + folder.path + "/farm" : "tcp://127.0.0.1:*";
+        scheme == std::string("ipc") ? "ipc://" + (folder / "farm") : "tcp://127.0.0.1:*";
     RenderLoop loop(bind_server(endpoint), {});
     Threads workers;
     for (int i = 0; i < 3; ++i) workers.add(connect_client(loop.endpoint()), worker_options(2));
@@ -103,9 +97,9 @@ TEST(RenderLoop, SocketWorkersGiveTheSameBitsForAnyCut) {
 }
 
 TEST(RenderLoop, CompressesPixelsThatLeaveTheMachine) {
-  const SocketFolder folder;
+  const TemporaryFolder folder;
   for (const std::string& endpoint :
-       {"ipc://" + folder.path + "/farm", std::string("tcp://127.0.0.1:*")}) {
+       {"ipc://" + (folder / "farm"), std::string("tcp://127.0.0.1:*")}) {
     RenderLoop loop(bind_server(endpoint), {});
     Threads workers;
     workers.add(connect_client(loop.endpoint()), worker_options(1));
@@ -146,8 +140,8 @@ TEST(RenderLoop, ServesAClientThatSubmitsAJob) {
 }
 
 TEST(RenderLoop, AnotherCoordinatorAtTheSamePlaceGetsItsOwnPicture) {
-  const SocketFolder folder;
-  const std::string endpoint = "ipc://" + folder.path + "/farm";
+  const TemporaryFolder folder;
+  const std::string endpoint = "ipc://" + (folder / "farm");
   Threads workers;
   JobSpec job = make_job(64, 64, 16);
   CoordinatorOptions options;

@@ -4,10 +4,8 @@
 
 #include <cstdio>
 #include <utility>
-#include <variant>
 
 #include "proto/wire/frame.h"
-#include "proto/wire/pixels.h"
 
 namespace tessera::testing {
 namespace {
@@ -18,8 +16,6 @@ using std::chrono::seconds;
 constexpr Time kTroubleTime = seconds(20);
 constexpr Time kPatience = seconds(600);
 constexpr size_t kWorkersAtStart = 3;
-constexpr size_t kMostWorkers = 6;
-constexpr char kHost[] = "simulated";
 
 }  // namespace
 
@@ -88,187 +84,6 @@ void Simulation::carry(const v1::Envelope& message, const std::string& line,
     }
     at(arrival, [carried, arrive] { arrive(**carried); });
   }
-}
-
-// --------------------------------------------------------------------------------------- workers
-
-Simulation::Worker* Simulation::find_process(uint32_t process) {
-  const auto it = workers_.find(process);
-  return it == workers_.end() ? nullptr : &it->second;
-}
-
-Simulation::Worker* Simulation::find(const PeerId& peer) {
-  for (auto& [process, worker] : workers_) {
-    if (worker.peer == peer) return &worker;
-  }
-  return nullptr;
-}
-
-void Simulation::join() {
-  Worker& worker = workers_[++processes_];
-  worker.process = processes_;
-  worker.peer = fmt::format("peer-{}", ++peers_);
-  worker.failures_left = faults_.one_fails && processes_ == 1 ? 2 : 0;
-  worker.hangs = faults_.one_hangs && processes_ == 2;
-  worker.lies = faults_.one_lies && processes_ == 3;
-  worker.slowness = draw() < 0.2 ? 10 : 0.5 + draw();
-  SessionOptions options;
-  v1::Hello& hello = options.hello;
-  hello.set_protocol_major(kProtocolMajor);
-  hello.set_numerics_id(kNumericsId);
-  hello.set_worker_id(random_() | 1);
-  hello.set_host(draw() < 0.5 ? kHost : "elsewhere");
-  hello.set_process_id(worker.process);
-  hello.set_threads(1 + static_cast<uint32_t>(draw(3)));
-  hello.set_credit(hello.threads() + 1);
-  worker.session = std::make_unique<WorkerSession>(options, now_);
-  say(fmt::format("worker {} joins", worker.process));
-  perform(worker);
-}
-
-void Simulation::crash(uint32_t process, bool noticed, bool own_fault) {
-  const Worker* worker = find_process(process);
-  if (!worker) return;
-  say(fmt::format("worker {} dies{}", process, noticed ? ", noticed" : ""));
-  const PeerId peer = worker->peer;
-  workers_.erase(process);
-  if (!noticed) return;
-  at(now_ + draw_time(milliseconds(50)), [this, peer, process, own_fault] {
-    with_coordinator([&](Coordinator& c) {
-      c.on_process_ended(static_cast<pid_t>(process), own_fault, "simulated", now_);
-      c.on_peer_gone(peer, now_);
-    });
-    deliver();
-  });
-}
-
-void Simulation::something_happens() {
-  if (workers_.empty()) return join();
-  auto it = workers_.begin();
-  std::advance(it, static_cast<ptrdiff_t>(draw(workers_.size())));
-  Worker& worker = it->second;
-  switch (draw(6)) {
-    case 0:
-      return crash(worker.process, draw() < 0.5, false);
-    case 1:
-      say(fmt::format("worker {} leaves", worker.process));
-      worker.session->leave("simulated");
-      perform(worker);
-      workers_.erase(it);
-      return;
-    case 2:
-      if (workers_.size() < kMostWorkers) join();
-      return;
-    case 3:
-      worker.frozen_until = now_ + (draw() < 0.3 ? Time(seconds(10000)) : draw_time(seconds(15)));
-      return say(fmt::format("worker {} is stopped", worker.process));
-    case 4:
-      worker.cut_until = now_ + draw_time(seconds(15));
-      worker.cut_to = draw() < 0.7;
-      worker.cut_from = !worker.cut_to || draw() < 0.5;
-      return say(fmt::format("worker {} is cut off", worker.process));
-    default:
-      worker.slowness *= 10;
-      return say(fmt::format("worker {} slows down", worker.process));
-  }
-}
-
-void Simulation::start_tracing(Worker& worker) {
-  const uint32_t process = worker.process;
-  while (worker.tracing.size() < 2 && !worker.queue.empty()) {
-    auto run = std::move(worker.queue.front());
-    worker.queue.pop_front();
-    run->started = !run->progress.cancelled;
-    worker.tracing[run.get()] = {run, now_};
-    const double tile_seconds =
-        pace_ * (0.02 + 0.3 * static_cast<double>(run->tile * 37 % 11) / 11);
-    if (worker.hangs && run->started) {
-      worker.hangs = false;
-      say(fmt::format("worker {} hangs in tile {}", process, run->tile));
-      continue;
-    }
-    const Time end = now_ + Time(static_cast<int64_t>(tile_seconds * worker.slowness * 1e9));
-    at(end, [this, process, run] { finish_tracing(process, run); });
-  }
-}
-
-void Simulation::finish_tracing(uint32_t process, const std::shared_ptr<TraceRun>& run) {
-  Worker* worker = find_process(process);
-  if (!worker) return;
-  if (now_ < worker->frozen_until) {
-    at(worker->frozen_until, [this, process, run] { finish_tracing(process, run); });
-    return;
-  }
-  worker->tracing.erase(run.get());
-  worker->session->on_traced(outcome_of(*worker, run), now_);
-  start_tracing(*worker);
-  perform(*worker);
-}
-
-TraceOutcome Simulation::outcome_of(Worker& worker, const std::shared_ptr<TraceRun>& run) {
-  TraceOutcome outcome = tessera::trace(run);
-  if (outcome.cancelled) return outcome;
-  if (worker.failures_left > 0) {
-    --worker.failures_left;
-    outcome.bands.clear();
-    outcome.failure = "simulated";
-    return outcome;
-  }
-  if (!faults_.split_bands && !worker.lies) return outcome;
-  const PixelRect& rect = run->task.rect;
-  TileProgress progress;
-  auto values = run->renderer->render(run->task, progress)->values;
-  if (worker.lies) values[values.size() / 2] += 1;
-  auto counters = outcome.bands.back().counters();
-  outcome.bands.clear();
-  const size_t row = static_cast<size_t>(rect.width()) * kFilmChannels;
-  for (int y = rect.y0; y < rect.y1; ++y) {
-    const auto offset = row * static_cast<size_t>(y - rect.y0);
-    auto bands =
-        encode_bands(std::span(values).subspan(offset, row), rect.width(), y, run->compress);
-    outcome.bands.push_back(std::move(bands[0]));
-    outcome.bands.back().set_last(false);
-  }
-  outcome.bands.back().set_last(true);
-  *outcome.bands.back().mutable_counters() = std::move(counters);
-  return outcome;
-}
-
-void Simulation::perform(Worker& worker) {
-  const uint32_t process = worker.process;
-  for (SessionAction& action : worker.session->take_actions()) {
-    if (auto* send = std::get_if<SendMessage>(&action)) {
-      if (now_ < worker.cut_until && worker.cut_to) continue;
-      const Channel channel = send->channel;
-      carry(send->message, fmt::format("{}>{}", worker.peer, static_cast<int>(channel)),
-            [this, channel, peer = worker.peer](const v1::Envelope& message) {
-              to_coordinator(channel, peer, message);
-            });
-    } else if (std::get_if<Reconnect>(&action)) {
-      worker.peer = fmt::format("peer-{}", ++peers_);
-    } else if (auto* build = std::get_if<StartBuild>(&action)) {
-      at(now_ + milliseconds(20) + draw_time(milliseconds(300)), [this, process, run = build->run] {
-        Worker* builder = find_process(process);
-        if (!builder) return;
-        BuildOutcome outcome;
-        outcome.job = run->job;
-        if (faults_.bad_scene) {
-          outcome.failure = "simulated";
-          outcome.exit_code = static_cast<int>(ExitCode::bad_scene);
-        } else {
-          outcome.renderer = make_fake_renderer(run->scene, run->blobs, run->frame, 1);
-        }
-        builder->session->on_built(std::move(outcome), now_);
-        perform(*builder);
-      });
-    } else if (auto* trace_action = std::get_if<StartTrace>(&action)) {
-      worker.queue.push_back(std::move(trace_action->run));
-    } else if (auto* quit = std::get_if<Quit>(&action)) {
-      say(fmt::format("worker {} quits: {}", process, quit->reason));
-      return at(now_, [this, process] { crash(process, true, false); });
-    }
-  }
-  start_tracing(worker);
 }
 
 // --------------------------------------------------------------------------------------- network

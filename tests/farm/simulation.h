@@ -86,6 +86,9 @@ class Simulation {
     }
   };
 
+  /// The machine of the coordinator and of some workers.
+  static constexpr char kHost[] = "simulated";
+
   double draw() { return std::uniform_real_distribution<double>(0, 1)(random_); }
   uint64_t draw(uint64_t below) { return random_() % below; }
   Time draw_time(Time most) {

@@ -1,28 +1,20 @@
 // Random schedules of trouble, each of which must end with the same picture.
-// TESSERA_SIM_SEED=N replays one seed and tells what happens; TESSERA_SIM_SEEDS=N sets how many
-// there are in all.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <span>
 #include <string>
 
 #include "base/log.h"
 #include "job/tile_grid.h"
+#include "tests/farm/seeds.h"
 #include "tests/farm/simulation.h"
 
 namespace tessera::testing {
 namespace {
 
-constexpr uint64_t kShards = 8;
 constexpr uint64_t kSeeds = 12000;
-
-uint64_t from_environment(const char* name, uint64_t otherwise) {
-  const char* text = std::getenv(name);
-  return text ? std::strtoull(text, nullptr, 10) : otherwise;
-}
 
 /// What is wrong with a run; empty: nothing.
 std::string flaw(const Simulation& simulation, const std::optional<JobResult>& result) {
@@ -43,23 +35,17 @@ std::string flaw(const Simulation& simulation, const std::optional<JobResult>& r
 
 class FarmSimulation : public ::testing::TestWithParam<uint64_t> {
  protected:
-  void SetUp() override { spdlog::set_level(spdlog::level::off); }
+  void SetUp() override {
+    spdlog::set_level(replayed_seed() ? spdlog::level::info : spdlog::level::off);
+  }
 };
 
 TEST_P(FarmSimulation, EveryScheduleEndsWithTheSamePicture) {
-  if (const uint64_t seed = from_environment("TESSERA_SIM_SEED", 0)) {
-    if (GetParam() != 0) GTEST_SKIP() << "a replay of one seed runs in the first shard alone";
-    spdlog::set_level(spdlog::level::info);
-    Simulation simulation(seed);
-    simulation.trace = true;
-    ASSERT_EQ(flaw(simulation, simulation.run()), "");
-    return;
-  }
-  const uint64_t count = from_environment("TESSERA_SIM_SEEDS", kSeeds) / kShards;
+  const std::vector<uint64_t> seeds = seeds_of(GetParam(), kSeeds);
   uint64_t retries = 0, duplicates = 0, speculative = 0, lost = 0;
-  for (uint64_t i = 0; i < count; ++i) {
-    const uint64_t seed = 1 + GetParam() * count + i;
+  for (const uint64_t seed : seeds) {
     Simulation simulation(seed);
+    simulation.trace = replayed_seed() != 0;
     const auto result = simulation.run();
     ASSERT_EQ(flaw(simulation, result), "")
         << "replay with TESSERA_SIM_SEED=" << seed << " farm_simulation_test";
@@ -68,11 +54,12 @@ TEST_P(FarmSimulation, EveryScheduleEndsWithTheSamePicture) {
     speculative += result->report.speculative;
     lost += result->report.workers_lost;
   }
+  if (replayed_seed()) return;
   // The schedules must really have met with trouble.
-  EXPECT_GT(retries, count / 4);
-  EXPECT_GT(duplicates, count / 8);
-  EXPECT_GT(speculative, count / 8);
-  EXPECT_GT(lost, count / 4);
+  EXPECT_GT(retries, seeds.size() / 4);
+  EXPECT_GT(duplicates, seeds.size() / 8);
+  EXPECT_GT(speculative, seeds.size() / 8);
+  EXPECT_GT(lost, seeds.size() / 4);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, FarmSimulation, ::testing::Range<uint64_t>(0, kShards));

@@ -1,4 +1,5 @@
 #include "base/file.h"
+#include "tests/temporary_folder.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -14,9 +15,6 @@ namespace fs = std::filesystem;
 class ResolveInside : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "tessera-file-test-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    top = fs::canonical(pattern);
     fs::create_directories(folder() / "textures");
     fs::create_directories(top / "folder-2");
     for (const char* name :
@@ -24,14 +22,14 @@ class ResolveInside : public ::testing::Test {
       std::ofstream(top / name) << "x";
     }
   }
-  void TearDown() override { fs::remove_all(top); }
 
   fs::path folder() const { return top / "folder"; }
   std::optional<fs::path> resolve(const std::string& reference) const {
     return resolve_inside(folder(), reference);
   }
 
-  fs::path top;
+  const TemporaryFolder temporary;
+  const fs::path top = temporary.path();
 };
 
 TEST_F(ResolveInside, FindsWhatLiesInTheFolder) {

@@ -3,18 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "tests/error_of.h"
 
 namespace tessera {
 namespace {
 
 std::string error(std::string_view text) {
-  try {
-    parse_placement(text);
-  } catch (const Error& problem) {
-    EXPECT_EQ(problem.code(), ExitCode::bad_usage);
-    return problem.what();
-  }
-  return "no error";
+  return usage_error_of([text] { parse_placement(text); });
 }
 
 TEST(Placement, ReadsEveryPart) {

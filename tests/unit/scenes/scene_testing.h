@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
+#include "tests/error_of.h"
 
 namespace tessera {
 
@@ -22,17 +23,6 @@ std::vector<T> blob_values(const v1::BlobRef& ref, const BlobStore& blobs) {
   std::vector<T> values(data->size() / sizeof(T));
   std::memcpy(values.data(), data->data(), values.size() * sizeof(T));
   return values;
-}
-
-/// The message of the Error that `action` throws; "no error" where it throws none.
-template <typename Action>
-std::string error_of(const Action& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 }  // namespace tessera

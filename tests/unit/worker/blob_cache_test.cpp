@@ -12,6 +12,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "tests/temporary_folder.h"
 
 namespace tessera {
 namespace {
@@ -20,15 +21,8 @@ namespace fs = std::filesystem;
 
 class BlobCacheTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    ASSERT_NE(mkdtemp(parent_.data()), nullptr);
-    folder_ = fs::path(parent_) / "a" / "cache";
-    spdlog::set_level(spdlog::level::off);
-  }
-  void TearDown() override {
-    spdlog::set_level(spdlog::level::info);
-    fs::remove_all(parent_);
-  }
+  void SetUp() override { spdlog::set_level(spdlog::level::off); }
+  void TearDown() override { spdlog::set_level(spdlog::level::info); }
 
   static Blob blob(size_t size, int value) {
     return Blob(std::vector<std::byte>(size, static_cast<std::byte>(value)));
@@ -50,8 +44,8 @@ class BlobCacheTest : public ::testing::Test {
     fs::last_write_time(path, fs::last_write_time(path) - std::chrono::seconds(seconds));
   }
 
-  std::string parent_ = (fs::temp_directory_path() / "tessera-test-XXXXXX").string();
-  fs::path folder_;
+  const TemporaryFolder parent_;
+  const fs::path folder_ = parent_ / "a/cache";
 };
 
 TEST_F(BlobCacheTest, KeepsBeyondItsOwnLifeForThisUserAlone) {
@@ -157,8 +151,8 @@ TEST_F(BlobCacheTest, AFolderThatOthersCanWriteToIsRefused) {
   fs::create_directories(folder_);
   fs::permissions(folder_, fs::perms::all);
   EXPECT_THROW(BlobCache(folder_, 1), Error);
-  std::ofstream(fs::path(parent_) / "file") << "x";
-  EXPECT_THROW(BlobCache(fs::path(parent_) / "file", 1), Error);
+  std::ofstream(parent_ / "file") << "x";
+  EXPECT_THROW(BlobCache(parent_ / "file", 1), Error);
   EXPECT_THROW(BlobCache("/proc/nowhere/cache", 1), Error);
 }
 

@@ -31,6 +31,12 @@ class WorkerSessionTest : public ::testing::Test {
     options.orphan_timeout = seconds(30);
     return options;
   }
+  /// Starts anew, as a worker that keeps blobs on disk.
+  void begin_with_disk() {
+    SessionOptions with_disk = options();
+    with_disk.blob_sources.disk = true;
+    session = WorkerSession(with_disk, Time{0});
+  }
 
   /// What the session wants done since last asked, of one kind.
   template <typename Action>
@@ -402,9 +408,7 @@ TEST_F(WorkerSessionTest, GivesBackWhatItHoldsWhenItLeaves) {
 }
 
 TEST_F(WorkerSessionTest, LooksOnDiskBeforeItAsksAndKeepsWhatIsSent) {
-  SessionOptions with_disk = options();
-  with_disk.blob_sources.disk = true;
-  session = WorkerSession(with_disk, Time{0});
+  begin_with_disk();
   welcome(1);
   start(7);
   const auto looked = wants<LookForBlob>();
@@ -423,9 +427,7 @@ TEST_F(WorkerSessionTest, LooksOnDiskBeforeItAsksAndKeepsWhatIsSent) {
 }
 
 TEST_F(WorkerSessionTest, WhatIsOnDiskIsNotAskedFor) {
-  SessionOptions with_disk = options();
-  with_disk.blob_sources.disk = true;
-  session = WorkerSession(with_disk, Time{0});
+  begin_with_disk();
   welcome(1);
   start(7);
   session.on_found({scene_digest, store.find(scene_digest)}, {});

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "tests/temporary_folder.h"
 
 namespace tessera {
 namespace {
@@ -16,14 +17,6 @@ namespace fs = std::filesystem;
 
 class TileStoreTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "tessera-store-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-    file_ = folder_ / "a.tiles";
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   static FinishedTile tile(int x, const std::string& pixels) {
     FinishedTile tile{{x, 0, x + 16, 16}, {}};
     tile.kept.set_tile_size(16);
@@ -39,7 +32,8 @@ class TileStoreTest : public testing::Test {
     return ExitCode::done;
   }
 
-  fs::path folder_, file_;
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path(), file_ = folder_ / "a.tiles";
   const Digest job_ = Digest::of("a job"), other_ = Digest::of("another");
 };
 

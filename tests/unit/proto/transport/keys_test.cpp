@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "proto/transport/allow_list.h"
+#include "tests/error_of.h"
 
 namespace tessera {
 namespace {
@@ -12,16 +13,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::bad_usage);
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(Keys, AreReadAsTheyWereWritten) {
   const KeyPair keys = make_key_pair();
@@ -45,10 +36,10 @@ TEST(Keys, AWrongSecretIsToldWithItsPlaceAndNotShown) {
   for (const std::string& text :
        {"# x\n  " + secret, "secret " + secret + " more", "\n\nsecret " + secret.substr(2),
         "secret " + secret + "\nsecret " + secret}) {
-    EXPECT_THAT(error_of([&] { parse_secret_key_file(text, "node.key"); }),
+    EXPECT_THAT(usage_error_of([&] { parse_secret_key_file(text, "node.key"); }),
                 AllOf(HasSubstr("node.key:"), Not(HasSubstr(secret.substr(10, 20)))));
   }
-  EXPECT_THAT(error_of([] { parse_secret_key_file("# nothing\n", "node.key"); }),
+  EXPECT_THAT(usage_error_of([] { parse_secret_key_file("# nothing\n", "node.key"); }),
               HasSubstr("no key"));
 }
 
@@ -71,7 +62,7 @@ TEST(AllowList, HasRolesAndNames) {
 TEST(AllowList, TellsWhatIsWrongAndWhere) {
   const std::string key = key_text(make_key_pair().public_key);
   const auto error = [&](const std::string& text) {
-    return error_of([&] { AllowList::parse(text, "farm.allow"); });
+    return usage_error_of([&] { AllowList::parse(text, "farm.allow"); });
   };
   EXPECT_THAT(error("\n  nonsense worker x"), HasSubstr("farm.allow:2:3: 'nonsense'"));
   EXPECT_THAT(error(key + " workr x"), AllOf(HasSubstr("farm.allow:1:66: role 'workr'"),

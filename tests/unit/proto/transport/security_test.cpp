@@ -14,16 +14,12 @@
 #include "base/error.h"
 #include "proto/transport/endpoint.h"
 #include "proto/transport/zmq_transport.h"
+#include "tests/unit/proto/transport/bytes_of.h"
 
 namespace tessera {
 namespace {
 
 using std::chrono::milliseconds;
-
-MessageBytes bytes_of(std::string_view text) {
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
 
 /// A server that lets in one worker and one viewer, and those who come to it.
 class Security : public ::testing::Test {

@@ -16,16 +16,13 @@
 #include "base/error.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
+#include "tests/temporary_folder.h"
+#include "tests/unit/proto/transport/bytes_of.h"
 
 namespace tessera {
 namespace {
 
 using std::chrono::milliseconds;
-
-MessageBytes bytes_of(std::string_view text) {
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
 
 std::string text_of(const ReceivedMessage& message) {
   return {reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size()};
@@ -177,9 +174,8 @@ TEST(ZmqTransport, AnEndpointInUseIsNamed) {
 
 TEST(ZmqTransport, TakesNoPathButOfASocketThatNobodyServes) {
   namespace fs = std::filesystem;
-  std::string folder = (fs::temp_directory_path() / "tessera-test-XXXXXX").string();
-  ASSERT_NE(mkdtemp(folder.data()), nullptr);
-  const std::string path = folder + "/socket", endpoint = "ipc://" + path;
+  const TemporaryFolder folder;
+  const std::string path = folder / "socket", endpoint = "ipc://" + path;
   const auto expect_refused = [&](const char* why) {
     try {
       bind_server(endpoint);
@@ -194,7 +190,7 @@ TEST(ZmqTransport, TakesNoPathButOfASocketThatNobodyServes) {
     expect_refused("no socket");
     EXPECT_EQ(fs::file_size(path + suffix), 8u);
     fs::remove(path + suffix);
-    EXPECT_TRUE(fs::is_empty(folder));
+    EXPECT_TRUE(fs::is_empty(folder.path()));
   }
   {
     const auto server = bind_server(endpoint);
@@ -202,7 +198,7 @@ TEST(ZmqTransport, TakesNoPathButOfASocketThatNobodyServes) {
     EXPECT_TRUE(fs::is_socket(path));
     EXPECT_TRUE(fs::is_socket(path + ".bulk"));
   }
-  EXPECT_TRUE(fs::is_empty(folder));
+  EXPECT_TRUE(fs::is_empty(folder.path()));
   // One that was left by a process that was killed.
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -211,8 +207,7 @@ TEST(ZmqTransport, TakesNoPathButOfASocketThatNobodyServes) {
   ASSERT_EQ(bind(left, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
   close(left);
   EXPECT_NO_THROW(bind_server(endpoint));
-  EXPECT_TRUE(fs::is_empty(folder));
-  fs::remove_all(folder);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST(ZmqTransport, OnlyLoopbackIsBoundUnlessAllowed) {

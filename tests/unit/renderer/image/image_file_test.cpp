@@ -14,6 +14,7 @@
 #include <functional>
 
 #include "base/error.h"
+#include "tests/temporary_folder.h"
 
 namespace tessera {
 namespace {
@@ -22,13 +23,6 @@ namespace fs = std::filesystem;
 
 class ImageFile : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "tessera-image-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   size_t files() const {
     return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), {}));
   }
@@ -41,7 +35,8 @@ class ImageFile : public testing::Test {
     return film;
   }
 
-  fs::path folder_;
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
   const OutputSettings display_{.transfer = TransferCurve::display};
 };
 

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "renderer/scene/scene_builder.h"
+#include "tests/error_of.h"
 #include "tests/unit/renderer/scene_text.h"
 
 namespace tessera {
@@ -75,12 +76,7 @@ TEST(CsgScene, what_is_hidden_or_flat_is_not_there) {
 }
 
 std::string complaint(const std::string& nodes) {
-  try {
-    build_scene(parse_scene(kLook + nodes), {}, frame_of(3, 3), 1);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return error_of([&] { build_scene(parse_scene(kLook + nodes), {}, frame_of(3, 3), 1); });
 }
 
 TEST(CsgScene, refuses_what_has_no_inside) {

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "tests/error_of.h"
 #include "tests/unit/renderer/scene_text.h"
 
 namespace tessera {
@@ -29,13 +30,8 @@ constexpr char kSeed[] = R"(
   nodes { shape { mesh { inline_positions: [0,0,0, 1,0,0, 0,1,0, 1,1,1] inline_triangles: [0,1,2, 1,3,2] } } }
   nodes { shape { plane {} } })";
 
-std::string error_of(const std::string& text) {
-  try {
-    make_tile_renderer(parse_scene(text), {}, frame_of(2, 2), 1);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+std::string complaint(const std::string& text) {
+  return error_of([&] { make_tile_renderer(parse_scene(text), {}, frame_of(2, 2), 1); });
 }
 
 TEST(Hostile, endless_chains_are_refused_before_they_fill_the_stack) {
@@ -47,12 +43,12 @@ TEST(Hostile, endless_chains_are_refused_before_they_fill_the_stack) {
     materials += "materials { name: 'm" + std::to_string(i) +
                  "' unlit {} sides: BACK_MATERIAL back: 'm" + std::to_string(i - 1) + "' }\n";
   }
-  EXPECT_NE(error_of(textures + "materials { name: 'a' unlit { color { texture: 't49999' } } }"
-                                "nodes { shape { materials: 'a' sphere {} } }")
+  EXPECT_NE(complaint(textures + "materials { name: 'a' unlit { color { texture: 't49999' } } }"
+                                 "nodes { shape { materials: 'a' sphere {} } }")
                 .find("at most 8"),
             std::string::npos);
   EXPECT_NE(
-      error_of(materials + "nodes { shape { materials: 'm49999' sphere {} } }").find("at most 64"),
+      complaint(materials + "nodes { shape { materials: 'm49999' sphere {} } }").find("at most 64"),
       std::string::npos);
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "tests/error_of.h"
 #include "tests/unit/renderer/scene_text.h"
 
 namespace tessera {
@@ -14,12 +15,7 @@ namespace {
 
 std::string message_of(const std::string& text, const BlobStore& blobs = {},
                        v1::FrameSettings frame = frame_of(1, 1)) {
-  try {
-    make_tile_renderer(parse_scene(text), blobs, frame, 2);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return error_of([&] { make_tile_renderer(parse_scene(text), blobs, frame, 2); });
 }
 
 void expect_error(const std::string& text, const std::string& part) {
@@ -216,13 +212,8 @@ TEST(Validation, meshes_in_blobs) {
   v1::TriangleMesh& mesh = *good.add_nodes()->mutable_shape()->mutable_mesh();
   *mesh.mutable_positions() = put(blobs, positions, sizeof positions);
   *mesh.mutable_triangles() = put(blobs, triangles, sizeof triangles);
-  const auto check = [&](const v1::Scene& scene) -> std::string {
-    try {
-      make_tile_renderer(scene, blobs, frame_of(1, 1), 1);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
+  const auto check = [&](const v1::Scene& scene) {
+    return error_of([&] { make_tile_renderer(scene, blobs, frame_of(1, 1), 1); });
   };
   const auto broken = [&](const std::function<void(v1::TriangleMesh&)>& change) {
     v1::Scene scene = good;

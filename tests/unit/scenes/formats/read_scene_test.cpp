@@ -185,10 +185,10 @@ TEST(GenerateScene, IsTheSameEveryTimeAndNamesWhatItCannotMake) {
     EXPECT_TRUE(summarize(a.scene, a.blobs).undefined.empty());
   }
   EXPECT_EQ(
-      error_of([] { generate_scene("soop"); }),
+      usage_error_of([] { generate_scene("soop"); }),
       "unknown scene 'soop'; expected one of forest, icosphere, soup, spheres, uvsphere; did you "
       "mean 'soup'?");
-  EXPECT_EQ(error_of([] { generate_scene("icosphere:11"); }),
+  EXPECT_EQ(usage_error_of([] { generate_scene("icosphere:11"); }),
             "'11' in 'icosphere:11'; expected a number from 0 to 10");
 }
 

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Makes the keys of a farm in Kubernetes, in the folder FOLDER (which is to be kept: client.key and
+# farm.pub are for whoever submits), and the secrets that the pods have of them.
+#   deploy/kubernetes/make-secrets.sh FOLDER
+set -euo pipefail
+folder=${1:?usage: make-secrets.sh FOLDER}
+tessera=${TESSERA:-tessera}
+
+umask 077
+mkdir -p "$folder"
+cd "$folder"
+if [[ ! -e farm.allow ]]; then
+  "$tessera" keygen farm.key >/dev/null
+  "$tessera" keygen worker.key --role worker >farm.allow.new
+  "$tessera" keygen client.key --role submitter >>farm.allow.new
+  token() { od -An -v -N24 -tx1 /dev/urandom | tr -d ' \n'; }
+  token >metrics.token
+  echo "$(cat metrics.token) viewer metrics" >http.tokens
+  echo "$(token) submitter page" >>http.tokens
+  mv farm.allow.new farm.allow
+fi
+secret() {
+  kubectl create secret generic --namespace tessera --dry-run=client --output yaml "$@" |
+    kubectl apply --filename -
+}
+kubectl create namespace tessera --dry-run=client --output yaml | kubectl apply --filename -
+secret tessera-coordinator --from-file=farm.key --from-file=farm.allow --from-file=http.tokens
+secret tessera-worker --from-file=worker.key --from-file=farm.pub
+# For whoever reads /metrics: KEDA, Prometheus.
+secret tessera-metrics --from-file=token=metrics.token

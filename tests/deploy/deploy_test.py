@@ -1,0 +1,397 @@
+#!/usr/bin/env python3
+"""What deploy/ holds: each command line is one that the program takes, names and ports agree, and
+the scripts do what they say, by stand-ins for Slurm and Kubernetes."""
+import json
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import unittest
+import urllib.error
+import urllib.request
+
+import yaml
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/cli"))
+from slurm_farm import tiles_done, tiles_kept  # noqa: E402
+from tessera_process import PROGRAM, TesseraTest, wait_until  # noqa: E402
+
+DEPLOY = ROOT / "deploy"
+COMMANDS = {"render", "serve", "worker", "keygen", "submit", "status", "pause", "resume", "cancel",
+            "fetch", "convert", "info", "compare"}
+HTTP, CONTROL, BULK = 7180, 7117, 7118
+
+
+def documents(path):
+    return [document for document in yaml.safe_load_all(path.read_text()) if document]
+
+
+def yaml_files():
+    return sorted(path for path in DEPLOY.rglob("*.y*ml"))
+
+
+def kubernetes():
+    """All objects of Kubernetes, by kind and name; worker/pod.yaml is what all workers are."""
+    return {(o["kind"], o.get("metadata", {}).get("name"), path.parent.name): o
+            for path in sorted((DEPLOY / "kubernetes").rglob("*.yaml")) for o in documents(path)}
+
+
+def containers():
+    """(pod, container) of all pods that are whole."""
+    for (kind, _, folder), found in kubernetes().items():
+        pod = found.get("spec", {}).get("template", {}).get("spec", {})
+        if kind in ("StatefulSet", "Deployment", "Job"):
+            for container in pod.get("containers", []):
+                yield pod, container
+
+
+def compose():
+    return documents(DEPLOY / "compose/compose.yaml")[0]
+
+
+def option(arguments, name):
+    """The value of --name, however it is written."""
+    for i, argument in enumerate(arguments):
+        if argument == name:
+            return arguments[i + 1]
+        if argument.startswith(name + "="):
+            return argument[len(name) + 1:]
+    raise AssertionError(f"no {name} in {arguments}")
+
+
+def unit_command(path):
+    """ExecStart of a systemd unit, with what its variables are where nobody sets them."""
+    text = path.read_text()
+    values = dict(pair.split("=", 1) for line in re.findall(r"^Environment=(.*)$", text, re.M)
+                  for pair in shlex.split(line))
+    values |= {"STATE_DIRECTORY": "/state", "CACHE_DIRECTORY": "/cache",
+               "CREDENTIALS_DIRECTORY": "/keys"}
+    line = re.search(r"^ExecStart=(.*)$", text, re.M)[1].replace("$OPTIONS", "").replace("%i", "farm")
+    return shlex.split(re.sub(r"\$\{(\w+)\}", lambda found: values[found[1]], line))
+
+
+def markdown_commands(path):
+    """Lines of its code that start our program."""
+    for block in re.findall(r"```\w*\n(.*?)```", path.read_text(), re.S):
+        for line in block.replace("\\\n", " ").splitlines():
+            words = shlex.split(line.strip().removeprefix("$ "), comments=True)
+            if len(words) > 1 and words[0] == "tessera" and words[1] in COMMANDS:
+                end = next((i for i, word in enumerate(words) if word[0] in ">|&"),
+                           len(words))
+                yield words[:end]
+
+
+def command_lines():
+    """(where, arguments) of all that is written down; scripts are run instead."""
+    for path in sorted((DEPLOY / "systemd").glob("*.service")):
+        yield path.name, unit_command(path)[1:]
+    for name, service in compose()["services"].items():
+        if service["image"].startswith("tessera:") and name not in ("keys", "client"):
+            yield f"compose {name}", shlex.split(service["command"])
+    for _, container in containers():
+        yield f"kubernetes {container['name']}", [
+            argument.replace("$(THREADS)", "4") for argument in container["args"]]
+    for document in ("docs/deploy.md", "docs/security.md"):
+        for words in markdown_commands(ROOT / document):
+            yield document, words[1:]
+
+
+class CommandLines(TesseraTest):
+    def test_each_is_taken_by_the_program(self):
+        """One option too many is all that the program finds wrong with each."""
+        count = 0
+        lacks_tokens = "--http-token" not in self.run_program("serve", "--help").out
+        for where, arguments in command_lines():
+            if lacks_tokens:  # until the web page is there
+                arguments = [a for a in arguments if "http-token" not in a and "http.tokens" not in a]
+            with self.subTest(where=where, arguments=arguments):
+                refused = self.run_program(*arguments, "--no-such-option")
+                self.assert_error(refused, 2, "'--no-such-option' is no option")
+                count += 1
+        self.assertGreater(count, 8)
+
+    def test_one_that_is_wrong_is_found(self):
+        for wrong in (["serve", "--stroe", "x"], ["worker", "--connect=tcp://a:1", "--threads=no"]):
+            refused = self.run_program(*wrong, "--no-such-option")
+            self.assertNotIn("'--no-such-option' is no option", refused.err)
+
+    def test_the_manual_page_has_every_command(self):
+        page = (DEPLOY / "debian/tessera.1").read_text()
+        told = re.findall(r"^  (\w+) ", self.run_program("--help").out.split("Subcommands:")[1], re.M)
+        self.assertGreater(len(told), 10)
+        for command in told:
+            self.assertRegex(page, rf"\b{command}\b")
+
+
+class Files(TesseraTest):
+    def test_all_yaml_and_json_is_read(self):
+        self.assertGreater(len(yaml_files()), 10)
+        for path in yaml_files():
+            with self.subTest(path=path.name):
+                self.assertTrue(documents(path))
+        for path in DEPLOY.rglob("*.json"):
+            with self.subTest(path=path.name):
+                json.loads(path.read_text())
+
+    def scripts(self):
+        return [*DEPLOY.rglob("*.sh"), *DEPLOY.rglob("*.sbatch"), *(ROOT / ".ci").iterdir()]
+
+    def test_scripts_are_sound(self):
+        scripts = [str(path) for path in self.scripts()]
+        self.assertEqual(0, subprocess.run(["bash", "-n", *scripts]).returncode)
+        if not shutil.which("shellcheck"):
+            print("SKIPPED: shellcheck is not installed", flush=True)
+            self.skipTest("no shellcheck")
+        checked = subprocess.run(["shellcheck", "--external-sources", "--shell=bash",
+                                  f"--source-path={ROOT}:SCRIPTDIR", *scripts], capture_output=True, text=True)
+        self.assertEqual(0, checked.returncode, checked.stdout)
+
+    def test_units_are_sound(self):
+        if not shutil.which("systemd-analyze"):
+            print("SKIPPED: systemd-analyze is not installed", flush=True)
+            self.skipTest("no systemd")
+        for unit in (DEPLOY / "systemd").glob("*.service"):
+            name = unit.name.replace("@", "@farm")
+            copy = self.write(name, unit.read_text().replace("/usr/bin/tessera", PROGRAM))
+            checked = subprocess.run(["systemd-analyze", "verify", "--man=no", copy],
+                                     capture_output=True, text=True)
+            about = [line for line in checked.stderr.splitlines() if name in line]
+            self.assertEqual([], about)
+
+
+class Kubernetes(TesseraTest):
+    def pod(self, name):
+        return next(pair for pair in containers() if pair[1]["name"] == name)
+
+    def test_ports_agree(self):
+        pod, coordinator = self.pod("coordinator")
+        arguments = coordinator["args"]
+        ports = {port["name"]: port["containerPort"] for port in coordinator["ports"]}
+        self.assertEqual({"control": CONTROL, "bulk": BULK, "http": HTTP}, ports)
+        self.assertEqual(f"tcp://0.0.0.0:{CONTROL}", option(arguments, "--bind"))
+        self.assertTrue(option(arguments, "--http").endswith(f":{HTTP}"))
+        service = kubernetes()["Service", "tessera", "base"]["spec"]
+        self.assertEqual(ports, {port["name"]: port["port"] for port in service["ports"]})
+        for port in service["ports"]:
+            self.assertIn(port["targetPort"], ports)
+        _, worker = self.pod("worker")
+        self.assertEqual(f"tcp://tessera:{CONTROL}", option(worker["args"], "--connect"))
+        for probe in ("startupProbe", "livenessProbe", "readinessProbe"):
+            self.assertIn(coordinator[probe]["httpGet"]["path"], ("/healthz", "/readyz"))
+            self.assertEqual("http", coordinator[probe]["httpGet"]["port"])
+        trigger = kubernetes()["ScaledObject", "worker", "autoscaled"]["spec"]["triggers"][0]
+        self.assertEqual(f"http://tessera.tessera.svc:{HTTP}/metrics", trigger["metadata"]["url"])
+        login = kubernetes()["TriggerAuthentication", "tessera-metrics", "autoscaled"]
+        self.assertEqual(login["metadata"]["name"], trigger["authenticationRef"]["name"])
+        self.assertEqual({"parameter": "token", "name": "tessera-metrics", "key": "token"},
+                         login["spec"]["secretTargetRef"][0])
+
+    def test_who_may_speak_to_the_coordinator(self):
+        policies = {name: found["spec"] for (kind, name, _), found in kubernetes().items()
+                    if kind == "NetworkPolicy"}
+        for name, spec in policies.items():
+            self.assertEqual(name, spec["podSelector"]["matchLabels"]["app.kubernetes.io/component"])
+            self.assertEqual(["Ingress", "Egress"], spec["policyTypes"])
+        farm = [{"port": CONTROL}, {"port": BULK}]
+        self.assertEqual([farm, [{"port": HTTP}]],
+                         [rule["ports"] for rule in policies["coordinator"]["ingress"]])
+        self.assertEqual(farm, policies["worker"]["egress"][0]["ports"])
+        self.assertEqual([], policies["worker"]["ingress"])
+
+    def test_pods_are_held_tightly_and_have_their_keys(self):
+        secrets = self.secrets()
+        for name in ("coordinator", "worker"):
+            pod, container = self.pod(name)
+            self.assertTrue(pod["securityContext"]["runAsNonRoot"])
+            self.assertFalse(pod["automountServiceAccountToken"])
+            self.assertEqual({"drop": ["ALL"]}, container["securityContext"]["capabilities"])
+            self.assertTrue(container["securityContext"]["readOnlyRootFilesystem"])
+            self.assertGreaterEqual(pod["terminationGracePeriodSeconds"], 15)
+            volumes = {volume["name"]: volume for volume in pod["volumes"]}
+            keys = volumes["keys"]["secret"]
+            self.assertEqual(0, keys["defaultMode"] & 0o007)
+            mount = next(m["mountPath"] for m in container["volumeMounts"] if m["name"] == "keys")
+            wanted = {value.rsplit("/", 1)[1] for value in
+                      (a.split("=", 1)[1] for a in container["args"] if "=" in a)
+                      if value.startswith(mount)}
+            self.assertEqual(secrets[keys["secretName"]], wanted)
+
+    def secrets(self):
+        """What make-secrets.sh gives to whom, by a stand-in for kubectl."""
+        stand_in = self.write("bin/kubectl", f"""#!/bin/sh
+if [ "$1 $2" = "create secret" ]; then
+  echo "$*" >>{self.folder}/created
+  for word; do case $word in --from-file=*) test -s "${{word##*=}}" || exit 1;; esac; done
+fi
+""")
+        stand_in.chmod(0o755)
+        environment = {**self.environment(), "TESSERA": PROGRAM,
+                       "PATH": f"{stand_in.parent}:{os.environ['PATH']}"}
+        for _ in range(2):  # the second time, the keys are there
+            subprocess.run([DEPLOY / "kubernetes/make-secrets.sh", self.folder / "keys"],
+                           env=environment, check=True, stdout=subprocess.DEVNULL)
+        tokens = (self.folder / "keys/http.tokens").read_text()
+        self.assertRegex(tokens, r"^(\w{48}) viewer metrics\n(?!\1)\w{48} submitter page\n$")
+        self.assertTrue(tokens.startswith((self.folder / "keys/metrics.token").read_text()))
+        allowed = (self.folder / "keys/farm.allow").read_text()
+        self.assertRegex(allowed, r"^\w{64} worker worker\n\w{64} submitter client\n$")
+        created = [shlex.split(line) for line in (self.folder / "created").read_text().splitlines()]
+        self.assertEqual(created[:3], created[3:])
+        self.assertIn("--from-file=token=metrics.token", created[2])
+        return {next(word for word in words if word.startswith("tessera-")):
+                {word.partition("=")[2] for word in words if word.startswith("--from-file")}
+                for words in created}
+
+    def write(self, name, content):
+        (self.folder / name).parent.mkdir(exist_ok=True)
+        return super().write(name, content)
+
+    def test_schemas(self):
+        modules, kubectl = os.environ.get("TESSERA_KUBERNETES_MODELS"), shutil.which("kubectl")
+        if not modules or not kubectl:
+            print("SKIPPED: TESSERA_KUBERNETES_MODELS names no folder of schemas (docs/deploy.md), or "
+                  "there is no kubectl", flush=True)
+            self.skipTest("no schemas")
+        for folder in ("base", "standing", "autoscaled", "batch"):
+            with self.subTest(folder=folder):
+                built = subprocess.run([kubectl, "kustomize", DEPLOY / "kubernetes" / folder],
+                                       capture_output=True, text=True, check=True).stdout
+                checked = subprocess.run(["node", ROOT / "tests/deploy/schemas.mjs", modules],
+                                         input=built, capture_output=True, text=True)
+                self.assertEqual((0, ""), (checked.returncode, checked.stdout), checked.stderr)
+
+
+class Compose(TesseraTest):
+    def test_services_agree(self):
+        services = compose()["services"]
+        arguments = shlex.split(services["coordinator"]["command"])
+        self.assertEqual(f"tcp://0.0.0.0:{CONTROL}", option(arguments, "--bind"))
+        self.assertEqual(f"0.0.0.0:{HTTP}", option(arguments, "--http"))
+        self.assertEqual({f"127.0.0.1:{port}:{port}" for port in (CONTROL, BULK, HTTP)},
+                         set(services["coordinator"]["ports"]))
+        scraped = documents(DEPLOY / "compose/prometheus.yml")[0]["scrape_configs"][0]
+        self.assertEqual([f"coordinator:{HTTP}"], scraped["static_configs"][0]["targets"])
+        exposed = re.search(r"^EXPOSE (.*)$", (DEPLOY / "containers/Containerfile").read_text(), re.M)[1]
+        self.assertEqual({str(port) for port in (CONTROL, BULK, HTTP)}, set(exposed.split()))
+        for service in services.values():
+            for volume in service.get("volumes", []):
+                source = volume.split(":")[0]
+                if source.startswith("./"):
+                    self.assertTrue((DEPLOY / "compose" / source).exists(), source)
+                elif not source.startswith("$"):
+                    self.assertIn(source, compose()["volumes"])
+
+    def test_metrics_that_are_looked_at_are_there(self):
+        looked_at = {name for path in DEPLOY.rglob("*") if path.suffix in (".json", ".yaml")
+                     for name in re.findall(r"\btessera_\w+", path.read_text())}
+        self.assertGreater(len(looked_at), 10)
+        if "--http-token" not in self.run_program("serve", "--help").out:
+            self.skipTest("until the web page is there")
+        service = self.start("serve", "--bind", "tcp://127.0.0.1:*", "--http", "127.0.0.1:0")
+        service.stdout.readline()
+        address = service.stdout.readline().split()[-1]
+        def metrics():
+            try:
+                return urllib.request.urlopen(address + "metrics").read().decode()
+            except urllib.error.HTTPError:
+                return ""  # it is starting
+        there = set(re.findall(r"^(tessera_\w+)", wait_until(metrics, "it has metrics"), re.M))
+        self.assertEqual(set(), looked_at - there)
+        service.send_signal(signal.SIGTERM)
+        service.wait(60)
+
+    def test_keys_are_made_once(self):
+        script = compose()["services"]["keys"]["command"][0].replace("$$", "$")
+        for place in ("tessera", "scrape"):
+            script = script.replace(f"/etc/{place}", str(self.folder))
+        environment = {**self.environment(),
+                       "PATH": f"{pathlib.Path(PROGRAM).parent}:{os.environ['PATH']}"}
+        made = []
+        for _ in range(2):
+            subprocess.run(["sh", "-euc", script], env=environment, check=True)
+            made.append({p.name: p.read_text() for p in self.folder.iterdir() if p.is_file()})
+        self.assertEqual(made[0], made[1])
+        self.assertEqual({"farm.key", "farm.pub", "worker.key", "worker.pub", "client.key",
+                          "client.pub", "farm.allow", "http.tokens", "token"}, set(made[0]))
+        self.assertRegex(made[0]["http.tokens"],
+                         rf"^{made[0]['token']} viewer prometheus\n\w{{48}} submitter page\n$")
+        self.assertEqual(0o600, (self.folder / "http.tokens").stat().st_mode & 0o777)
+
+
+class Slurm(TesseraTest):
+    """The batch script, by stand-ins for srun and scontrol; slurm_test.py has the real ones."""
+
+    def setUp(self):
+        super().setUp()
+        self.bin = self.folder / "bin"
+        self.bin.mkdir()
+        # The step's own options come before the program.
+        self.stand_in("srun", 'while case $1 in --*) true;; *) false;; esac; do shift; done; exec "$@"')
+        self.stand_in("scontrol", f'echo "$*" >>{self.folder}/scontrol')
+        self.scene = ROOT / "scenes/samples/knot.tessera"
+        self.size = ["--size", "240x136", "--spp", "8"]
+
+    def tearDown(self):
+        shutil.rmtree(self.temporary / f"tessera-cache-{os.getuid()}")  # for the node's next job
+        super().tearDown()
+
+    def stand_in(self, name, body):
+        (self.bin / name).write_text(f"#!/bin/bash\n{body}\n")
+        (self.bin / name).chmod(0o755)
+
+    def batch(self):
+        environment = {**self.environment(), "PATH": f"{self.bin}:{os.environ['PATH']}",
+                       "SLURM_JOB_ID": "42", "SLURMD_NODENAME": "127.0.0.1", "TESSERA": PROGRAM}
+        process = subprocess.Popen(
+            ["bash", DEPLOY / "slurm/tessera.sbatch", self.scene, "knot.pfm", *self.size],
+            cwd=self.folder, env=environment, text=True, stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.addCleanup(self.end, process)
+        return process
+
+    def reference(self):
+        self.render(self.scene, "-o", "expected.pfm", *self.size)
+        return (self.folder / "expected.pfm").read_bytes()
+
+    def test_it_renders_and_tidies_up(self):
+        batch = self.batch()
+        out, _ = batch.communicate(timeout=300)
+        self.assertEqual(0, batch.returncode, out)
+        self.assertEqual(self.reference(), (self.folder / "knot.pfm").read_bytes())
+        self.assertFalse((self.folder / "tessera-42").exists())
+        self.assertFalse((self.folder / "scontrol").exists())
+
+    def test_its_time_over_it_asks_to_be_queued_again_and_goes_on(self):
+        self.size[-1] = "256"
+        batch = self.batch()
+        wait_until(lambda: self.tiles_done() > 20 or batch.poll() is not None, "tiles are finished")
+        batch.send_signal(signal.SIGUSR1)
+        out, _ = batch.communicate(timeout=300)
+        self.assertEqual(0, batch.returncode, out)
+        self.assertEqual("requeue 42\n", (self.folder / "scontrol").read_text())
+        kept = tiles_kept(self.folder / "tessera-42")
+        self.assertGreater(kept, 20)
+        again = self.batch()
+        out, _ = again.communicate(timeout=300)
+        self.assertEqual(0, again.returncode, out)
+        self.assertIn(f" {kept} kept from before", out)
+        self.assertEqual(self.reference(), (self.folder / "knot.pfm").read_bytes())
+
+    def tiles_done(self):
+        return tiles_done(self, self.folder / "tessera-42", "127.0.0.1")
+
+    def test_a_wrong_scene_is_told(self):
+        self.scene = self.write("broken.tessera", "nodes { shpe {} }")
+        batch = self.batch()
+        out, _ = batch.communicate(timeout=300)
+        self.assertEqual(1, batch.returncode, out)
+        self.assertIn("'shpe' is no field", out)
+
+
+if __name__ == "__main__":
+    unittest.main()
