@@ -95,8 +95,9 @@ BuiltScene build(const OctreeScene& scene, const Maker& maker, uint64_t* object_
     instance.world_from_object = Transform(world_from_object);
     built.instances.push_back(std::move(instance));
   };
+  // Where they stand and without texture coordinates, as a scene file's spheres are built.
   for (const auto& [center, radius] : scene.spheres)
-    place(std::make_shared<Sphere>(Point3{}, radius), translation(center - Point3{}));
+    place(std::make_shared<Sphere>(center, radius, false), Affine{});
   if (!scene.diamonds.empty()) {
     const auto shape = mesh_shape(octahedron);
     for (const auto& [center, radius] : scene.diamonds)
@@ -141,13 +142,14 @@ class Shader {
     SurfaceInteraction s = surface_at(built_.instances, ray, hit);
     if (dot(s.geometric_normal, ray.direction) > 0) s.geometric_normal = -s.geometric_normal;
     double value = 0.1;
+    RayOrigins origins(s);
     const auto add = [&](const Ray& shadow) {
       const double facing = dot(s.geometric_normal, shadow.direction);
       const bool dark = built_.accelerator->any_hit(shadow, counters);
       if (!dark && facing > 0) value += facing / length(shadow.direction);
     };
-    if (light_) add(spawn_ray_to(s, *light_));
-    add(spawn_ray(s, sun_));
+    if (light_) add(origins.spawn_to(*light_));
+    add(origins.spawn(sun_));
     return value;
   }
 
