@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <time.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 
 #include "base/error.h"
 #include "bench/scene_mesh.h"
+#include "bench/thread_seconds.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/accel/octree.h"
 #include "renderer/math/elementary.h"
@@ -18,13 +17,6 @@
 
 namespace tessera {
 namespace {
-
-/// Processor time of this thread: other work on the machine does not count.
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 constexpr std::string_view kNloptName = "nonuniform-octree-nlopt";
 
