@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <numbers>
 #include <random>
 
 #include "bench/generated_meshes.h"
+#include "bench/thread_seconds.h"
 #include "renderer/accel/make_accelerator.h"
 
 namespace tessera {
@@ -54,12 +54,6 @@ std::vector<Ray> rays_through(const Bounds3& box, int count, uint64_t seed) {
     rays.push_back({origin, normalize(target - origin)});
   }
   return rays;
-}
-
-double thread_seconds() {
-  timespec now;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 GrowthBenchRow measure(const std::string& scene, std::shared_ptr<const TriangleMesh> mesh,

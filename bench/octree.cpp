@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <time.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 
 #include "base/error.h"
 #include "bench/scene_mesh.h"
+#include "bench/thread_seconds.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/accel/octree.h"
 #include "renderer/math/elementary.h"
@@ -18,13 +17,6 @@
 
 namespace tessera {
 namespace {
-
-/// Processor time of this thread: other work on the machine does not count.
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 constexpr std::string_view kNloptName = "nonuniform-octree-nlopt";
 
@@ -95,8 +87,9 @@ BuiltScene build(const OctreeScene& scene, const Maker& maker, uint64_t* object_
     instance.world_from_object = Transform(world_from_object);
     built.instances.push_back(std::move(instance));
   };
+  // Where they stand and without texture coordinates, as a scene file's spheres are built.
   for (const auto& [center, radius] : scene.spheres)
-    place(std::make_shared<Sphere>(Point3{}, radius), translation(center - Point3{}));
+    place(std::make_shared<Sphere>(center, radius, false), Affine{});
   if (!scene.diamonds.empty()) {
     const auto shape = mesh_shape(octahedron);
     for (const auto& [center, radius] : scene.diamonds)
@@ -141,13 +134,14 @@ class Shader {
     SurfaceInteraction s = surface_at(built_.instances, ray, hit);
     if (dot(s.geometric_normal, ray.direction) > 0) s.geometric_normal = -s.geometric_normal;
     double value = 0.1;
+    RayOrigins origins(s);
     const auto add = [&](const Ray& shadow) {
       const double facing = dot(s.geometric_normal, shadow.direction);
       const bool dark = built_.accelerator->any_hit(shadow, counters);
       if (!dark && facing > 0) value += facing / length(shadow.direction);
     };
-    if (light_) add(spawn_ray_to(s, *light_));
-    add(spawn_ray(s, sun_));
+    if (light_) add(origins.spawn_to(*light_));
+    add(origins.spawn(sun_));
     return value;
   }
 

@@ -1,12 +1,12 @@
 #include "bench/precision.h"
 
 #include <algorithm>
-#include <ctime>
 #include <functional>
 #include <random>
 
 #include "bench/generated_meshes.h"
 #include "bench/plain_tests.h"
+#include "bench/thread_seconds.h"
 #include "bench/wide_number.h"
 #include "renderer/accel/linear_scan.h"
 #include "renderer/accel/mesh_shape.h"
@@ -57,12 +57,6 @@ struct Method {
   std::function<void(const std::vector<Ray>&, std::vector<double>&)> test;
   std::function<Ray(const Ray&, double t, const Vec3& normal, const Vec3& direction)> leave;
 };
-
-double thread_seconds() {
-  timespec now;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 /// Runs `one` for each ray, without a call through a pointer in the loop.
 template <typename One>

@@ -1,9 +1,9 @@
 #include "bench/rays.h"
+#include "bench/thread_seconds.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <functional>
 #include <numeric>
 #include <random>
@@ -212,13 +212,6 @@ size_t differing(const RaySet& set, const std::vector<Answer>& a, const std::vec
     }
   }
   return count;
-}
-
-/// Processor time of this thread: what other programs take of the machine does not count.
-double thread_seconds() {
-  timespec now;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 template <typename Work>

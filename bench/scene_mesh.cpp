@@ -1,5 +1,7 @@
 #include "bench/scene_mesh.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 
 #include "base/error.h"
@@ -37,13 +39,18 @@ TriangleMesh to_triangles(const MeshData& mesh) {
 TriangleMesh mesh_of_scene(const v1::Scene& scene, const BlobStore& blobs) {
   const SceneGraph graph = unfold_graph(scene, scene.settings().time(), Affine{});
   TriangleMesh whole;
+  size_t left_out = 0;
   for (const GraphInstance& instance : graph.instances) {
     const GraphShape& shape = graph.shapes[instance.shape];
-    if (!shape.shape->has_mesh()) continue;
+    if (!shape.shape->has_mesh()) {
+      ++left_out;
+      continue;
+    }
     const size_t materials = static_cast<size_t>(std::max(1, shape.shape->materials_size()));
     append(read_mesh({.kind = shape.path.c_str()}, shape.shape->mesh(), blobs, materials),
            instance.world_from_object, whole);
   }
+  if (left_out > 0) spdlog::warn("{} shapes that are no meshes: left out", left_out);
   drop_degenerate(whole);
   if (whole.triangles.empty()) throw scene_error("the scene has no triangles to trace");
   return whole;

@@ -131,7 +131,9 @@ inline BoxRay<Real> make_box_ray(const RayFrame& f) {
 
 /// The usual case, all in single precision, four lanes at a time: false where make_ray_frame() must
 /// look closer. Of the margin, 2^-19 of the largest coordinate, at most 10/32 are used up by
-/// rounding: of origin, direction, reciprocal, offset and box test.
+/// rounding: of origin, direction, reciprocal, offset and box test. `kJustMade`: the ray was
+/// probably written a moment ago.
+template <bool kJustMade = false>
 [[gnu::always_inline]] inline bool make_usual_box_ray(const Ray& ray, double t_max, float extent,
                                                       BoxRay<float>& b) {
   using FourFloats = float __attribute__((vector_size(16)));
@@ -140,11 +142,17 @@ inline BoxRay<Real> make_box_ray(const RayFrame& f) {
   using FourDoubles = double __attribute__((vector_size(32)));
   const FourInts used{-1, -1, -1, 0}, sign{INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN};
   const auto absolute = [&](FourFloats v) { return (FourFloats)((FourInts)v & ~sign & used); };
-  // Four at a time with what lies behind them, which no lane in use sees.
-  static_assert(offsetof(Ray, direction) == 24 && offsetof(Ray, t_min) == 48);
   FourDoubles origin, direction;
-  std::memcpy(&origin, reinterpret_cast<const char*>(&ray), sizeof origin);
-  std::memcpy(&direction, reinterpret_cast<const char*>(&ray) + 24, sizeof direction);
+  if constexpr (kJustMade) {
+    // A wide load of what was written in parts waits until it has left for the cache.
+    origin = FourDoubles{ray.origin.x, ray.origin.y, ray.origin.z, 0};
+    direction = FourDoubles{ray.direction.x, ray.direction.y, ray.direction.z, 0};
+  } else {
+    // Four at a time with what lies behind them, which no lane in use sees.
+    static_assert(offsetof(Ray, direction) == 24 && offsetof(Ray, t_min) == 48);
+    std::memcpy(&origin, reinterpret_cast<const char*>(&ray), sizeof origin);
+    std::memcpy(&direction, reinterpret_cast<const char*>(&ray) + 24, sizeof direction);
+  }
   const FourFloats o = __builtin_convertvector(origin, FourFloats);
   const FourFloats d = __builtin_convertvector(direction, FourFloats);
   const FourFloats far = absolute(o), steep = absolute(d);

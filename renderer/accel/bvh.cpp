@@ -1,21 +1,11 @@
 #include "renderer/accel/bvh.h"
 
 #include <algorithm>
-#include <chrono>
 
+#include "renderer/accel/stopwatch.h"
 #include "renderer/accel/tree_boxes.h"
 
 namespace tessera {
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-}  // namespace
-
 MeshBvh::MeshBvh(BuiltMeshTree built, const BvhKernels& code)
     : tree_(std::move(built.tree)),
       closest_(code.mesh_closest),
@@ -36,13 +26,13 @@ void MeshBvh::closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
 
 InstanceBvh::InstanceBvh(std::vector<Instance> instances, int threads, const BvhKernels& code)
     : closest_(code.instance_closest), any_(code.instance_any) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   tree_.instances = std::move(instances);
   WideTree tree = build_wide_tree(instance_boxes(tree_, bounds_), 1, threads);
   statistics_ = statistics_of(tree, tree_.instances.size(), tree_.instances.size());
   lay_out(std::move(tree), tree_);
   statistics_.bytes = bytes_of(tree_);
-  statistics_.build_seconds = seconds_since(start);
+  statistics_.build_seconds = stopwatch.seconds();
 }
 
 }  // namespace tessera

@@ -66,9 +66,10 @@ HWY_NOINLINE Setup set_up_unusual(const Ray& ray, double t_max, const Bounds3& w
   box_ray = make_box_ray<float>(frame);
   return Setup::ready;
 }
+template <bool kJustMade>
 HWY_INLINE Setup set_up(const Ray& ray, double t_max, const Bounds3& whole,
                         const TraversalTree& tree, RayFrame& frame, BoxRay<float>& box_ray) {
-  if (make_usual_box_ray(ray, t_max, tree.usual_extent, box_ray)) [[likely]]
+  if (make_usual_box_ray<kJustMade>(ray, t_max, tree.usual_extent, box_ray)) [[likely]]
     return Setup::ready;
   return set_up_unusual(ray, t_max, whole, tree, frame, box_ray);
 }
@@ -115,7 +116,7 @@ bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCount
   RayFrame frame;
   BoxRay<float> box_ray;
   const Setup setup =
-      set_up(ray, std::min(ray.t_max, hit.t), mesh.bounds, mesh.tree, frame, box_ray);
+      set_up<false>(ray, std::min(ray.t_max, hit.t), mesh.bounds, mesh.tree, frame, box_ray);
   if (setup == Setup::misses) return false;
   const TriangleRay prepared(ray);
   if (setup == Setup::wide) [[unlikely]]
@@ -148,7 +149,7 @@ bool mesh_any(const MeshTree& mesh, const Ray& ray, TraversalCounters& counters)
   }
   RayFrame frame;
   BoxRay<float> box_ray;
-  const Setup setup = set_up(ray, ray.t_max, mesh.bounds, mesh.tree, frame, box_ray);
+  const Setup setup = set_up<false>(ray, ray.t_max, mesh.bounds, mesh.tree, frame, box_ray);
   if (setup == Setup::misses) return false;
   const TriangleRay prepared(ray);
   if (setup == Setup::wide) [[unlikely]]
@@ -210,7 +211,7 @@ bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
   RayFrame frame;
   BoxRay<float> box_ray;
   const Setup setup =
-      set_up(ray, std::min(ray.t_max, hit.t), scene.tree_bounds, scene.tree, frame, box_ray);
+      set_up<true>(ray, std::min(ray.t_max, hit.t), scene.tree_bounds, scene.tree, frame, box_ray);
   if (setup == Setup::misses) return found;
   if (setup == Setup::wide) [[unlikely]] {
     BoxRay<double> wide_ray = make_box_ray<double>(frame);
@@ -247,7 +248,7 @@ bool instance_any(const InstanceTree& scene, const Ray& ray, TraversalCounters& 
   };
   RayFrame frame;
   BoxRay<float> box_ray;
-  const Setup setup = set_up(ray, ray.t_max, scene.tree_bounds, scene.tree, frame, box_ray);
+  const Setup setup = set_up<true>(ray, ray.t_max, scene.tree_bounds, scene.tree, frame, box_ray);
   if (setup == Setup::misses) return false;
   if (setup == Setup::wide) [[unlikely]] {
     BoxRay<double> wide_ray = make_box_ray<double>(frame);

@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <optional>
 #include <type_traits>
 
 #include "base/process.h"
 #include "renderer/accel/spatial_splits.h"
+#include "renderer/accel/stopwatch.h"
 #include "renderer/accel/tree_boxes.h"
 
 namespace tessera {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // Below this a build takes no longer than to wait for another's.
 constexpr size_t kWorthSharing = 4096;
@@ -31,10 +29,6 @@ struct Facts {
 static_assert(std::is_trivially_copyable_v<Facts>);
 static_assert(sizeof(TraversalTree) == sizeof(AlignedArray<TreeUnit>) + 12 + 4 + sizeof(BoxMargin),
               "a new member belongs into Facts");
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::optional<BuiltMeshTree> load(const SharedArena::Claim& claim) {
   Facts facts;
@@ -70,7 +64,7 @@ void publish(SharedArena::Claim& claim, const BuiltMeshTree& built) {
 }  // namespace
 
 BuiltMeshTree build_mesh_tree(const TriangleMesh& mesh, int threads, BvhQuality quality) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   BuiltMeshTree built;
   std::vector<BuildBox> boxes = triangle_boxes(mesh);
   built.tree.bounds = bounds_of(boxes);
@@ -84,7 +78,7 @@ BuiltMeshTree build_mesh_tree(const TriangleMesh& mesh, int threads, BvhQuality 
   lay_out(tree, mesh, built.tree);
   built.statistics = statistics_of(tree, mesh.triangles.size(), references);
   built.statistics.bytes = built.tree.tree.units.bytes();
-  built.statistics.build_seconds = seconds_since(start);
+  built.statistics.build_seconds = stopwatch.seconds();
   return built;
 }
 

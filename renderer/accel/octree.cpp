@@ -1,17 +1,10 @@
 #include "renderer/accel/octree.h"
 
-#include <chrono>
-
+#include "renderer/accel/stopwatch.h"
 #include "renderer/accel/tree_boxes.h"
 
 namespace tessera {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::unique_ptr<const SplitSearch> make_search(OctreeKind kind) {
   if (kind == OctreeKind::uniform) return nullptr;
@@ -46,7 +39,7 @@ OctreeOptions instance_octree_options(const SplitSearch* search) {
 MeshOctree::MeshOctree(const TriangleMesh& mesh, OctreeKind kind, int threads,
                        const BvhKernels& code)
     : code_(&code) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   const auto search = make_search(kind);
   tree_.bounds = mesh.bounds();
   statistics_.primitives = mesh.triangles.size();
@@ -54,13 +47,13 @@ MeshOctree::MeshOctree(const TriangleMesh& mesh, OctreeKind kind, int threads,
       build_octree(triangle_boxes(mesh), mesh_octree_options(search.get()), threads, statistics_),
       mesh, tree_);
   statistics_.bytes = tree_.tree.units.bytes();
-  statistics_.build_seconds = seconds_since(start);
+  statistics_.build_seconds = stopwatch.seconds();
 }
 
 InstanceOctree::InstanceOctree(std::vector<Instance> instances, OctreeKind kind, int threads,
                                const BvhKernels& code)
     : code_(&code) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   const auto search = make_search(kind);
   tree_.instances = std::move(instances);
   statistics_.primitives = tree_.instances.size();
@@ -68,7 +61,7 @@ InstanceOctree::InstanceOctree(std::vector<Instance> instances, OctreeKind kind,
                        threads, statistics_),
           tree_);
   statistics_.bytes = bytes_of(tree_);
-  statistics_.build_seconds = seconds_since(start);
+  statistics_.build_seconds = stopwatch.seconds();
 }
 
 }  // namespace tessera

@@ -170,13 +170,13 @@ HWY_INLINE const TreeUnit* unit_at(const TreeUnit* units, uint32_t reference) {
   return units + (reference & ~TraversalTree::kLeaf);
 }
 
-/// Starts to load what is visited next or soon, with the leaves behind a node: most of the time of
-/// a ray is waiting.
+/// Starts to load what is visited next or soon, with the leaves behind a node where there are any:
+/// most of the time of a ray is waiting.
 template <bool kLeaves>
 HWY_INLINE void prefetch(const TreeUnit* units, uint32_t reference) {
   const char* at = reinterpret_cast<const char*>(unit_at(units, reference));
   if (!kLeaves && (reference & TraversalTree::kLeaf)) return;
-  for (int line = 0; line < 8; ++line) __builtin_prefetch(at + 64 * line);
+  for (int line = 0; line < (kLeaves ? 8 : 4); ++line) __builtin_prefetch(at + 64 * line);
 }
 
 /// Visits nodes nearest first. `leaf(reference)` tests a leaf and says whether a nearer hit was

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "renderer/math/rounding.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 
@@ -17,6 +18,16 @@ double accurate_dot(const double (&a)[N], const double (&b)[N]) {
     sum = {next.high, sum.low + (next.low + product.low)};
   }
   return sum.high + sum.low;
+}
+
+inline double accurate_dot(const Vec3& a, const Vec3& b) {
+  return accurate_dot({a.x, a.y, a.z}, {b.x, b.y, b.z});
+}
+
+/// a x b, right in every component to 2 ulp.
+inline Vec3 accurate_cross(const Vec3& a, const Vec3& b) {
+  return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
+          difference_of_products(a.x, b.y, a.y, b.x)};
 }
 
 }  // namespace tessera

@@ -10,17 +10,6 @@ namespace tessera {
 // m = (origin - point) x direction, the hit is at point + normal x m / (normal . direction). No
 // rounded hit point comes in, so the answer is as good from far away as from near.
 
-/// a x b, right in every component to 2 ulp.
-inline Vec3 accurate_cross(const Vec3& a, const Vec3& b) {
-  return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
-          difference_of_products(a.x, b.y, a.y, b.x)};
-}
-
-/// normal . v as if in twice the precision.
-inline double accurate_dot(const Vec3& a, const Vec3& b) {
-  return accurate_dot({a.x, a.y, a.z}, {b.x, b.y, b.z});
-}
-
 struct PlaneCrossing {
   double t = 0;
   double approach = 0;  ///< normal . direction

@@ -21,17 +21,17 @@ Vec3 round_trip_error(const Transform& world_from_object, const Point3& world) {
 }
 
 void place_moved(const Transform& world_from_object, LocalSurface& s) {
-  const LocalSurface local = s;
-  s.point = world_from_object.point(local.point);
-  s.point_error = world_from_object.point_error(local.point, local.point_error) +
-                  round_trip_error(world_from_object, s.point);
-  s.geometric_normal = normalize(world_from_object.normal(local.geometric_normal));
-  s.shading_normal = local.shading_normal == local.geometric_normal
-                         ? s.geometric_normal
-                         : normalize(world_from_object.normal(local.shading_normal));
-  s.smooth_shift = world_from_object.vector(local.smooth_shift);
-  s.dpdu = world_from_object.vector(local.dpdu);
-  s.dpdv = world_from_object.vector(local.dpdv);
+  const Point3 world = world_from_object.point(s.point);
+  s.point_error = world_from_object.point_error(s.point, s.point_error) +
+                  round_trip_error(world_from_object, world);
+  s.point = world;
+  const bool is_flat = s.shading_normal == s.geometric_normal;
+  s.geometric_normal = normalize(world_from_object.normal(s.geometric_normal));
+  s.shading_normal =
+      is_flat ? s.geometric_normal : normalize(world_from_object.normal(s.shading_normal));
+  s.smooth_shift = world_from_object.vector(s.smooth_shift);
+  s.dpdu = world_from_object.vector(s.dpdu);
+  s.dpdv = world_from_object.vector(s.dpdv);
 }
 
 /// What place_moved() does, to the last bit, under the identity.

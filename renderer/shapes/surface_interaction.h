@@ -30,8 +30,9 @@ class RayOrigins {
   explicit RayOrigins(const SurfaceInteraction& from) : from_(from) {}
   /// A ray to the side that `direction` points to.
   Ray spawn(const Vec3& direction) { return {towards(direction), direction}; }
-  /// The stretch up to `target`, a point that lies on no surface (a point light): direction
-  /// target - origin, t_max 1.
+  /// The stretch up to `target`: direction target - origin, t_max 1. The target is to lie on no
+  /// surface (a point light): one that does must be moved off it by its error bound and by what
+  /// rounding makes of the stretch, some units of its length (N24).
   Ray spawn_to(const Point3& target) {
     Ray ray{towards(target - from_.point), {}};
     ray.direction = target - ray.origin;

@@ -2,16 +2,10 @@
 
 #include <cmath>
 
-#include "renderer/math/rounding.h"
+#include "renderer/math/accurate_dot.h"
 
 namespace tessera {
 namespace {
-
-/// Right in every component to 2 ulp, however thin the triangle.
-Vec3 accurate_cross(const Vec3& a, const Vec3& b) {
-  return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
-          difference_of_products(a.x, b.y, a.y, b.x)};
-}
 
 /// Of unit length. Corners in a line have no normal of their own: any that is square to the line
 /// serves the rare ray that rounding lets hit there.
