@@ -13,6 +13,8 @@ namespace {
 constexpr size_t kWindow = 8;
 constexpr Time kAskAgainAfter = std::chrono::seconds(2);
 constexpr int kMaxCorrupt = 3;
+/// Of address space; what no chunk has come for takes no memory.
+constexpr uint64_t kMostReserved = uint64_t{256} << 20;
 
 /// An empty blob has one chunk too, which completes it.
 size_t chunk_count(uint64_t size) {
@@ -139,9 +141,16 @@ bool BlobFetch::on_chunk(const v1::BlobChunk& chunk, BlobStore& store) {
     unasked_.push_front(it->first);
   }
   const size_t end = static_cast<size_t>(chunk.offset()) + chunk.data().size();
-  if (part.data.size() < end) part.data.resize(end);
+  // Room is taken before it is filled, but not for more than would be worth a lie about the size.
+  if (part.data.empty()) part.data.reserve(std::min(part.size, kMostReserved));
   const auto bytes = std::as_bytes(std::span(chunk.data()));
-  std::copy(bytes.begin(), bytes.end(), part.data.begin() + static_cast<ptrdiff_t>(chunk.offset()));
+  if (part.data.size() == chunk.offset()) {
+    part.data.insert(part.data.end(), bytes.begin(), bytes.end());
+  } else {
+    if (part.data.size() < end) part.data.resize(end);
+    std::copy(bytes.begin(), bytes.end(),
+              part.data.begin() + static_cast<ptrdiff_t>(chunk.offset()));
+  }
   return ++part.received == chunk_count(part.size) && complete(it, store);
 }
 

@@ -17,7 +17,6 @@ bool sees_over_facet(const SurfacePoint& point, const Vec3& wi) {
 [[gnu::always_inline]] inline Ray shadow_ray(const SurfacePoint& point, RayOrigins& origins,
                                              const Light& light, const LightSample& sample) {
   const bool placed = light.kind == LightKind::point || light.kind == LightKind::spot;
-  const double bound = placed ? light.shadow_distance / sample.distance : light.shadow_distance;
   Ray ray;
   if (sees_over_facet(point, sample.wi)) {
     ray = origins.spawn(point.geometric_normal);
@@ -27,7 +26,10 @@ bool sees_over_facet(const SurfacePoint& point, const Vec3& wi) {
   } else {
     ray = placed ? origins.spawn_to(light.position) : origins.spawn(sample.wi);
   }
-  ray.t_max = std::min(placed ? ray.t_max : sample.distance, bound);
+  if (!placed) ray.t_max = sample.distance;
+  if (std::isfinite(light.shadow_distance)) {
+    ray.t_max = std::min(ray.t_max, light.shadow_distance / (placed ? sample.distance : 1));
+  }
   return ray;
 }
 
@@ -73,15 +75,14 @@ Color visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& orig
                  TraceCounters& counters) {
   const Ray ray = shadow_ray(point, origins, light, sample);
   ++counters.rays_shadow;
-  Color visible = kWhite;
   if (scene.opaque_occluders && scene.opaque_occluders->any_hit(ray, counters.traversal)) {
-    visible = kBlack;
-  } else if (scene.clear_occluders) {
-    const bool begins_beyond =
-        dot(point.geometric_normal, ray.direction) < 0 && !sees_over_facet(point, sample.wi);
-    visible = clear_transmittance<kRich>(
-        scene, ray, begins_beyond ? medium_beyond(medium, point) : medium, width, counters);
+    return kWhite * (1 - light.shadow_intensity);
   }
+  if (!scene.clear_occluders) return kWhite;
+  const bool begins_beyond =
+      dot(point.geometric_normal, ray.direction) < 0 && !sees_over_facet(point, sample.wi);
+  const Color visible = clear_transmittance<kRich>(
+      scene, ray, begins_beyond ? medium_beyond(medium, point) : medium, width, counters);
   return kWhite - light.shadow_intensity * (kWhite - visible);
 }
 

@@ -1,14 +1,13 @@
 #include "scenes/formats/scene_summary.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/descriptor.h>
-#include <google/protobuf/message.h>
 
 #include <algorithm>
 #include <map>
 #include <set>
 
 #include "base/error.h"
+#include "scenes/import/message_walk.h"
 
 namespace tessera {
 namespace {
@@ -27,7 +26,10 @@ class Summarizer {
     for (const v1::Material& m : scene.materials()) materials_.defined.push_back(m.name());
     for (const v1::Texture& t : scene.textures()) textures_.defined.push_back(t.name());
     for (const v1::Object& o : scene.objects()) objects_.defined.push_back(o.name());
-    walk(scene);
+    // Every message once; what an object holds counts once however often it is placed.
+    walk_message(
+        scene, [this](const pb::Message& message) { visit(message); },
+        [this](const pb::FieldDescriptor& field, const std::string& name) { refer(field, name); });
     add("cameras", scene.cameras_size());
     for (const auto& [what, number] : counts_) add(what, number);
     add("materials", scene.materials_size());
@@ -56,26 +58,6 @@ class Summarizer {
       if (!defined.contains(name))
         out_.undefined.push_back(
             fmt::format("{} '{}'{}", kind, name, suggestion(name, names.defined)));
-  }
-
-  /// Every message once; what an object holds counts once however often it is placed.
-  void walk(const pb::Message& message) {
-    visit(message);
-    const pb::Reflection& reflection = *message.GetReflection();
-    std::vector<const pb::FieldDescriptor*> fields;
-    reflection.ListFields(message, &fields);
-    for (const pb::FieldDescriptor* field : fields) {
-      if (field->is_map()) continue;
-      const int count = field->is_repeated() ? reflection.FieldSize(message, field) : 1;
-      for (int i = 0; i < count; ++i) {
-        if (field->cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE)
-          walk(field->is_repeated() ? reflection.GetRepeatedMessage(message, field, i)
-                                    : reflection.GetMessage(message, field));
-        else if (field->cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING)
-          refer(*field, field->is_repeated() ? reflection.GetRepeatedString(message, field, i)
-                                             : reflection.GetString(message, field));
-      }
-    }
   }
 
   void refer(const pb::FieldDescriptor& field, const std::string& name) {

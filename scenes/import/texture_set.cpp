@@ -1,28 +1,10 @@
 #include "scenes/import/texture_set.h"
 
-#include <google/protobuf/descriptor.h>
-#include <google/protobuf/message.h>
-
 #include <set>
 
+#include "scenes/import/message_walk.h"
+
 namespace tessera {
-namespace {
-
-namespace pb = google::protobuf;
-
-void collect_textures(const pb::Message& message, std::set<std::string>& names) {
-  const pb::Reflection& reflection = *message.GetReflection();
-  std::vector<const pb::FieldDescriptor*> fields;
-  reflection.ListFields(message, &fields);
-  for (const pb::FieldDescriptor* field : fields) {
-    if (field->cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE)
-      collect_textures(reflection.GetMessage(message, field), names);
-    else if (field->name() == "texture" || field->name() == "normal_map")
-      names.insert(reflection.GetString(message, field));
-  }
-}
-
-}  // namespace
 
 std::string TextureSet::add(v1::Texture texture) {
   const auto [known, is_new] = names_.try_emplace(texture.SerializeAsString());
@@ -35,7 +17,13 @@ std::string TextureSet::add(v1::Texture texture) {
 
 void add_used_textures(const TextureSet& textures, v1::Scene& scene) {
   std::set<std::string> used;
-  for (const v1::Material& material : scene.materials()) collect_textures(material, used);
+  for (const v1::Material& material : scene.materials()) {
+    walk_message(
+        material, [](const google::protobuf::Message&) {},
+        [&](const google::protobuf::FieldDescriptor& field, const std::string& text) {
+          if (field.name() == "texture" || field.name() == "normal_map") used.insert(text);
+        });
+  }
   for (const v1::Texture& texture : textures.all())
     if (used.contains(texture.name())) *scene.add_textures() = texture;
 }

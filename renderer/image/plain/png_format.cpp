@@ -1,6 +1,7 @@
 #include "renderer/image/plain/png_format.h"
 
 #include <png.h>
+#include <zlib.h>
 
 #include <cstring>
 #include <stdexcept>
@@ -138,6 +139,10 @@ std::optional<ImageAnswer> encode_png(const ImageRequest& request,
   png_set_IHDR(png.get(), png.info(), static_cast<png_uint_32>(layout.width),
                static_cast<png_uint_32>(layout.height), 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  // Runs in what this filter leaves are most of what a search for repeats would find in rendered
+  // pictures, and take a fifth of its time (docs/crt.md).
+  png_set_filter(png.get(), PNG_FILTER_TYPE_BASE, PNG_FILTER_PAETH);
+  png_set_compression_strategy(png.get(), Z_RLE);
   png_set_sRGB_gAMA_and_cHRM(png.get(), png.info(), PNG_sRGB_INTENT_ABSOLUTE);
   if (request.window.x != 0 || request.window.y != 0) {
     png_set_oFFs(png.get(), png.info(), request.window.x, request.window.y, PNG_OFFSET_PIXEL);

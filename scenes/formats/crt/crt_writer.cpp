@@ -5,6 +5,7 @@
 #include <set>
 
 #include "scenes/formats/crt/crt_objects.h"
+#include "scenes/formats/crt/crt_parts.h"
 
 namespace tessera {
 namespace {
@@ -107,10 +108,23 @@ class Writer {
           material_name(*entity.material, entity.one_sided && alone));
       return;
     }
+    const auto operands = operands_of(entity);
+    const auto parts =
+        alone && entity.operation == v1::Csg::UNION ? parts_apart(operands) : CrtParts{operands};
+    for (const auto& part : parts) {
+      v1::Node& place = parts.size() == 1 ? node : *node.add_children();
+      if (part.size() == 1)
+        write_node(*part.front(), true, place);
+      else
+        write_combination(entity.operation, part, place);
+    }
+  }
+
+  void write_combination(v1::Csg::Operation operation,
+                         const std::vector<const CrtEntity*>& operands, v1::Node& node) {
     v1::Csg& csg = *node.mutable_shape()->mutable_csg();
-    csg.set_operation(entity.operation);
-    for (const CrtEntity* operand : operands_of(entity))
-      write_node(*operand, false, *csg.add_operands());
+    csg.set_operation(operation);
+    for (const CrtEntity* operand : operands) write_node(*operand, false, *csg.add_operands());
   }
 
   /// a + b + c is one union of three, a - b - c and a - (b + c) one difference.

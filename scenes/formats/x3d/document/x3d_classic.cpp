@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <functional>
+#include <set>
 
 #include "scenes/formats/x3d/document/x3d_document.h"
 #include "scenes/formats/x3d/document/x3d_tree.h"
@@ -151,7 +153,7 @@ class X3dClassicReader {
       declare(depth + 1);
     } else if (token.is("EXTERNPROTO")) {
       tree_.add("ExternProtoDeclare", take().offset, 0);
-      take_name("a name");
+      elsewhere_.insert(take_name("a name"));
       skip_list();
       skip_value();
     } else if (token.is("ROUTE") || token.is("IMPORT") || token.is("EXPORT")) {
@@ -215,7 +217,10 @@ class X3dClassicReader {
     if (!type.is_name()) throw unexpected(type, "a node");
     const X3dPrototype* prototype = tree_.prototype(std::string(type.text));
     if (prototype) return read_instance(*prototype, def, type, depth);
-    X3dNode& node = tree_.add(std::string(type.text), type.offset, depth);
+    // As in XML, where the element says so.
+    const bool is_elsewhere = elsewhere_.contains(type.text);
+    X3dNode& node =
+        tree_.add(is_elsewhere ? "ProtoInstance" : std::string(type.text), type.offset, depth);
     if (!def.empty()) tree_.define(node, def);
     read_body(node, depth);
     tree_.finish(node);
@@ -354,6 +359,7 @@ class X3dClassicReader {
 
   X3dDocument document_;
   X3dTree tree_;
+  std::set<std::string, std::less<>> elsewhere_;  ///< prototypes that are in other files
   size_t at_ = 0;
   Token next_;
   bool peeked_ = false;

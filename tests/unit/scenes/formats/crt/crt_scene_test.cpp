@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -179,6 +180,32 @@ TEST(CrtScene, ChainsOfOneOperationJoin) {
   EXPECT_EQ(mixed.operands(0).shape().csg().operation(), v1::Csg::DIFFERENCE);
   EXPECT_EQ(mixed.operands(1).shape().sphere().radius(), 3);
   EXPECT_EQ(scene_of(s, "Difference { a b c }").nodes(0).shape().csg().operands_size(), 3);
+}
+
+TEST(CrtScene, UnionsFallApartWhereNothingTouches) {
+  const auto part = [](int number, const std::string& x, const std::string& radius) {
+    return fmt::format("s{} = {}", number, sphere(radius, "vec3(" + x + ", 0, 0)"));
+  };
+  // The first and the third touch, by way of the fourth; the second is by itself.
+  const std::string four = part(1, "0", "1") + part(2, "9", "1") + part(3, "4", "1") +
+                           part(4, "2", "1") + "all = s1 + s2 + s3 + s4\n";
+  const v1::Node whole = scene_of(four, "all <scale 2>").nodes(0);
+  EXPECT_EQ(whole.transform().steps_size(), 1);
+  EXPECT_FALSE(whole.has_shape());
+  ASSERT_EQ(whole.children_size(), 2);
+  ASSERT_EQ(whole.children(0).shape().csg().operands_size(), 3);
+  EXPECT_EQ(whole.children(0).shape().csg().operation(), v1::Csg::UNION);
+  EXPECT_EQ(whole.children(0).shape().csg().operands(1).name(), "s3");
+  EXPECT_EQ(whole.children(1).shape().sphere().center().x(), 9);
+  EXPECT_EQ(whole.children(1).name(), "s2");
+  // What they are part of needs them whole, and a plane is everywhere.
+  EXPECT_EQ(scene_of(four, "all ^ s1").nodes(0).children_size(), 0);
+  const std::string plane =
+      "Plane { normal -> vec3(0, 1, 0) position -> vec3(0, -5, 0) material -> m }";
+  EXPECT_EQ(scene_of(four, "s1 + s2 + " + plane).nodes(0).shape().csg().operands_size(), 3);
+  // Of a difference it is the first solid that counts; what is turned is not looked at.
+  EXPECT_EQ(scene_of(four, "(s1 - s4) + s2").nodes(0).children_size(), 2);
+  EXPECT_EQ(scene_of(four, "s1 <rotate vec3(0, 9, 0)> + s2").nodes(0).children_size(), 0);
 }
 
 TEST(CrtScene, ModifiersComposeFromLeftToRight) {

@@ -142,6 +142,16 @@ TEST(X3dEncodings, ListsWhatIsIgnoredOnceWithCounts) {
             "t.x3dv: ignored: 1 PositionInterpolator, 2 ROUTE, 1 Script, 2 TimeSensor");
 }
 
+TEST(X3dEncodings, InstancesOfPrototypesInOtherFilesAreIgnoredToo) {
+  const auto warnings =
+      parse_classic(
+          "EXTERNPROTO Foo [ field SFColor c ] \"protos.wrl#Foo\" Foo { c 1 0 0 } "
+          "DEF F Foo { } Transform { children USE F }")
+          .warnings;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0], "t.x3dv: ignored: 1 ExternProtoDeclare, 2 ProtoInstance");
+}
+
 constexpr const char* kBallProto =
     "PROTO Ball [ inputOutput SFColor color 1 0 0 initializeOnly SFFloat size 1 inputOutput MFNode "
     "extra [ ] inputOnly SFTime now ] { Transform { children [ Shape { appearance Appearance { "
