@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "base/log.h"
 #include "base/plural.h"
@@ -15,6 +16,7 @@
 #include "cli/say.h"
 #include "coordinator/render_loop.h"
 #include "coordinator/store/sqlite_job_store.h"
+#include "coordinator/web/farm_page.h"
 #include "proto/transport/zmq_transport.h"
 
 namespace tessera {
@@ -27,7 +29,7 @@ struct ServeOptions {
   std::string endpoint = kDefaultEndpoint;
   std::string key, allow;
   bool insecure = false;
-  std::string http, store;
+  std::string http, http_token, store;
   double verify = 0;
 };
 
@@ -71,12 +73,20 @@ CoordinatorOptions coordinator_options(const ServeOptions& options) {
   return result;
 }
 
+FarmPage::Options page_options(const ServeOptions& options) {
+  return {.address = options.http,
+          .token_file = options.http_token,
+          .has_keys = !options.key.empty(),
+          .stopping = &interrupted()};
+}
+
 ExitCode serve(const ServeOptions& options) {
-  if (!options.http.empty()) throw usage_error("--http: does not exist yet in this version");
   catch_interrupts();
   configure_logging("info", "serve");
-  check_room_for_threads(kTransportThreads);
+  check_room_for_threads(kTransportThreads + (options.http.empty() ? 0 : 1));
   ServerSecurity security = read_security(options);
+  std::optional<FarmPage> page;
+  if (!options.http.empty()) page.emplace(page_options(options));
   std::shared_ptr<JobStore> store;
   if (!options.store.empty()) store = std::make_shared<SqliteJobStore>(options.store);
   if (security.keys) catch_hangups();
@@ -84,6 +94,10 @@ ExitCode serve(const ServeOptions& options) {
   RenderLoop loop(bind_server(options.endpoint, std::move(security)), coordinator_options(options),
                   std::move(store));
   say("serving at {}\n", loop.endpoint());
+  if (page) {
+    page->watch(loop);
+    say("page at http://{}/\n", page->address());
+  }
   std::fflush(stdout);
   // What is traced while no store keeps it is lost in any case.
   loop.serve(interrupted(), options.store.empty() ? Time{0} : kDrain, [&] {
@@ -120,7 +134,14 @@ void add_serve_command(CLI::App& app, Action& action) {
       ->type_name("FILE");
   command->add_flag("--insecure", options->insecure,
                     "Let in whoever can reach the endpoint, from other machines too, without keys");
-  command->add_option("--http", options->http, "Web page and metrics (not yet)")->type_name("ADDR");
+  command
+      ->add_option("--http", options->http,
+                   "Serve the web page, /metrics and /api/v1 there, such as 127.0.0.1:8080")
+      ->type_name("ADDRESS:PORT");
+  command
+      ->add_option("--http-token", options->http_token,
+                   "Who may see the page: lines TOKEN ROLE NAME, ROLE being viewer or submitter")
+      ->type_name("FILE");
   command
       ->add_option("--store", options->store,
                    "Keep jobs and finished tiles in this folder [in memory]")

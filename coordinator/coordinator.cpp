@@ -171,6 +171,10 @@ std::optional<PreviewImage> Coordinator::preview(uint64_t job, uint32_t frame, i
   return jobs_->preview(job, frame, most_side);
 }
 
+std::shared_ptr<const FrameTrace> Coordinator::trace(uint64_t job, uint32_t frame) const {
+  return jobs_->trace(job, frame);
+}
+
 v1::JobStatus Coordinator::ask(const v1::JobQuery& query, Time now) {
   v1::JobStatus status = clients_->ask(query, now);
   settle(now);

@@ -77,6 +77,8 @@ class Coordinator {
   /// The picture so far, no side longer than `most_side` > 0. Nothing where there is none yet.
   /// Takes milliseconds, for a large film that was finished long ago up to a second.
   std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
+  /// Of a frame that is being traced, or of the last ones that were; else null.
+  std::shared_ptr<const FrameTrace> trace(uint64_t job, uint32_t frame) const;
   /// Asks and orders as a client does: cancel, pause, resume, priority. UNKNOWN: no such job.
   v1::JobStatus ask(const v1::JobQuery& query, Time now);
 

@@ -93,6 +93,17 @@ std::optional<PreviewImage> JobTable::preview(uint64_t id, uint32_t frame, int m
   return make_preview(film, output, from_message(*end).tiles_done, most_side);
 }
 
+std::shared_ptr<const FrameTrace> JobTable::trace(uint64_t job, uint32_t frame) const {
+  if (const ActiveJob* active = running(job, frame)) {
+    return std::make_shared<const FrameTrace>(active->trace());
+  }
+  const uint64_t id = frame_id(job, frame);
+  for (const auto& [ended, trace] : traces_) {
+    if (ended == id) return trace;
+  }
+  return nullptr;
+}
+
 uint64_t JobTable::frame_id(uint64_t job, uint32_t frame) const {
   // Numbers of jobs that do not outlive us must differ from those of the coordinator before us.
   const uint64_t base = store_->farm() != 0 ? 0 : options_.epoch;
