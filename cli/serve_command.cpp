@@ -6,16 +6,19 @@
 #include <memory>
 #include <optional>
 
+#include "base/json_log.h"
 #include "base/log.h"
 #include "base/plural.h"
 #include "base/process.h"
 #include "cli/command_line.h"
 #include "cli/farm_connection.h"
 #include "cli/interrupt.h"
+#include "cli/log_format.h"
 #include "cli/option_values.h"
 #include "cli/say.h"
 #include "coordinator/render_loop.h"
 #include "coordinator/store/sqlite_job_store.h"
+#include "coordinator/tev/tev_viewer.h"
 #include "coordinator/web/farm_page.h"
 #include "proto/transport/zmq_transport.h"
 
@@ -24,12 +27,15 @@ namespace {
 
 /// How long tiles that are being traced may take, once it is told to end.
 constexpr Time kDrain = std::chrono::seconds(10);
+/// At the coordinator, by who shows it.
+constexpr Time kBetweenLooks = std::chrono::milliseconds(50);
 
 struct ServeOptions {
   std::string endpoint = kDefaultEndpoint;
   std::string key, allow;
   bool insecure = false;
-  std::string http, http_token, store;
+  std::string http, http_token, tev, store;
+  bool json_log = false;
   double verify = 0;
 };
 
@@ -83,10 +89,17 @@ FarmPage::Options page_options(const ServeOptions& options) {
 ExitCode serve(const ServeOptions& options) {
   catch_interrupts();
   configure_logging("info", "serve");
-  check_room_for_threads(kTransportThreads + (options.http.empty() ? 0 : 1));
+  if (options.json_log) log_as_json();
+  check_room_for_threads(kTransportThreads + (options.http.empty() ? 0 : 1) +
+                         (options.tev.empty() ? 0 : 1));
   ServerSecurity security = read_security(options);
+  if (options.http.empty() && !options.http_token.empty()) {
+    throw usage_error("--http-token: needs --http, the page's address, beside it");
+  }
   std::optional<FarmPage> page;
   if (!options.http.empty()) page.emplace(page_options(options));
+  std::optional<TevViewer> tev;
+  if (!options.tev.empty()) tev.emplace(options.tev);
   std::shared_ptr<JobStore> store;
   if (!options.store.empty()) store = std::make_shared<SqliteJobStore>(options.store);
   if (security.keys) catch_hangups();
@@ -94,10 +107,13 @@ ExitCode serve(const ServeOptions& options) {
   RenderLoop loop(bind_server(options.endpoint, std::move(security)), coordinator_options(options),
                   std::move(store));
   say("serving at {}\n", loop.endpoint());
-  if (page) {
-    page->watch(loop);
-    say("page at http://{}/\n", page->address());
-  }
+  if (page) say("page at http://{}/\n", page->address());
+  loop.observe(
+      [&](Coordinator& coordinator, Time now) {
+        if (page) page->look(coordinator, now);
+        if (tev) tev->look(coordinator, now);
+      },
+      kBetweenLooks);
   std::fflush(stdout);
   // What is traced while no store keeps it is lost in any case.
   loop.serve(interrupted(), options.store.empty() ? Time{0} : kDrain, [&] {
@@ -142,6 +158,9 @@ void add_serve_command(CLI::App& app, Action& action) {
       ->add_option("--http-token", options->http_token,
                    "Who may see the page: lines TOKEN ROLE NAME, ROLE being viewer or submitter")
       ->type_name("FILE");
+  command->add_option("--tev", options->tev, "Show what is traced in the image viewer tev there")
+      ->type_name("HOST:PORT");
+  add_log_format(*command, options->json_log);
   command
       ->add_option("--store", options->store,
                    "Keep jobs and finished tiles in this folder [in memory]")

@@ -53,8 +53,10 @@ class JobTable {
   // For people.
   /// Jobs of clients, and the counters of jobs.
   void describe(FarmSnapshot& snapshot, Time now) const;
+  std::vector<std::pair<uint64_t, uint32_t>> running_frames() const;
   /// Null where that frame is not being traced.
   const ActiveJob* running(uint64_t job, uint32_t frame) const;
+  std::optional<FilmView> film(uint64_t job, uint32_t frame);
   /// Nothing where there is no such frame, or nothing of it yet.
   std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
   /// Of a frame that is being traced, or of the last ones that were; else null.

@@ -19,12 +19,20 @@ int64_t microseconds(double seconds) { return std::llround(seconds * 1e6); }
 Json event(const std::string& name, const char* category, int process, size_t row, double begin,
            double end) {
   const int64_t start = microseconds(begin);
-  return {{"name", name},   {"cat", category}, {"ph", "X"},   {"ts", start},
-          {"dur", std::max<int64_t>(0, microseconds(end) - start)}, {"pid", process}, {"tid", row}};
+  return {{"name", name},
+          {"cat", category},
+          {"ph", "X"},
+          {"ts", start},
+          {"dur", std::max<int64_t>(0, microseconds(end) - start)},
+          {"pid", process},
+          {"tid", row}};
 }
 
 Json title(int process, const std::string& name) {
-  return {{"name", "process_name"}, {"ph", "M"}, {"pid", process}, {"tid", 0},
+  return {{"name", "process_name"},
+          {"ph", "M"},
+          {"pid", process},
+          {"tid", 0},
           {"args", {{"name", name}}}};
 }
 
@@ -57,8 +65,12 @@ std::string chrome_trace(const FrameTrace& trace, const std::string& name,
                          const std::vector<TracePhase>& phases) {
   Json events = Json::array();
   events.push_back(title(kOwnProcess, name));
+  // Viewers count from zero.
+  double zero = 0;
+  for (const TracePhase& phase : phases) zero = std::min(zero, phase.begin);
   for (const TracePhase& phase : phases) {
-    events.push_back(event(phase.name, "phase", kOwnProcess, 0, phase.begin, phase.end));
+    events.push_back(
+        event(phase.name, "phase", kOwnProcess, 0, phase.begin - zero, phase.end - zero));
   }
   std::map<uint64_t, int> processes;
   for (const auto& [id, worker] : trace.workers) {
@@ -70,7 +82,9 @@ std::string chrome_trace(const FrameTrace& trace, const std::string& name,
   std::sort(spans.begin(), spans.end(),
             [](const auto& a, const auto& b) { return a.begin < b.begin; });
   std::map<uint64_t, std::vector<double>> rows;
-  for (const FrameTrace::Span& span : spans) {
+  for (FrameTrace::Span& span : spans) {
+    span.begin -= zero;
+    span.end -= zero;
     events.push_back(event_of(span, processes.at(span.worker),
                               take_row(rows[span.worker], span.begin, span.end)));
   }

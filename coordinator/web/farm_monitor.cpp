@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "coordinator/coordinator.h"
 #include "base/process_usage.h"
+#include "coordinator/coordinator.h"
 
 namespace tessera {
 namespace {
@@ -143,7 +143,8 @@ void FarmMonitor::sample(const FarmSnapshot& snapshot, Time now) {
 // --------------------------------------------------------------------------------------- frames
 
 void FarmMonitor::note_watchers(std::vector<FrameQuestion> questions, Time now) {
-  std::erase_if(watched_, [now](const auto& entry) { return now - entry.second.wanted > kWatched; });
+  std::erase_if(watched_,
+                [now](const auto& entry) { return now - entry.second.wanted > kWatched; });
   for (FrameQuestion& question : questions) {
     if (!watched_.contains(question.key) && !make_room()) {
       question.reply(std::make_shared<FrameShown>());

@@ -3,15 +3,12 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "coordinator/render_loop.h"
 #include "coordinator/web/farm_monitor.h"
 #include "coordinator/web/web_api.h"
 #include "coordinator/web/web_server.h"
 
 namespace tessera {
 namespace {
-
-constexpr Time kBetweenLooks = std::chrono::milliseconds(50);
 
 WebAccess access_for(const FarmPage::Options& options) {
   if (!options.token_file.empty()) return WebAccess::read(options.token_file);
@@ -22,8 +19,9 @@ WebAccess access_for(const FarmPage::Options& options) {
                     options.address));
   }
   if (options.has_keys) {
-    throw usage_error("--http: needs --http-token beside it where --key is given: what is let in "
-                      "by keys is not to be seen without");
+    throw usage_error(
+        "--http: needs --http-token beside it where --key is given: what is let in "
+        "by keys is not to be seen without");
   }
   return {};
 }
@@ -32,8 +30,8 @@ WebAccess access_for(const FarmPage::Options& options) {
 
 FarmPage::FarmPage(const Options& options)
     : monitor_(std::make_shared<FarmMonitor>()),
-      api_(std::make_unique<WebApi>(WebApi::Parts{
-          monitor_, LogRing::attach(), access_for(options), options.stopping})),
+      api_(std::make_unique<WebApi>(
+          WebApi::Parts{monitor_, LogRing::attach(), access_for(options), options.stopping})),
       server_(std::make_unique<WebServer>(
           options.address, [this](const HttpRequest& request, const HttpReply& reply) {
             api_->handle(request, reply);
@@ -41,11 +39,7 @@ FarmPage::FarmPage(const Options& options)
 
 FarmPage::~FarmPage() = default;
 
-void FarmPage::watch(RenderLoop& loop) {
-  loop.observe([monitor = monitor_](Coordinator& coordinator,
-                                    Time now) { monitor->look(coordinator, now); },
-               kBetweenLooks);
-}
+void FarmPage::look(Coordinator& coordinator, Time now) { monitor_->look(coordinator, now); }
 
 std::string FarmPage::address() const { return server_->address(); }
 

@@ -5,9 +5,11 @@
 #include <memory>
 #include <string>
 
+#include "base/monotonic.h"
+
 namespace tessera {
 
-class RenderLoop;
+class Coordinator;
 class FarmMonitor;
 class WebApi;
 class WebServer;
@@ -27,8 +29,8 @@ class FarmPage {
   explicit FarmPage(const Options& options);
   ~FarmPage();
 
-  /// The farm that it shows. The loop may look at it until this is destroyed, and longer.
-  void watch(RenderLoop& loop);
+  /// Shows the farm: to be called often on the coordinator's thread.
+  void look(Coordinator& coordinator, Time now);
   /// "127.0.0.1:8080"
   std::string address() const;
 

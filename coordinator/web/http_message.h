@@ -11,9 +11,9 @@ namespace tessera {
 
 /// A request that was read whole, within the limits of WebServer.
 struct HttpRequest {
-  std::string method;                        ///< "GET", "HEAD", "POST" ...
-  std::string path;                          ///< without the query
-  std::map<std::string, std::string> query;  ///< as it came: numbers need no unescaping
+  std::string method;                          ///< "GET", "HEAD", "POST" ...
+  std::string path;                            ///< without the query
+  std::map<std::string, std::string> query;    ///< as it came: numbers need no unescaping
   std::map<std::string, std::string> headers;  ///< by lower-case name
   std::string body;
 

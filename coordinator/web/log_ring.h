@@ -15,8 +15,8 @@ namespace tessera {
 class LogRing {
  public:
   struct Line {
-    uint64_t number = 0;        ///< from 1, one more each
-    int64_t milliseconds = 0;   ///< since 1970
+    uint64_t number = 0;       ///< from 1, one more each
+    int64_t milliseconds = 0;  ///< since 1970
     std::string level, text;
   };
   /// Adds itself to the default logger, before threads start.

@@ -53,8 +53,8 @@ void add_jobs(Metrics& metrics, const FarmSnapshot& snapshot) {
   double queue = 0;
   for (const FarmSnapshot::Job& job : snapshot.jobs) {
     ++jobs[static_cast<size_t>(job.state)];
-    const bool open = job.state == FarmSnapshot::JobState::queued ||
-                      job.state == FarmSnapshot::JobState::running;
+    const bool open =
+        job.state == FarmSnapshot::JobState::queued || job.state == FarmSnapshot::JobState::running;
     if (open) queue += number(job.tiles_total - std::min(job.tiles_done, job.tiles_total));
   }
   std::vector<Metrics::Sample> samples;

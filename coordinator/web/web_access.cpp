@@ -24,8 +24,8 @@ std::string host_of(const std::string& header) {
 }
 
 bool names_this_machine(const std::string& host) {
-  const bool digits = host.starts_with("127.") &&
-                      host.find_first_not_of("0123456789.") == std::string::npos;
+  const bool digits =
+      host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos;
   return digits || host == "localhost" || host == "[::1]";
 }
 
@@ -33,7 +33,8 @@ bool names_this_machine(const std::string& host) {
 
 HttpResponse http_error(int status, const std::string& what) {
   const nlohmann::json body{{"error", what}};
-  return {status, "application/json",
+  return {status,
+          "application/json",
           std::make_shared<const std::string>(
               body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"),
           {}};
@@ -46,8 +47,8 @@ WebAccess WebAccess::read(const std::filesystem::path& path) {
     throw usage_error(fmt::format("--http-token: '{}' cannot be read", path.string()));
   }
   if ((about.st_mode & (S_IRGRP | S_IROTH)) != 0) {
-    throw usage_error(fmt::format(
-        "--http-token: '{}' can be read by others; expected mode 0600", path.string()));
+    throw usage_error(
+        fmt::format("--http-token: '{}' can be read by others; expected mode 0600", path.string()));
   }
   WebAccess access;
   int number = 0;
@@ -71,8 +72,8 @@ WebAccess WebAccess::read(const std::filesystem::path& path) {
         {Digest::of(token), role == "viewer" ? Role::viewer : Role::submitter});
   }
   if (access.tokens_.empty()) {
-    throw usage_error(fmt::format(
-        "--http-token: '{}' has no token; expected lines TOKEN ROLE NAME", path.string()));
+    throw usage_error(fmt::format("--http-token: '{}' has no token; expected lines TOKEN ROLE NAME",
+                                  path.string()));
   }
   return access;
 }

@@ -22,8 +22,10 @@ constexpr size_t kMostMade = 64;
 constexpr char kApi[] = "/api/v1/";
 
 HttpResponse plain(int status, std::string text) {
-  return {status, "text/plain; charset=utf-8",
-          std::make_shared<const std::string>(std::move(text)), {}};
+  return {status,
+          "text/plain; charset=utf-8",
+          std::make_shared<const std::string>(std::move(text)),
+          {}};
 }
 
 HttpResponse json(std::shared_ptr<const std::string> body) {
@@ -39,8 +41,9 @@ std::optional<Number> whole(std::string_view text) {
 }
 
 const FarmSnapshot::Job* find_job(const FarmSnapshot& snapshot, uint64_t id) {
-  const auto it = std::lower_bound(snapshot.jobs.begin(), snapshot.jobs.end(), id,
-                                   [](const auto& job, uint64_t wanted) { return job.id < wanted; });
+  const auto it =
+      std::lower_bound(snapshot.jobs.begin(), snapshot.jobs.end(), id,
+                       [](const auto& job, uint64_t wanted) { return job.id < wanted; });
   return it != snapshot.jobs.end() && it->id == id ? &*it : nullptr;
 }
 
@@ -70,11 +73,11 @@ HttpResponse answer_order(const v1::JobQuery& query, const v1::JobStatus& status
   const bool cancelled = ended && status.how() == v1::JobEnd::INTERRUPTED;
   const bool wanted = query.action() == v1::JobQuery::CANCEL ? cancelled : !ended;
   if (ended && !wanted) return http_error(409, fmt::format("job {} has ended", status.job()));
-  const bool done = query.action() == v1::JobQuery::CANCEL  ? cancelled
-                    : query.action() == v1::JobQuery::PAUSE ? status.state() == v1::JobStatus::PAUSED
-                    : query.action() == v1::JobQuery::RESUME
-                        ? status.state() != v1::JobStatus::PAUSED
-                        : status.priority() == query.priority();
+  const bool done =
+      query.action() == v1::JobQuery::CANCEL   ? cancelled
+      : query.action() == v1::JobQuery::PAUSE  ? status.state() == v1::JobStatus::PAUSED
+      : query.action() == v1::JobQuery::RESUME ? status.state() != v1::JobStatus::PAUSED
+                                               : status.priority() == query.priority();
   if (!done) return http_error(503, status.failure());
   const nlohmann::ordered_json body{{"job", status.job()},
                                     {"state", cancelled ? "cancelled" : name_of(status.state())},
@@ -131,8 +134,8 @@ void WebApi::handle(const HttpRequest& request, const HttpReply& answer) {
     if (request.path == "/healthz") return reply(health());
     if (request.path == "/readyz") return reply(readiness());
     if (const auto page = find_web_page(request.path)) {
-      return reply({200, std::string(page->type),
-                    std::make_shared<const std::string>(page->content), {}});
+      return reply(
+          {200, std::string(page->type), std::make_shared<const std::string>(page->content), {}});
     }
   }
   const auto needed = reads ? WebAccess::Role::viewer : WebAccess::Role::submitter;
@@ -158,10 +161,10 @@ HttpResponse WebApi::readiness() const {
 }
 
 HttpResponse WebApi::metrics() const {
-  return {200, "text/plain; version=0.0.4; charset=utf-8",
-          std::make_shared<const std::string>(metrics_text(parts_.monitor->farm()->snapshot,
-                                                           parts_.monitor->work(), counts_,
-                                                           process_usage())),
+  return {200,
+          "text/plain; version=0.0.4; charset=utf-8",
+          std::make_shared<const std::string>(metrics_text(
+              parts_.monitor->farm()->snapshot, parts_.monitor->work(), counts_, process_usage())),
           {}};
 }
 
@@ -184,8 +187,7 @@ void WebApi::handle_api(const HttpRequest& request, const HttpReply& answer) {
     return reply(json(shared(rest, farm, [&] { return workers_json(snapshot); })));
   }
   if (rest == "history") {
-    return reply(
-        json(shared(rest, farm->history, [&] { return history_json(*farm->history); })));
+    return reply(json(shared(rest, farm->history, [&] { return history_json(*farm->history); })));
   }
   if (rest == "log") return reply(log(request));
   reply(http_error(404, "there is no such thing; docs/operating.md lists what there is"));
@@ -233,8 +235,8 @@ void WebApi::handle_job(const HttpRequest& request, const std::string& rest,
   if (const auto asked = request.query.find("frame"); asked != request.query.end()) {
     const auto number = whole<uint32_t>(asked->second);
     if (!number || *number >= job->frames_total) {
-      return reply(http_error(400, fmt::format("frame: expected a number from 0 to {}",
-                                               job->frames_total - 1)));
+      return reply(http_error(
+          400, fmt::format("frame: expected a number from 0 to {}", job->frames_total - 1)));
     }
     frame = *number;
   }
@@ -245,16 +247,16 @@ void WebApi::handle_job(const HttpRequest& request, const std::string& rest,
 void WebApi::show_frame(uint64_t job, uint32_t frame, const std::string& what,
                         const HttpRequest& request, const HttpReply& reply) {
   const bool picture = what == "preview.png";
-  const bool asked = parts_.monitor->watch(
-      job, frame,
-      [this, job, frame, picture, known = request.header("if-none-match"),
-       reply](const std::shared_ptr<const FrameShown>& shown) {
-        reply([this, job, frame, picture, known, shown] {
-          if (picture) return preview(job, frame, *shown, known);
-          return json(shared(fmt::format("tiles {} {}", job, frame), shown,
-                             [&] { return tiles_json(job, frame, *shown); }));
-        });
-      });
+  const bool asked =
+      parts_.monitor->watch(job, frame,
+                            [this, job, frame, picture, known = request.header("if-none-match"),
+                             reply](const std::shared_ptr<const FrameShown>& shown) {
+                              reply([this, job, frame, picture, known, shown] {
+                                if (picture) return preview(job, frame, *shown, known);
+                                return json(shared(fmt::format("tiles {} {}", job, frame), shown,
+                                                   [&] { return tiles_json(job, frame, *shown); }));
+                              });
+                            });
   if (!asked) reply([] { return http_error(503, "too many ask"); });
 }
 

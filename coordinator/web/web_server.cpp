@@ -27,9 +27,10 @@ using Tcp = asio::ip::tcp;
 
 Tcp::endpoint parse_address(const std::string& text) {
   const auto wrong = [&text] {
-    return usage_error(fmt::format("--http: '{}'; expected ADDRESS:PORT such as 127.0.0.1:8080, the "
-                                   "address in digits or localhost",
-                                   text));
+    return usage_error(
+        fmt::format("--http: '{}'; expected ADDRESS:PORT such as 127.0.0.1:8080, the "
+                    "address in digits or localhost",
+                    text));
   };
   const size_t colon = text.rfind(':');
   if (colon == std::string::npos) throw wrong();
@@ -42,9 +43,8 @@ Tcp::endpoint parse_address(const std::string& text) {
   }
   if (host == "localhost") host = "127.0.0.1";
   const bool digits =
-      !port.empty() && port.size() <= 5 && std::all_of(port.begin(), port.end(), [](char c) {
-        return c >= '0' && c <= '9';
-      });
+      !port.empty() && port.size() <= 5 &&
+      std::all_of(port.begin(), port.end(), [](char c) { return c >= '0' && c <= '9'; });
   if (!digits || std::stoi(port) > 65535) throw wrong();
   boost::system::error_code error;
   const auto address = asio::ip::make_address(host, error);
@@ -151,15 +151,14 @@ class WebServer::Impl::Session : public std::enable_shared_from_this<Session> {
     parser_->header_limit(server_.limits_.header_bytes);
     parser_->body_limit(server_.limits_.body_bytes);
     stream_.expires_after(server_.limits_.to_ask);
-    http::async_read(stream_, buffer_, *parser_,
-                     [self = shared_from_this()](beast::error_code error, size_t) {
-                       if (!error) return self->handle();
-                       if (error == http::error::body_limit || error == http::error::header_limit) {
-                         self->keep_alive_ = false;
-                         self->answer({413, "text/plain",
-                                       std::make_shared<const std::string>("too large\n")});
-                       }
-                     });
+    http::async_read(
+        stream_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, size_t) {
+          if (!error) return self->handle();
+          if (error == http::error::body_limit || error == http::error::header_limit) {
+            self->keep_alive_ = false;
+            self->answer({413, "text/plain", std::make_shared<const std::string>("too large\n")});
+          }
+        });
   }
 
  private:
@@ -175,16 +174,16 @@ class WebServer::Impl::Session : public std::enable_shared_from_this<Session> {
       self->answer({503, "text/plain", std::make_shared<const std::string>("no answer in time\n")});
     });
     // Weak: a reply may be kept for longer than the server lives.
-    server_.handler_(
-        plain(parser_->release()),
-        [weak = weak_from_this(), server = server_.weak_from_this(), turn](std::function<HttpResponse()> make) {
-          const auto there = server.lock();
-          if (!there) return;
-          asio::post(there->context_, [weak, turn, make = std::move(make)] {
-            const auto self = weak.lock();
-            if (self && self->turn_ == turn) self->answer(make());
-          });
-        });
+    server_.handler_(plain(parser_->release()),
+                     [weak = weak_from_this(), server = server_.weak_from_this(),
+                      turn](std::function<HttpResponse()> make) {
+                       const auto there = server.lock();
+                       if (!there) return;
+                       asio::post(there->context_, [weak, turn, make = std::move(make)] {
+                         const auto self = weak.lock();
+                         if (self && self->turn_ == turn) self->answer(make());
+                       });
+                     });
   }
 
   void answer(const HttpResponse& response) {

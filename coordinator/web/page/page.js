@@ -29,14 +29,14 @@ async function ask() {
   try {
     const [now, history, log] = await Promise.all([get("farm"), get("history"), get(`log?after=${lastLine}`)]);
     if (mine !== turn) return;
-    // Another coordinator on the same store counts from the start.
-    if (farm && farm.epoch !== now.epoch) startAnew();
+    // Another coordinator on the same store counts its lines from the start.
+    const anew = farm !== null && farm.epoch !== now.epoch;
+    if (anew) startAnew();
     farm = now;
     failures = 0;
     setConnection("live", "live");
     showFarm(history);
-    if (!(farm.epoch === seen.epoch)) seen.epoch = farm.epoch;
-    else showLog(log.lines);
+    if (!anew) showLog(log.lines);
     await showFrame(mine);
   } catch (error) {
     if (mine !== turn) return;
@@ -96,7 +96,7 @@ function showFarm(history) {
   showGraphs(history);
   const c = farm.counters;
   byId("counters").textContent = [counted(c.tiles_done, "tile"), `${c.tiles_restored} kept from before`,
-    counted(c.retries, "retry").replace("retrys", "retries"), `${c.speculative} second copies`,
+    `${c.retries} retried`, `${c.speculative} second copies`,
     `${c.tiles_given_up} given up`, `${c.mismatches} mismatches`, `${c.workers_lost} workers lost`,
     `${c.workers_set_aside} set aside`, `${bytes(c.bytes_scene)} out`, `${bytes(c.bytes_results)} in`].join(" · ");
 }
@@ -144,7 +144,7 @@ function makeJobRow(id) {
 function choose(job, byHand) {
   if (chosen.job === job) return;
   chosen = { job, frame: null };
-  seen = { tag: null, frame: null, cost: false, epoch: seen.epoch };
+  seen = { tag: null, frame: null, cost: false };
   if (byHand) {
     history.replaceState(null, "", `#job=${job}`);
     byId("order-note").textContent = "";
@@ -217,7 +217,7 @@ async function showFrame(mine) {
   showJob(job, frame);
   if (seen.job !== job.id || seen.frame !== frame) {
     picture.clear(job.width, job.height);
-    seen = { job: job.id, frame, tag: null, cost: false, epoch: seen.epoch };
+    seen = { job: job.id, frame, tag: null, cost: false };
   }
   const [tiles, image] = await Promise.all([
     get(`jobs/${job.id}/tiles?frame=${frame}`),
