@@ -32,6 +32,11 @@ HttpResponse json(std::shared_ptr<const std::string> body) {
   return {200, "application/json", std::move(body), {}};
 }
 
+/// What is known already.
+void tell(const HttpReply& reply, HttpResponse response) {
+  reply([response = std::move(response)] { return response; });
+}
+
 template <typename Number>
 std::optional<Number> whole(std::string_view text) {
   Number value{};
@@ -122,28 +127,27 @@ WebApi::Body WebApi::shared(const std::string& name, std::shared_ptr<const void>
   return body;
 }
 
-void WebApi::handle(const HttpRequest& request, const HttpReply& answer) {
+void WebApi::handle(const HttpRequest& request, const HttpReply& reply) {
   ++counts_.requests;
-  const auto reply = [&answer](HttpResponse response) {
-    answer([response = std::move(response)] { return response; });
-  };
   const bool reads = request.method == "GET" || request.method == "HEAD";
-  if (!reads && request.method != "POST") return reply(http_error(405, "expected GET or POST"));
+  if (!reads && request.method != "POST")
+    return tell(reply, http_error(405, "expected GET or POST"));
   // What holds no secret, and what asks whether we live, needs no token.
   if (reads) {
-    if (request.path == "/healthz") return reply(health());
-    if (request.path == "/readyz") return reply(readiness());
+    if (request.path == "/healthz") return tell(reply, health());
+    if (request.path == "/readyz") return tell(reply, readiness());
     if (const auto page = find_web_page(request.path)) {
-      return reply(
+      return tell(
+          reply,
           {200, std::string(page->type), std::make_shared<const std::string>(page->content), {}});
     }
   }
   const auto needed = reads ? WebAccess::Role::viewer : WebAccess::Role::submitter;
-  if (auto refused = parts_.access.refuse(request, needed)) return reply(std::move(*refused));
-  if (!parts_.monitor->farm()) return reply(http_error(503, "the coordinator is starting"));
-  if (reads && request.path == "/metrics") return reply(metrics());
-  if (request.path.starts_with(kApi)) return handle_api(request, answer);
-  reply(http_error(404, "there is no such page"));
+  if (auto refused = parts_.access.refuse(request, needed)) return tell(reply, std::move(*refused));
+  if (!parts_.monitor->farm()) return tell(reply, http_error(503, "the coordinator is starting"));
+  if (reads && request.path == "/metrics") return tell(reply, metrics());
+  if (request.path.starts_with(kApi)) return handle_api(request, reply);
+  tell(reply, http_error(404, "there is no such page"));
 }
 
 HttpResponse WebApi::health() const {
@@ -168,29 +172,27 @@ HttpResponse WebApi::metrics() const {
           {}};
 }
 
-void WebApi::handle_api(const HttpRequest& request, const HttpReply& answer) {
-  const auto reply = [&answer](HttpResponse response) {
-    answer([response = std::move(response)] { return response; });
-  };
+void WebApi::handle_api(const HttpRequest& request, const HttpReply& reply) {
   const std::string rest = request.path.substr(sizeof kApi - 1);
-  if (rest.starts_with("jobs/")) return handle_job(request, rest.substr(5), answer);
-  if (request.method == "POST") return reply(http_error(405, "expected GET"));
+  if (rest.starts_with("jobs/")) return handle_job(request, rest.substr(5), reply);
+  if (request.method == "POST") return tell(reply, http_error(405, "expected GET"));
   const auto farm = parts_.monitor->farm();
   const FarmSnapshot& snapshot = farm->snapshot;
   if (rest == "farm") {
-    return reply(json(shared(rest, farm, [&] { return farm_json(snapshot); })));
+    return tell(reply, json(shared(rest, farm, [&] { return farm_json(snapshot); })));
   }
   if (rest == "jobs") {
-    return reply(json(shared(rest, farm, [&] { return jobs_json(snapshot); })));
+    return tell(reply, json(shared(rest, farm, [&] { return jobs_json(snapshot); })));
   }
   if (rest == "workers") {
-    return reply(json(shared(rest, farm, [&] { return workers_json(snapshot); })));
+    return tell(reply, json(shared(rest, farm, [&] { return workers_json(snapshot); })));
   }
   if (rest == "history") {
-    return reply(json(shared(rest, farm->history, [&] { return history_json(*farm->history); })));
+    return tell(reply,
+                json(shared(rest, farm->history, [&] { return history_json(*farm->history); })));
   }
-  if (rest == "log") return reply(log(request));
-  reply(http_error(404, "there is no such thing; docs/operating.md lists what there is"));
+  if (rest == "log") return tell(reply, log(request));
+  tell(reply, http_error(404, "there is no such thing; docs/operating.md lists what there is"));
 }
 
 HttpResponse WebApi::log(const HttpRequest& request) const {
@@ -213,35 +215,32 @@ HttpResponse WebApi::log(const HttpRequest& request) const {
 }
 
 void WebApi::handle_job(const HttpRequest& request, const std::string& rest,
-                        const HttpReply& answer) {
-  const auto reply = [&answer](HttpResponse response) {
-    answer([response = std::move(response)] { return response; });
-  };
+                        const HttpReply& reply) {
   const size_t slash = rest.find('/');
   const auto id = whole<uint64_t>(rest.substr(0, slash));
   const std::string what = slash == std::string::npos ? "" : rest.substr(slash + 1);
   const bool known = what.empty() || what == "tiles" || what == "preview.png" ||
                      what == "trace.json" || is_order(what);
-  if (!id || !known) return reply(http_error(404, "there is no such thing of a job"));
+  if (!id || !known) return tell(reply, http_error(404, "there is no such thing of a job"));
   if (is_order(what) != (request.method == "POST")) {
-    return reply(http_error(405, is_order(what) ? "expected POST" : "expected GET"));
+    return tell(reply, http_error(405, is_order(what) ? "expected POST" : "expected GET"));
   }
   const auto farm = parts_.monitor->farm();
   const FarmSnapshot::Job* const job = find_job(farm->snapshot, *id);
-  if (!job) return reply(http_error(404, "there is no such job"));
-  if (is_order(what)) return order(*id, what, request, answer);
-  if (what.empty()) return reply(json(std::make_shared<const std::string>(job_json(*job))));
+  if (!job) return tell(reply, http_error(404, "there is no such job"));
+  if (is_order(what)) return order(*id, what, request, reply);
+  if (what.empty()) return tell(reply, json(std::make_shared<const std::string>(job_json(*job))));
   uint32_t frame = frame_to_show(*job);
   if (const auto asked = request.query.find("frame"); asked != request.query.end()) {
     const auto number = whole<uint32_t>(asked->second);
     if (!number || *number >= job->frames_total) {
-      return reply(http_error(
-          400, fmt::format("frame: expected a number from 0 to {}", job->frames_total - 1)));
+      return tell(reply, http_error(400, fmt::format("frame: expected a number from 0 to {}",
+                                                     job->frames_total - 1)));
     }
     frame = *number;
   }
-  if (what == "trace.json") return show_trace(*id, frame, answer);
-  show_frame(*id, frame, what, request, answer);
+  if (what == "trace.json") return show_trace(*id, frame, reply);
+  show_frame(*id, frame, what, request, reply);
 }
 
 void WebApi::show_frame(uint64_t job, uint32_t frame, const std::string& what,

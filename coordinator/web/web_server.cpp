@@ -25,6 +25,10 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 using Tcp = asio::ip::tcp;
 
+/// From one who is answered for the last time: for so long, and so much.
+constexpr std::chrono::seconds kIgnored{1};
+constexpr size_t kMostIgnored = 1 << 20;
+
 Tcp::endpoint parse_address(const std::string& text) {
   const auto wrong = [&text] {
     return usage_error(
@@ -208,12 +212,24 @@ class WebServer::Impl::Session : public std::enable_shared_from_this<Session> {
       self->body_.reset();
       if (self->keep_alive_) return self->read();
       self->stream_.socket().shutdown(Tcp::socket::shutdown_send, error);
+      self->ignore_rest(kMostIgnored);
     };
     if (head_) {
       http::async_write_header(stream_, *serializer_, taken);
     } else {
       http::async_write(stream_, *serializer_, taken);
     }
+  }
+
+  /// A socket that is closed with bytes unread takes back what was just sent.
+  void ignore_rest(size_t most) {
+    stream_.expires_after(kIgnored);
+    buffer_.clear();
+    stream_.async_read_some(
+        buffer_.prepare(std::min(most, buffer_.max_size())),
+        [self = shared_from_this(), most](beast::error_code error, size_t size) {
+          if (!error && size < most) self->ignore_rest(most - size);
+        });
   }
 
   Impl& server_;

@@ -7,45 +7,23 @@ import signal
 import socket
 import struct
 import threading
-import time
 import unittest
 import urllib.error
 import urllib.request
 
 import browser
 import scenes
-from service_test import free_port
+from service_test import LOAD, TILES, ServiceTest
 from tessera_process import PATIENCE, SLOWER, TesseraTest, wait_until
 
-LOAD = ["--size", "320x240", "--tile", "16", "--spp"]
-TILES = 300
 
-
-class WebTest(TesseraTest):
-    spp = 64 if SLOWER == 1 else 8
-
-    def setUp(self):
-        super().setUp()
-        self.endpoint = f"tcp://127.0.0.1:{free_port()}"
-        self.store = self.folder / "farm"
-        self.scene = self.write("scene.tessera", scenes.glass_scene())
-
+class WebTest(ServiceTest):
     def serve(self, *options, http="127.0.0.1:0"):
         """A coordinator that answers; `self.page` is its page."""
-        process = self.start("serve", "--bind", self.endpoint, "--store", self.store, "--http", http, *options)
-        line = process.stdout.readline()
-        self.assertIn("serving at", line, process.stderr.read() if not line else "")
+        process = super().serve("--http", http, *options)
         self.page = process.stdout.readline().split()[-1]
         self.assertTrue(self.page.startswith("http://"), self.page)
         return process
-
-    def worker(self, *options):
-        return self.start("worker", "--connect", self.endpoint, "--threads", 2, "--quiet", *options)
-
-    def submit(self, *options):
-        result = self.run_program("submit", self.scene, *LOAD, self.spp, *options, "--connect", self.endpoint)
-        self.assertEqual(0, result.code, result.err)
-        return int(result.out)
 
     def get(self, path, token=None, data=None, **headers):
         """Status and body of one request."""
@@ -65,12 +43,6 @@ class WebTest(TesseraTest):
         status, body = self.get("/api/v1/" + path, **options)
         self.assertEqual(200, status, body)
         return json.loads(body)
-
-    def stop(self, *processes):
-        for process in processes:
-            process.send_signal(signal.SIGTERM)
-        for process in processes:
-            process.communicate(timeout=60)
 
 
 class Api(WebTest):
@@ -178,6 +150,7 @@ class Page(WebTest):
             return film.width === 1 ? 0 : lit / (film.width * film.height); })()""")
 
     def test_shows_a_running_job_to_its_end_over_a_restart(self):
+        self.spp = 128 if SLOWER == 1 else 16
         service = self.serve()
         page = self.open()
         wait_until(lambda: page.evaluate("document.body.dataset.connection") == "live", "the page is live")
@@ -313,11 +286,9 @@ class FakeTev(threading.Thread):
 
 
 class Tev(WebTest):
-    def expected(self):
-        """The pixels of the scene, rows from the top."""
-        self.render(self.scene, "-o", "expected.pfm", "--workers", 0, *LOAD, self.spp)
-        data = (self.folder / "expected.pfm").read_bytes()
-        values = struct.unpack("<230400f", data[-230400 * 4:])
+    def expected_pixels(self):
+        """Of the scene, rows from the top."""
+        values = struct.unpack("<230400f", self.expected()[-230400 * 4:])
         rows = [values[i * 960:(i + 1) * 960] for i in reversed(range(240))]
         return [row[3 * i:3 * i + 3] for row in rows for i in range(320)]
 
@@ -326,7 +297,7 @@ class Tev(WebTest):
         self.assertEqual(1, len(tev.images))
         width, height, pixels = next(iter(tev.images.values()))
         self.assertEqual((320, 240), (width, height))
-        self.assertEqual(self.expected(), pixels)
+        self.assertEqual(self.expected_pixels(), pixels)
 
     def test_shows_what_render_traces(self):
         tev = FakeTev()

@@ -2,7 +2,8 @@
 
 export function duration(seconds) {
   if (seconds == null) return "";
-  if (seconds < 0.0995) return `${(seconds * 1000).toPrecision(2)} ms`;
+  if (seconds < 0.00995) return `${(seconds * 1000).toFixed(1)} ms`;
+  if (seconds < 0.9995) return `${Math.round(seconds * 1000)} ms`;
   if (seconds < 9.95) return `${seconds.toFixed(1)} s`;
   if (seconds < 60) return `${Math.round(seconds)} s`;
   const whole = Math.round(seconds);
@@ -30,9 +31,11 @@ export function rate(perSecond) {
   return perSecond >= 10 || perSecond === 0 ? Math.round(perSecond).toLocaleString("en") : perSecond.toFixed(1);
 }
 
-/// A colour of its own for each worker, the same on every page.
+const places = new Map();
+
+/// A colour for each worker, as far as possible from those of the workers before it.
 export function workerColor(id) {
-  let hash = 2166136261;
-  for (const letter of id) hash = Math.imul(hash ^ letter.charCodeAt(0), 16777619) >>> 0;
-  return `hsl(${(hash % 360)} 70% ${45 + (hash >>> 12) % 18}%)`;
+  if (!places.has(id)) places.set(id, places.size);
+  const place = places.get(id);
+  return `hsl(${Math.round(205 + place * 137.508) % 360} 68% ${[50, 42, 58][Math.floor(place / 8) % 3]}%)`;
 }

@@ -97,7 +97,7 @@ function showFarm(history) {
   const c = farm.counters;
   byId("counters").textContent = [counted(c.tiles_done, "tile"), `${c.tiles_restored} kept from before`,
     `${c.retries} retried`, `${c.speculative} second copies`,
-    `${c.tiles_given_up} given up`, `${c.mismatches} mismatches`, `${c.workers_lost} workers lost`,
+    `${c.tiles_given_up} given up`, `${c.mismatches} mismatches`, `${counted(c.workers_lost, "worker")} lost`,
     `${c.workers_set_aside} set aside`, `${bytes(c.bytes_scene)} out`, `${bytes(c.bytes_results)} in`].join(" · ");
 }
 
@@ -181,7 +181,8 @@ function showGraphs(data) {
   drawGraph(byId("throughput"), data.at, [data.tiles_per_second]);
   byId("throughput-now").textContent = `${rate(last(data.tiles_per_second))} tiles/s · ${bytes(last(data.result_bytes_per_second))}/s`;
   drawGraph(byId("memory"), data.at, [data.worker_bytes, data.coordinator_bytes]);
-  byId("memory-now").textContent = `workers ${bytes(last(data.worker_bytes))} · coordinator ${bytes(last(data.coordinator_bytes))}`;
+  byId("memory-workers").textContent = `workers ${bytes(last(data.worker_bytes))}`;
+  byId("memory-coordinator").textContent = `coordinator ${bytes(last(data.coordinator_bytes))}`;
 }
 
 function showLog(lines) {

@@ -8,7 +8,7 @@ function rampColor(share) {
   const at = Math.min(Math.max(share, 0), 1) * (RAMP.length - 1);
   const low = Math.min(Math.floor(at), RAMP.length - 2);
   const mixed = RAMP[low].map((value, i) => Math.round(value + (RAMP[low + 1][i] - value) * (at - low)));
-  return `rgb(${mixed} / .82)`;
+  return `rgb(${mixed.join(" ")} / .82)`;
 }
 
 export class Picture {

@@ -136,7 +136,7 @@ TEST(MetricsText, TellsTheFarm) {
   EXPECT_EQ(read.value("tessera_tile_seconds_bucket{le=\"0.01\"}"), 1);
   EXPECT_EQ(read.value("tessera_tile_seconds_bucket{le=\"100\"}"), 2);
   EXPECT_EQ(read.value("tessera_tile_seconds_bucket{le=\"+Inf\"}"), 3);
-  EXPECT_EQ(read.value("tessera_tile_seconds_sum"), 1e6 + 0.021);
+  EXPECT_DOUBLE_EQ(read.value("tessera_tile_seconds_sum"), 1e6 + 0.021);
   EXPECT_EQ(read.value("tessera_tile_retries_total"), 3);
   EXPECT_EQ(read.value("tessera_wire_bytes_total{kind=\"scene\"}"), 123'456'789'012);
   EXPECT_EQ(read.value("tessera_coordinator_epoch"), 1'790'000'000'123);

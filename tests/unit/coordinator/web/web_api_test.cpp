@@ -22,7 +22,7 @@ class WebApiTest : public ServiceTest {
     std::optional<HttpResponse> response;
     request.headers.try_emplace("host", "localhost:1");
     api.handle(request, [&](const std::function<HttpResponse()>& make) { response = make(); });
-    if (!response) look(monotonic_now() + seconds(1000 * ++turns));
+    if (!response) look(clock += milliseconds(100));
     EXPECT_TRUE(response) << request.path;
     return response.value_or(HttpResponse{});
   }
@@ -40,7 +40,7 @@ class WebApiTest : public ServiceTest {
     return Json::parse(*response.body);
   }
 
-  int turns = 0;
+  Time clock = monotonic_now();
   std::atomic<bool> stopping = false;
   std::shared_ptr<FarmMonitor> monitor = std::make_shared<FarmMonitor>();
   WebApi api{{monitor, nullptr, {}, &stopping}};
@@ -114,7 +114,7 @@ TEST_F(WebApiTest, TellsTilesAndPictures) {
   EXPECT_EQ(api.counts().previews_encoded, 1u);
   EXPECT_EQ(monitor->work().previews, 1u);
   for (size_t i = 1; i < 4; ++i) say("w1", band(assigned().at(i), 1));
-  look(monotonic_now() + seconds(5));
+  look(clock += seconds(5));
   EXPECT_EQ(get(of_job + "/preview.png", {{"if-none-match", tag}}).status, 200);
   EXPECT_EQ(Json::parse(*get(of_job + "/trace.json").body)["traceEvents"].size(), 7u);
 }
