@@ -77,9 +77,6 @@ class Browser:
             if entry["level"] == "error" and entry["source"] != "network":
                 self.complaints.append(entry["text"])
 
-    def open(self, address):
-        self.call("Page.navigate", url=address)
-
     def evaluate(self, expression):
         """The value of a JavaScript expression in the page."""
         result = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)

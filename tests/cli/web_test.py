@@ -18,12 +18,21 @@ from tessera_process import PATIENCE, SLOWER, TesseraTest, wait_until
 
 
 class WebTest(ServiceTest):
+    token = None
+
     def serve(self, *options, http="127.0.0.1:0"):
         """A coordinator that answers; `self.page` is its page."""
         process = super().serve("--http", http, *options)
         self.page = process.stdout.readline().split()[-1]
         self.assertTrue(self.page.startswith("http://"), self.page)
         return process
+
+    def submit(self, *options):
+        """The number of a job that the page knows."""
+        job = super().submit(*options)
+        # What is shown is up to a quarter of a second old.
+        wait_until(lambda: self.get(f"/api/v1/jobs/{job}", token=self.token)[0] == 200, "the job is known")
+        return job
 
     def get(self, path, token=None, data=None, **headers):
         """Status and body of one request."""
@@ -95,6 +104,7 @@ class Api(WebTest):
         tokens.chmod(0o600)
         service = self.serve("--http-token", tokens, http="0.0.0.0:0")
         self.page = self.page.replace("0.0.0.0", "127.0.0.1")
+        self.token = "of-a-viewer-000001"
         self.assertEqual(200, self.get("/")[0])
         self.assertEqual(200, self.get("/healthz")[0])
         job = self.submit()
@@ -133,13 +143,23 @@ class Api(WebTest):
 
 @unittest.skipUnless(browser.PROGRAM, "NO CHROMIUM: the page itself is not tested; deploy/packages.txt has it")
 class Page(WebTest):
-    def open(self):
+    def setUp(self):
+        super().setUp()
         environment = {**self.environment(), "HOME": str(self.folder)}
-        page = browser.Browser(self.folder / "browser", environment, PATIENCE)
-        self.addCleanup(shutil.rmtree, self.folder / "browser", ignore_errors=True)
-        self.addCleanup(page.close)
-        page.open(self.page)
-        return page
+        self.browser = browser.Browser(self.folder / "browser", environment, PATIENCE)
+
+    def tearDown(self):
+        self.browser.close()
+        shutil.rmtree(self.folder / "browser", ignore_errors=True)
+        for left in self.temporary.glob(".org.chromium*"):
+            shutil.rmtree(left, ignore_errors=True)
+        super().tearDown()
+
+    def open(self):
+        self.browser.call("Page.navigate", url=self.page)
+        wait_until(lambda: self.browser.evaluate("location.pathname === '/' && document.readyState") == "complete",
+                   "the page is loaded")
+        return self.browser
 
     def painted(self, page):
         """The share of the picture's pixels that have a colour."""
@@ -148,6 +168,16 @@ class Page(WebTest):
             let lit = 0;
             for (let i = 0; i < bytes.length; i += 4) lit += bytes[i] + bytes[i + 1] + bytes[i + 2] > 0;
             return film.width === 1 ? 0 : lit / (film.width * film.height); })()""")
+
+    def shows(self, page, path):
+        """Whether the picture is that of `path`."""
+        return page.evaluate("""(async () => { const film = document.querySelector("#film");
+            const image = await createImageBitmap(await (await fetch(%s)).blob());
+            const other = new OffscreenCanvas(image.width, image.height).getContext("2d");
+            other.drawImage(image, 0, 0);
+            const bytes = (pen) => pen.getImageData(0, 0, image.width, image.height).data;
+            const one = bytes(film.getContext("2d")), two = bytes(other);
+            return film.width === image.width && one.every((byte, i) => byte === two[i]); })()""" % json.dumps(path))
 
     def test_shows_a_running_job_to_its_end_over_a_restart(self):
         self.spp = 128 if SLOWER == 1 else 16
@@ -177,7 +207,8 @@ class Page(WebTest):
         self.assertLess(done, TILES)
         page.click("#pause")
         wait_until(lambda: page.text("#job-state") == "done", "the job is done")
-        wait_until(lambda: self.painted(page) == 1, "the whole picture shows")
+        wait_until(lambda: self.shows(page, f"/api/v1/jobs/{job}/preview.png"), "the whole picture shows")
+        self.assertGreater(self.painted(page), 0.9)
         self.assertIn(f"{TILES} of {TILES} tiles", page.text("#progress-text"))
         self.assertIn("kept from before", page.text("#progress-text"))
         wait_until(lambda: "job 1 is done" in page.text("#log").replace(" (glass)", ""), "the log tells")
@@ -230,6 +261,7 @@ class FakeTev(threading.Thread):
     def __init__(self, reads=True):
         super().__init__(daemon=True)
         self.listener = socket.create_server(("127.0.0.1", 0))
+        self.connection = None
         self.address = "127.0.0.1:%d" % self.listener.getsockname()[1]
         self.images = {}
         self.trouble = None
@@ -237,12 +269,17 @@ class FakeTev(threading.Thread):
         self.start()
 
     def run(self):
-        self.connection, _ = self.listener.accept()
         try:
+            self.connection, _ = self.listener.accept()
             while self.reads and (head := self.take(4)):
                 self.decode(self.take(struct.unpack("<I", head)[0] - 4))
         except Exception as error:  # told by the test's own thread
             self.trouble = error
+
+    def close(self):
+        for end in (self.listener, self.connection):
+            if end:
+                end.close()
 
     def take(self, count):
         data = b""
@@ -301,12 +338,14 @@ class Tev(WebTest):
 
     def test_shows_what_render_traces(self):
         tev = FakeTev()
+        self.addCleanup(tev.close)
         self.render(self.scene, *LOAD, self.spp, "--tev", tev.address)
         tev.join(PATIENCE)
         self.check(tev)
 
     def test_shows_what_a_farm_traces(self):
         tev = FakeTev()
+        self.addCleanup(tev.close)
         service, worker = self.serve("--tev", tev.address), self.worker()
         job = self.submit()
         wait_until(lambda: self.api(f"jobs/{job}")["state"] == "done", "the job is done")
@@ -321,6 +360,7 @@ class Tev(WebTest):
         closed.close()
         self.assertEqual(reference, self.render(self.scene, *LOAD, self.spp, "--tev", address)["pixels_sha256"])
         stalled = FakeTev(reads=False)
+        self.addCleanup(stalled.close)
         stats = self.render(self.scene, *LOAD, self.spp, "--tev", stalled.address)
         self.assertEqual(reference, stats["pixels_sha256"])
 
