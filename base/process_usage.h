@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 
 namespace tessera {
@@ -11,5 +12,8 @@ struct ProcessUsage {
   uint64_t open_files = 0;
 };
 ProcessUsage process_usage();
+
+/// Processor time that the calling thread has had.
+std::chrono::nanoseconds thread_time();
 
 }  // namespace tessera

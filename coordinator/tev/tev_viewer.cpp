@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "base/process_usage.h"
 #include "coordinator/coordinator.h"
 #include "coordinator/tev/tev_message.h"
 
@@ -32,7 +33,7 @@ std::vector<float> values_of(const FilmView& film, const PixelRect& rect) {
 void TevViewer::look(Coordinator& coordinator, Time now) {
   const uint64_t connections = link_.connections();
   if (connections == 0 || now < next_look_) return;
-  const Time start = monotonic_now();
+  const Time start = thread_time();
   if (connections != connections_) {
     connections_ = connections;
     for (auto& [key, shown] : frames_) {
@@ -42,7 +43,7 @@ void TevViewer::look(Coordinator& coordinator, Time now) {
   }
   show_ended(coordinator);
   show_running(coordinator, now);
-  next_look_ = now + std::max<Time>(kBetweenLooks, 50 * (monotonic_now() - start));
+  next_look_ = now + std::max<Time>(kBetweenLooks, 50 * (thread_time() - start));
 }
 
 void TevViewer::show_running(Coordinator& coordinator, Time now) {

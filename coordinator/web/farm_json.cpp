@@ -149,10 +149,12 @@ std::string tiles_json(uint64_t job, uint32_t frame, const FrameShown& shown) {
     return static_cast<int64_t>(it->second);
   };
   Json rows = Json::array();
-  for (const TileSnapshot& tile : shown.tiles) {
+  for (size_t i = 0; i < shown.tiles.size(); ++i) {
+    const TileSnapshot& tile = shown.tiles[i];
+    const bool pictured = shown.pictured && i < shown.pictured->size() && (*shown.pictured)[i];
     rows.push_back({tile.rect.x0, tile.rect.y0, tile.rect.x1, tile.rect.y1,
                     static_cast<int>(tile.state), place_of(tile.worker), rounded(tile.seconds),
-                    tile.copies});
+                    tile.copies, pictured ? 1 : 0});
   }
   Json preview;
   if (const PreviewImage* image = shown.preview.get()) {
@@ -161,13 +163,14 @@ std::string tiles_json(uint64_t job, uint32_t frame, const FrameShown& shown) {
                {"rect", {image->rect.x0, image->rect.y0, image->rect.x1, image->rect.y1}},
                {"tiles_done", image->tiles_done}};
   }
-  return text_of({{"job", job},
-                  {"frame", frame},
-                  {"states", {"pending", "assigned", "done", "given_up"}},
-                  {"columns", {"x0", "y0", "x1", "y1", "state", "worker", "seconds", "copies"}},
-                  {"workers", std::move(names)},
-                  {"preview", std::move(preview)},
-                  {"tiles", std::move(rows)}});
+  return text_of(
+      {{"job", job},
+       {"frame", frame},
+       {"states", {"pending", "assigned", "done", "given_up"}},
+       {"columns", {"x0", "y0", "x1", "y1", "state", "worker", "seconds", "copies", "pictured"}},
+       {"workers", std::move(names)},
+       {"preview", std::move(preview)},
+       {"tiles", std::move(rows)}});
 }
 
 }  // namespace tessera

@@ -20,7 +20,7 @@ constexpr Time kWatched = std::chrono::seconds(10);
 constexpr size_t kMostWatched = 16;
 constexpr size_t kMostWaiting = 1024;
 
-/// When what took `spent` may be done again: each kind takes at most a fiftieth of the thread.
+/// When what took `spent` of the processor may be done again: each kind takes at most a fiftieth.
 Time next_after(Time now, Time spent, Time least) { return now + std::max(least, 50 * spent); }
 
 /// Whether the picture has all tiles that a frame being traced has by now.
@@ -94,15 +94,15 @@ void FarmMonitor::look(Coordinator& coordinator, Time now) {
   if (now >= next_preview_) show_oldest_preview(coordinator, now);
   tell_watchers();
   if (!trace) return;
-  const Time start = monotonic_now();
+  const Time start = thread_time();
   trace->reply(coordinator.trace(trace->key.first, trace->key.second));
-  next_trace_ = next_after(now, monotonic_now() - start, Time{0});
+  next_trace_ = next_after(now, thread_time() - start, Time{0});
 }
 
 // ------------------------------------------------------------------------------------- the farm
 
 void FarmMonitor::show_farm(const Coordinator& coordinator, Time now) {
-  const Time start = monotonic_now();
+  const Time start = thread_time();
   auto shown = std::make_shared<FarmShown>();
   shown->snapshot = coordinator.snapshot(now);
   if (now >= next_sample_) sample(shown->snapshot, now);
@@ -110,7 +110,7 @@ void FarmMonitor::show_farm(const Coordinator& coordinator, Time now) {
   const std::scoped_lock lock(mutex_);
   farm_ = std::move(shown);
   ++work_.snapshots;
-  next_snapshot_ = next_after(now, monotonic_now() - start, kBetweenSnapshots);
+  next_snapshot_ = next_after(now, thread_time() - start, kBetweenSnapshots);
 }
 
 void FarmMonitor::sample(const FarmSnapshot& snapshot, Time now) {
@@ -170,12 +170,13 @@ bool FarmMonitor::make_room() {
 void FarmMonitor::show_tiles(Coordinator& coordinator, Time now) {
   for (auto& [key, watched] : watched_) {
     if (now < watched.next_tiles) continue;
-    const Time start = monotonic_now();
+    const Time start = thread_time();
     auto shown = std::make_shared<FrameShown>();
     shown->tiles = coordinator.tiles(key.first, key.second, now);
     shown->preview = watched.shown->preview;
+    shown->pictured = watched.shown->pictured;
     watched.shown = std::move(shown);
-    watched.next_tiles = next_after(now, monotonic_now() - start, kBetweenTiles);
+    watched.next_tiles = next_after(now, thread_time() - start, kBetweenTiles);
     const std::scoped_lock lock(mutex_);
     ++work_.tile_lists;
   }
@@ -189,17 +190,23 @@ void FarmMonitor::show_oldest_preview(Coordinator& coordinator, Time now) {
     if (!oldest || watched.previewed < oldest->second.previewed) oldest = &entry;
   }
   if (!oldest) return;
-  const Time start = monotonic_now();
+  const Time start = thread_time();
   Watched& watched = watched_[oldest->first];
   auto shown = std::make_shared<FrameShown>(*watched.shown);
   const auto& [job, frame] = oldest->first;
+  shown->tiles = coordinator.tiles(job, frame, now);
   auto preview = coordinator.preview(job, frame, kPreviewSide);
   if (preview) shown->preview = std::make_shared<const PreviewImage>(std::move(*preview));
+  std::vector<bool> pictured;
+  for (const TileSnapshot& tile : shown->tiles) {
+    pictured.push_back(tile.state == TileSnapshot::State::done);
+  }
+  shown->pictured = std::make_shared<const std::vector<bool>>(std::move(pictured));
   // Of a frame that has ended the picture does not change any more.
   watched.preview_is_final = preview.has_value() && shown->tiles.empty();
   watched.shown = std::move(shown);
   watched.previewed = now;
-  next_preview_ = next_after(now, monotonic_now() - start, kBetweenPreviews);
+  next_preview_ = next_after(now, thread_time() - start, kBetweenPreviews);
   const std::scoped_lock lock(mutex_);
   ++work_.previews;
 }

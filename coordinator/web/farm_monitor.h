@@ -35,6 +35,8 @@ struct FarmShown {
 struct FrameShown {
   std::vector<TileSnapshot> tiles;              ///< none where it is not being traced
   std::shared_ptr<const PreviewImage> preview;  ///< null: nothing yet
+  /// By tile, whether it was done when the preview was made; null as that is.
+  std::shared_ptr<const std::vector<bool>> pictured;
 };
 
 /// Stands between the thread of a coordinator, which shows itself to it, and those who watch. What

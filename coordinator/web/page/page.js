@@ -30,7 +30,7 @@ async function ask() {
     const [now, history, log] = await Promise.all([get("farm"), get("history"), get(`log?after=${lastLine}`)]);
     if (mine !== turn) return;
     // Another coordinator on the same store counts its lines from the start.
-    const anew = farm !== null && farm.epoch !== now.epoch;
+    const anew = farm !== null && (farm.epoch !== now.epoch || farm.farm !== now.farm);
     if (anew) startAnew();
     farm = now;
     failures = 0;

@@ -80,7 +80,7 @@ export class Picture {
     for (const tile of this.tiles) {
       const [x, y, w, h] = this.place(tile, width, height);
       const state = tile[4];
-      if (this.live && state !== DONE) {
+      if (this.live && !tile[8]) {
         pen.fillStyle = ground;
         pen.fillRect(x, y, w, h);
       }
@@ -137,6 +137,6 @@ function boundsOf(tiles) {
 /// The tiles of a frame that has ended, from its timeline.
 export function tilesOfTrace(trace) {
   const rows = trace.traceEvents.filter((event) => event.cat === "tile")
-    .map((event) => [...event.args.rect.split(",").map(Number), DONE, -1, event.dur / 1e6, 0]);
+    .map((event) => [...event.args.rect.split(",").map(Number), DONE, -1, event.dur / 1e6, 0, 1]);
   return { tiles: rows, workers: [], preview: null };
 }

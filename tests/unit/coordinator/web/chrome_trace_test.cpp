@@ -33,7 +33,9 @@ TEST(ChromeTrace, HasAProcessForEachWorkerAndRowsWithoutOverlap) {
     ++kinds[event["cat"]];
     const auto row = std::pair<int, int>(event["pid"], event["tid"]);
     const int64_t begin = event["ts"], length = event["dur"];
-    if (until.contains(row)) EXPECT_GE(begin, until[row]) << event;
+    if (until.contains(row)) {
+      EXPECT_GE(begin, until[row]) << event;
+    }
     until[row] = begin + length;
     EXPECT_GE(length, 0);
   }

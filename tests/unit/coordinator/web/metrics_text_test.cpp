@@ -42,8 +42,12 @@ class StrictReader {
     } else if (std::regex_match(line, match, type)) {
       EXPECT_EQ(match[1], family_) << line;
       types_[family_] = match[2];
-      if (match[2] == "counter") EXPECT_TRUE(family_.ends_with("_total")) << line;
-      if (match[2] == "gauge") EXPECT_FALSE(family_.ends_with("_total")) << line;
+      if (match[2] == "counter") {
+        EXPECT_TRUE(family_.ends_with("_total")) << line;
+      }
+      if (match[2] == "gauge") {
+        EXPECT_FALSE(family_.ends_with("_total")) << line;
+      }
     } else if (std::regex_match(line, match, sample)) {
       read_sample(match[1], match[2], match[5], line);
     } else {
@@ -71,7 +75,9 @@ class StrictReader {
     ++in_family_;
   }
   void end_family() {
-    if (!family_.empty()) EXPECT_GT(in_family_, 0) << family_;
+    if (!family_.empty()) {
+      EXPECT_GT(in_family_, 0) << family_;
+    }
     in_family_ = 0;
     last_bucket_ = 0;
   }

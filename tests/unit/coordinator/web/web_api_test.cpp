@@ -101,6 +101,8 @@ TEST_F(WebApiTest, TellsTilesAndPictures) {
   EXPECT_EQ(tiles["tiles"].size(), 4u);
   EXPECT_EQ(tiles["tiles"][0][4], 2) << "done";
   EXPECT_EQ(tiles["workers"][tiles["tiles"][0][5].get<size_t>()], "1");
+  EXPECT_EQ(tiles["tiles"][0][8], 1) << "it is in the picture";
+  EXPECT_EQ(tiles["tiles"][1][8], 0);
   EXPECT_EQ(tiles["preview"]["rect"], Json({0, 0, 32, 32}));
   const HttpResponse picture = get(of_job + "/preview.png?frame=0");
   ASSERT_EQ(picture.status, 200);
