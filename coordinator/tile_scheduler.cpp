@@ -17,6 +17,8 @@ constexpr uint64_t kFreeCopies = 4;
 constexpr double kStragglerFactor = 1.5;
 constexpr int kOverdueLeases = 3;
 constexpr size_t kDurationsKept = 1024;
+// A worker that vanishes takes no more than this of work along that was done and not sent.
+constexpr Time kAtOnce = std::chrono::milliseconds(100);
 // The upper bits of a lease: which coordinator gave it, and which of its leases it is.
 constexpr int kEpochShift = 52, kCountShift = 32;
 constexpr uint64_t kEpochTags = uint64_t{1} << (64 - kEpochShift);
@@ -172,6 +174,14 @@ std::optional<double> TileScheduler::mean_seconds() const {
   return to_seconds(sum) / static_cast<double>(durations_.size());
 }
 
+size_t TileScheduler::depth(uint32_t threads) const {
+  const size_t tracing = std::max<size_t>(threads, 1);
+  const size_t least = tracing + (tracing + 1) / 2;
+  if (!lately_ || *lately_ > kAtOnce || holders_.empty()) return least;
+  // Less and less towards the end, when whoever is quick shall find something to do.
+  return std::max(least, pending_.size() / (2 * holders_.size()));
+}
+
 std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now, bool busy) {
   const auto it = holders_.find(worker);
   if (it == holders_.end() || it->second.suspect) return std::nullopt;
@@ -308,6 +318,7 @@ SchedulerEvents TileScheduler::complete(uint32_t index, LeaseId by, Time now) {
     }
     events.took = now - lease.issued;
     if (durations_.size() < kDurationsKept) durations_.push_back(*events.took);
+    lately_ = lately_ ? (*lately_ * 7 + *events.took) / 8 : *events.took;
   }
   return events;
 }

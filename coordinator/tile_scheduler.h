@@ -72,6 +72,11 @@ class TileScheduler {
   /// A tile for this worker: the next pending one or, where there is none, a second copy of one
   /// that takes long elsewhere. `busy`: it holds tiles of other jobs.
   std::optional<Lease> assign(WorkerId worker, Time now, bool busy = false);
+  /// How many tiles a worker of that many threads should hold: one for each, and some that wait,
+  /// so that no thread waits for the network. While tiles come back at once and many are left, more
+  /// wait, and go back several at a time: each trip costs the machine as much as tracing some
+  /// pixels.
+  size_t depth(uint32_t threads) const;
   /// Whether the worker holds a tile that failed before: beside that, nothing else runs.
   bool isolates(WorkerId worker) const;
   /// All leases that the worker holds, as of now. Returns how many of them are not ours any more
@@ -173,7 +178,8 @@ class TileScheduler {
   std::optional<Time> uncheckable_since_;
   std::map<WorkerId, Holder> holders_;
   std::map<WorkerId, std::vector<uint32_t>> vanished_with_;
-  std::vector<Time> durations_;  ///< of completed leases
+  std::vector<Time> durations_;  ///< of completed leases, the first ones
+  std::optional<Time> lately_;   ///< how long these take now
   size_t open_tiles_, adopted_ = 0;
   uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0, verified_ = 0, unverified_ = 0;
 };

@@ -44,6 +44,7 @@ bool WorkerDesk::give_tile(WorkerRecord& worker, Time now) {
     if (job->ended() || job->scene_failed_at(worker.id)) continue;
     if (worker.ready_for(job->id())) {
       TileScheduler& scheduler = job->scheduler();
+      if (held >= scheduler.depth(worker.hello.threads())) continue;
       const auto lease = scheduler.assign(worker.id, now, held > scheduler.held_by(worker.id));
       if (!lease) continue;
       if (lease->speculative) ++counters_.speculative;

@@ -11,7 +11,7 @@ namespace tessera {
 namespace {
 
 constexpr size_t kMaxText = 256;
-constexpr uint32_t kMaxCredit = 1024;
+constexpr uint32_t kMaxCredit = 8192;
 /// More than this at once are refused: ids cost nothing to make up.
 constexpr size_t kMaxWorkers = 16384;
 // Lost workers that are remembered, so that late results are known for whose they are.

@@ -10,6 +10,8 @@
 namespace tessera {
 namespace {
 
+constexpr Time kLongestUntold = std::chrono::milliseconds(50);
+
 template <typename T>
 std::optional<T> pop(std::mutex& mutex, std::deque<T>& queue) {
   const std::lock_guard lock(mutex);
@@ -73,11 +75,19 @@ void RenderService::work() {
       TraceOutcome outcome = tessera::trace(std::move(run));
       lock.lock();
       traced_.push_back(std::move(outcome));
+      const Time now = monotonic_now();
+      if (!is_worth_telling(runs_.size(), thread_count_, now - told_)) continue;
+      told_ = now;
     }
     lock.unlock();
     wake_();
     lock.lock();
   }
+}
+
+bool RenderService::is_worth_telling(size_t waiting, int threads, Time since_told) {
+  const bool enough_to_do = waiting > static_cast<size_t>(threads + 1) / 2;
+  return !enough_to_do || since_told >= kLongestUntold;
 }
 
 BuildOutcome RenderService::build_now(const BuildRun& run) const {

@@ -15,7 +15,8 @@
 namespace tessera {
 
 /// The threads that build scenes and trace tiles, so that whoever owns the socket never waits. All
-/// functions are for the owner; `wake` is called by the service's threads when an outcome is there.
+/// functions are for the owner; `wake` is called by the service's threads when outcomes are there
+/// that is_worth_telling().
 class RenderService {
  public:
   RenderService(TileRendererFactory factory, int threads, std::function<void()> wake);
@@ -28,6 +29,10 @@ class RenderService {
   void trace(std::shared_ptr<TraceRun> run);
   std::optional<BuildOutcome> take_built();
   std::optional<TraceOutcome> take_traced();
+
+  /// Whether the owner shall hear of a traced tile at once, or better of several together: while
+  /// enough others wait for the threads, and not for long.
+  static bool is_worth_telling(size_t waiting, int threads, Time since_told);
 
  private:
   void work();
@@ -42,6 +47,7 @@ class RenderService {
   std::deque<std::shared_ptr<TraceRun>> runs_;
   std::deque<BuildOutcome> built_;
   std::deque<TraceOutcome> traced_;
+  Time told_{};  ///< when the owner last heard of one
   bool stop_ = false;
   std::vector<std::thread> threads_;
 };

@@ -23,6 +23,8 @@
 namespace tessera {
 namespace {
 
+// What it takes at one time: most of it waits, where tiles come back at once.
+constexpr uint32_t kTilesPerThread = 5;
 // How soon `stop` is noticed.
 constexpr Time kLongestWait = std::chrono::milliseconds(100);
 // After so many messages, what is traced and what is due by the clock has its turn.
@@ -46,8 +48,7 @@ v1::Hello make_hello(const WorkerOptions& options) {
   hello.set_process_id(static_cast<uint32_t>(getpid()));
   const auto threads = static_cast<uint32_t>(std::max(1, options.threads));
   hello.set_threads(threads);
-  // One more for every two threads waits its turn, so that no thread waits for the network.
-  hello.set_credit(threads + (threads + 1) / 2);
+  hello.set_credit(threads * kTilesPerThread);
   return hello;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
+#include "base/process.h"
 #include "renderer/math/elementary.h"
 
 namespace tessera {
@@ -90,10 +92,15 @@ std::vector<uint8_t> convert(const Film& film, const OutputSettings& settings, C
   const std::span<const float> values = film.values();
   const double scale = exposure_scale(settings);
   std::vector<uint8_t> result(values.size());
-  for (size_t i = 0; i + 2 < values.size(); i += kFilmChannels) {
-    const Rgb mapped = before_transfer(settings, scale, &values[i]);
-    for (size_t c = 0; c < kFilmChannels; ++c) result[i + c] = to_byte(mapped[c]);
-  }
+  constexpr size_t kPart = size_t{1 << 16} * kFilmChannels;
+  const auto convert_part = [&](size_t part) {
+    const size_t end = std::min(values.size(), (part + 1) * kPart);
+    for (size_t i = part * kPart; i < end; i += kFilmChannels) {
+      const Rgb mapped = before_transfer(settings, scale, &values[i]);
+      for (size_t c = 0; c < kFilmChannels; ++c) result[i + c] = to_byte(mapped[c]);
+    }
+  };
+  for_each_parallel((values.size() + kPart - 1) / kPart, core_count(), convert_part);
   return result;
 }
 

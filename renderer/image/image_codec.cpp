@@ -62,9 +62,14 @@ ImageCodec::~ImageCodec() {
 
 void ImageCodec::check_installed() { find_program(); }
 
-void ImageCodec::start() {
+void ImageCodec::start(bool loads_all) {
   const std::lock_guard lock(mutex_);
   start_locked();
+  if (!loads_all || std::exchange(loads_all_, true)) return;
+  ImageRequest request;
+  request.call = ImageRequest::load;
+  // Where this fails, so will what is asked next, and say why.
+  ImageChannel(socket_).send(request, {});
 }
 
 void ImageCodec::start_locked() {
@@ -89,6 +94,7 @@ void ImageCodec::start_locked() {
   }
   close(ends[1]);
   socket_ = ends[0];
+  loads_all_ = false;
   const timeval patience{.tv_sec = 0, .tv_usec = 250'000};
   setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);

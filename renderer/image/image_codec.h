@@ -20,8 +20,9 @@ class ImageCodec {
 
   /// Throws a render error where its program is missing.
   static void check_installed();
-  /// Starts the process, whose libraries take 0.2 s to load, without waiting for it.
-  void start();
+  /// Starts the process without waiting for it; where `loads_all`, with OpenImageIO, which takes
+  /// 0.2 s to load.
+  void start(bool loads_all);
 
   struct Answer {
     PixelLayout layout;
@@ -43,7 +44,8 @@ class ImageCodec {
   int end_locked();
 
   std::mutex mutex_;
-  pid_t process_ = 0;  ///< 0: not running
+  pid_t process_ = 0;       ///< 0: not running
+  bool loads_all_ = false;  ///< it was told to
   int socket_ = -1;
 };
 

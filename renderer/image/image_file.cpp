@@ -157,7 +157,8 @@ TextureImage as_texture(ImageCodec::Answer answer) {
 }  // namespace
 
 void prepare_to_write(const fs::path& path) {
-  if (format_of(path).name) ImageCodec::shared().start();
+  const Format& format = format_of(path);
+  if (format.name) ImageCodec::shared().start(std::string_view(format.name) != "png");
 }
 
 void check_writable(const fs::path& path) {

@@ -63,7 +63,8 @@ struct ImageRequest {
     decode_file,   ///< payload: a path; the reply: pixels as the file has them, at most 4 channels,
                    ///< in the fewest bits that hold them, alpha not multiplied in
     decode_bytes,  ///< the same of a payload that is the file itself
-    convert_colors  ///< payload: pixels of 3 floats; the reply: the same by OpenColorIO
+    convert_colors,  ///< payload: pixels of 3 floats; the reply: the same by OpenColorIO
+    load             ///< gets no reply: OpenImageIO will be needed, and takes a while to load
   };
   uint32_t version = kVersion;
   Call call = encode;
@@ -75,7 +76,7 @@ struct ImageRequest {
   uint32_t to_srgb = 0;  ///< decode_file, decode_bytes: an embedded colour profile is heeded
   uint64_t payload_bytes = 0;
 
-  static constexpr uint32_t kVersion = 6;
+  static constexpr uint32_t kVersion = 7;
 };
 
 struct ImageReply {

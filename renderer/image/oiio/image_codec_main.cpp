@@ -58,10 +58,20 @@ void limit_processor_time() {
   setrlimit(RLIMIT_CPU, &limit);
 }
 
+/// What goes wrong is told when it is needed.
+bool load_oiio() {
+  try {
+    oiio_module();
+  } catch (const std::exception&) {
+  }
+  return true;
+}
+
 bool serve_one(ImageChannel& channel) {
   ImageRequest request;
   if (!channel.receive(request)) return false;
   limit_processor_time();
+  if (request.call == ImageRequest::load) return load_oiio();
   std::vector<char> payload(request.payload_bytes);
   if (!channel.receive_bytes(payload.data(), payload.size())) return false;
   ImageAnswer answer;

@@ -225,6 +225,8 @@ extern "C" __attribute__((visibility("default"))) void tessera_answer_image(
   using namespace tessera;
   const auto path = [&payload] { return std::string(payload.begin(), payload.end()); };
   switch (request.call) {
+    case ImageRequest::load:
+      return;
     case ImageRequest::encode:
       answer = encode(request, payload);
       return;

@@ -70,6 +70,7 @@ class ServiceTest : public CoordinatorTest {
   void come(WorkerId id, uint32_t credit) {
     v1::Envelope message = hello(id);
     message.mutable_hello()->set_credit(credit);
+    message.mutable_hello()->set_threads(credit);
     const PeerId peer = "w" + std::to_string(id);
     say(peer, message);
     get_ready(peer);

@@ -40,6 +40,22 @@ TEST_F(TileSchedulerTest, GivesEachTileOnceAndEnds) {
   EXPECT_EQ(scheduler.retries(), 0u);
 }
 
+TEST_F(TileSchedulerTest, LetsMoreTilesWaitWhileTheyComeBackAtOnce) {
+  TileScheduler scheduler = make(100, {kA, kB});
+  EXPECT_EQ(scheduler.depth(1), 2u);
+  EXPECT_EQ(scheduler.depth(4), 6u) << "one for each thread, and some";
+  const auto finish_one_after = [&](Time took) {
+    const Lease lease = *scheduler.assign(kA, {});
+    scheduler.complete(lease.tile, lease.id, took);
+  };
+  finish_one_after(milliseconds(5));
+  EXPECT_EQ(scheduler.depth(1), 24u) << "of 99 tiles, to each of two";
+  for (int i = 0; i < 79; ++i) finish_one_after(milliseconds(5));
+  EXPECT_EQ(scheduler.depth(1), 5u) << "fewer as it ends";
+  finish_one_after(seconds(10));
+  EXPECT_EQ(scheduler.depth(1), 2u) << "slow ones do not wait at one worker";
+}
+
 TEST_F(TileSchedulerTest, KnowsNobodyWhoDidNotJoin) {
   TileScheduler scheduler = make(1, {});
   EXPECT_FALSE(scheduler.assign(kA, {}));

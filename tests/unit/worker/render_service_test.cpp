@@ -58,6 +58,16 @@ TEST(RenderService, TracesEachRunOnce) {
   EXPECT_FALSE(service.take_traced());
 }
 
+TEST(RenderService, TellsOfTilesTogetherWhileThereIsEnoughToDo) {
+  constexpr Time kJustNow{0}, kLongAgo = std::chrono::seconds(1);
+  EXPECT_TRUE(RenderService::is_worth_telling(0, 1, kJustNow));
+  EXPECT_TRUE(RenderService::is_worth_telling(1, 1, kJustNow)) << "the next must come in time";
+  EXPECT_FALSE(RenderService::is_worth_telling(2, 1, kJustNow));
+  EXPECT_TRUE(RenderService::is_worth_telling(2, 1, kLongAgo));
+  EXPECT_TRUE(RenderService::is_worth_telling(4, 8, kJustNow));
+  EXPECT_FALSE(RenderService::is_worth_telling(5, 8, kJustNow));
+}
+
 TEST(RenderService, BuildsAndSaysWhyItCouldNot) {
   Waiter waiter;
   int calls = 0;

@@ -237,6 +237,13 @@ TEST_F(ImageFile, a_codec_that_is_killed_or_stopped_is_replaced) {
   }
 }
 
+TEST_F(ImageFile, is_told_once_what_it_will_need) {
+  // Far more often than its socket could hold.
+  for (int i = 0; i < 2000; ++i) prepare_to_write(folder_ / "a.exr");
+  write_image(folder_ / "a.exr", ramp(), display_, {});
+  EXPECT_EQ(read_image(folder_ / "a.exr").width, 16);
+}
+
 TEST_F(ImageFile, what_we_write_ourselves_needs_no_codec) {
   const pid_t before = codec_process();
   prepare_to_write(folder_ / "a.pfm");
