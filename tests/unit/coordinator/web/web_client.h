@@ -34,11 +34,15 @@ class WebClient {
   std::string receive_all() {
     std::string all;
     char part[4096];
-    for (ssize_t size; (size = recv(socket_, part, sizeof part, 0)) > 0;) {
+    ssize_t size = 0;
+    while ((size = recv(socket_, part, sizeof part, 0)) > 0) {
       all.append(part, static_cast<size_t>(size));
     }
+    was_closed_ = size == 0;
     return all;
   }
+  /// Whether that was since the server closed.
+  bool was_closed() const { return was_closed_; }
   /// The whole answer to one request; further ones may follow.
   std::string receive_one() {
     std::string all;
@@ -53,7 +57,7 @@ class WebClient {
 
  private:
   int socket_ = -1;
-  bool connected_ = false;
+  bool connected_ = false, was_closed_ = false;
 };
 
 inline std::string get_request(const std::string& path, const std::string& more = "") {

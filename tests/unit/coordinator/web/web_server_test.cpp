@@ -95,6 +95,8 @@ TEST(WebServer, GivesNobodyMoreThanHisTime) {
   slow.send("GET / HTTP/1.1\r\nHos");
   EXPECT_EQ(silent.receive_all(), "");
   EXPECT_EQ(slow.receive_all(), "");
+  EXPECT_TRUE(silent.was_closed());
+  EXPECT_TRUE(slow.was_closed());
   EXPECT_THAT(fetch(server.address(), "/"), HasSubstr("200 OK"));
 }
 
