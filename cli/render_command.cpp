@@ -25,6 +25,7 @@
 #include "cli/statistics.h"
 #include "cli/tracing_farm.h"
 #include "coordinator/store/sqlite_tile_store.h"
+#include "coordinator/web/chrome_trace.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/image/image_file.h"
 
@@ -118,6 +119,13 @@ class RenderRun {
     if (options_.resume && by_farm()) {
       throw usage_error("--resume: tiles are kept where the coordinator is; expected no --connect");
     }
+    if (by_farm() && (options_.trace || !options_.tev.empty())) {
+      throw usage_error(fmt::format("{}: is told by the coordinator; expected no --connect",
+                                    options_.trace ? "--trace" : "--tev"));
+    }
+    if (!options_.tev.empty() && options_.workers == 0) {
+      throw usage_error("--tev: shows what worker processes trace; expected --workers above 0");
+    }
     if (options_.frames && options_.time) {
       throw usage_error("--time: a frame of --frames has its own instant; expected one of the two");
     }
@@ -143,6 +151,10 @@ class RenderRun {
       check_output_file(first(*options_.stats), "--stats");
       check_not_input(first(*options_.stats), options_.scene, "--stats");
     }
+    if (options_.trace) {
+      check_output_file(first(*options_.trace), "--trace");
+      check_not_input(first(*options_.trace), options_.scene, "--trace");
+    }
     check_distinct();
     // The scene has no say in these.
     const OutputSettings output = output_settings(options_.scene, {}, options_.output);
@@ -159,6 +171,7 @@ class RenderRun {
     };
     for (const auto& path : picture_paths(options_)) take("--output", path);
     if (options_.stats && !stats_to_standard_output(options_)) take("--stats", *options_.stats);
+    if (options_.trace) take("--trace", *options_.trace);
   }
 
   std::unique_ptr<TracingFarm> start_farm() const {
@@ -169,7 +182,8 @@ class RenderRun {
     return start_local_workers({.workers = workers,
                                 .threads = options_.threads.value_or(1),
                                 .quiet = options_.quiet,
-                                .verify = options_.verify.value_or(0)});
+                                .verify = options_.verify.value_or(0),
+                                .tev = options_.tev});
   }
 
   void read(int frame) {
@@ -226,6 +240,7 @@ class RenderRun {
                 .crop = crop_window(options_, settings),
                 .tile_size = options_.tile_size,
                 .store = store_};
+    const auto start = Clock::now();
     JobResult result = farm_->run(
         std::move(job),
         [&](const JobProgress& progress) {
@@ -234,6 +249,7 @@ class RenderRun {
           if (left >= 0 && left < kSecondsToPrepare) prepare_to_write_pictures();
         },
         interrupted());
+    traced_seconds_ = seconds_since(start);
     peak_worker_bytes_ = std::max(peak_worker_bytes_, farm_->peak_worker_bytes());
     // Workers end while the picture is written.
     if (last) farm_->dismiss();
@@ -294,10 +310,26 @@ class RenderRun {
         write_output_file(path_for(*options_.stats, frame), text);
       }
     }
+    if (options_.trace && result.report.trace)
+      write_trace(statistics, path_for(*options_.trace, frame));
     if (failure) throw *failure;
     if (!options_.quiet && !stats_to_standard_output(options_)) {
       print_end(result, statistics, frame);
     }
+  }
+
+  /// The timeline of the workers, and of this process around it.
+  void write_trace(const FrameStatistics& statistics, const std::filesystem::path& path) const {
+    const PhaseSeconds& seconds = statistics.seconds;
+    const double ended = seconds.total - seconds.write;
+    // It begins with the frame's work, the trace when the coordinator took the frame up.
+    const double traced = traced_seconds_;
+    const std::vector<TracePhase> phases = {
+        {"parse", -(ended - traced), -(ended - traced) + seconds.parse},
+        {"trace", 0, traced},
+        {"write", traced, traced + seconds.write}};
+    write_output_file(path, chrome_trace(*statistics.report.trace,
+                                         fmt::format("tessera render {}", options_.scene), phases));
   }
 
   void print_end(const JobResult& result, const FrameStatistics& statistics,
@@ -319,7 +351,8 @@ class RenderRun {
   std::shared_ptr<SqliteTileStore> store_;  ///< null: tiles are not kept
   LoadedScene loaded_;
   std::string scene_digest_;
-  double parse_seconds_ = 0;  ///< of what was read for this frame
+  double parse_seconds_ = 0;   ///< of what was read for this frame
+  double traced_seconds_ = 0;  ///< the last frame, from its start to its film
   uint64_t peak_worker_bytes_ = 0;
   int frames_written_ = 0;
   std::set<std::string> warned_;  ///< each once, not once a frame

@@ -137,6 +137,17 @@ void add_farm_options(CLI::App& command, RenderOptions& options) {
 void add_report_options(CLI::App& command, RenderOptions& options) {
   command
       .add_option_function<std::string>(
+          "--trace", [&options](const std::string& text) { options.trace = text; },
+          "Write which worker traced what when, for Perfetto or chrome://tracing; with --frames "
+          "one "
+          "a frame, numbered as the pictures are")
+      ->type_name("FILE.json")
+      ->group("Report");
+  command.add_option("--tev", options.tev, "Show what is traced in the image viewer tev there")
+      ->type_name("HOST:PORT")
+      ->group("Report");
+  command
+      .add_option_function<std::string>(
           "--stats", [&options](const std::string& text) { options.stats = text; },
           "Write what was done, counted and timed, as one JSON object; with --frames one a frame, "
           "to FILE.NNNN.json. '-': standard output, where nothing else is printed then")

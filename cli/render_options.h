@@ -44,6 +44,8 @@ struct RenderOptions {
   FarmConnection connection;  ///< no endpoint: this machine does it
 
   std::optional<std::filesystem::path> stats;
+  std::optional<std::filesystem::path> trace;  ///< the timeline
+  std::string tev;                             ///< where the viewer is; empty: none
   bool quiet = false;
   bool resume = false;
 };

@@ -4,18 +4,23 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
+#include "base/json_log.h"
 #include "base/log.h"
 #include "base/plural.h"
 #include "base/process.h"
 #include "cli/command_line.h"
 #include "cli/farm_connection.h"
 #include "cli/interrupt.h"
+#include "cli/log_format.h"
 #include "cli/option_values.h"
 #include "cli/say.h"
 #include "cli/service_manager.h"
 #include "coordinator/render_loop.h"
 #include "coordinator/store/sqlite_job_store.h"
+#include "coordinator/tev/tev_viewer.h"
+#include "coordinator/web/farm_page.h"
 #include "proto/transport/zmq_transport.h"
 
 namespace tessera {
@@ -23,12 +28,15 @@ namespace {
 
 /// How long tiles that are being traced may take, once it is told to end.
 constexpr Time kDrain = std::chrono::seconds(10);
+/// At the coordinator, by who shows it.
+constexpr Time kBetweenLooks = std::chrono::milliseconds(50);
 
 struct ServeOptions {
   std::string endpoint = kDefaultEndpoint;
   std::string key, allow;
   bool insecure = false;
-  std::string http, store;
+  std::string http, http_token, tev, store;
+  bool json_log = false;
   double verify = 0;
 };
 
@@ -72,12 +80,27 @@ CoordinatorOptions coordinator_options(const ServeOptions& options) {
   return result;
 }
 
+FarmPage::Options page_options(const ServeOptions& options) {
+  return {.address = options.http,
+          .token_file = options.http_token,
+          .has_keys = !options.key.empty(),
+          .stopping = &interrupted()};
+}
+
 ExitCode serve(const ServeOptions& options) {
-  if (!options.http.empty()) throw usage_error("--http: does not exist yet in this version");
   catch_interrupts();
   configure_logging("info", "serve");
-  check_room_for_threads(kTransportThreads);
+  if (options.json_log) log_as_json();
+  check_room_for_threads(kTransportThreads + (options.http.empty() ? 0 : 1) +
+                         (options.tev.empty() ? 0 : 1));
   ServerSecurity security = read_security(options);
+  if (options.http.empty() && !options.http_token.empty()) {
+    throw usage_error("--http-token: needs --http, the page's address, beside it");
+  }
+  std::optional<FarmPage> page;
+  if (!options.http.empty()) page.emplace(page_options(options));
+  std::optional<TevViewer> tev;
+  if (!options.tev.empty()) tev.emplace(options.tev);
   std::shared_ptr<JobStore> store;
   if (!options.store.empty()) store = std::make_shared<SqliteJobStore>(options.store);
   if (security.keys) catch_hangups();
@@ -85,6 +108,13 @@ ExitCode serve(const ServeOptions& options) {
   RenderLoop loop(bind_server(options.endpoint, std::move(security)), coordinator_options(options),
                   std::move(store));
   say("serving at {}\n", loop.endpoint());
+  if (page) say("page at http://{}/\n", page->address());
+  loop.observe(
+      [&](Coordinator& coordinator, Time now) {
+        if (page) page->look(coordinator, now);
+        if (tev) tev->look(coordinator, now);
+      },
+      kBetweenLooks);
   std::fflush(stdout);
   notify_service_manager("READY=1");
   // What is traced while no store keeps it is lost in any case.
@@ -123,7 +153,17 @@ void add_serve_command(CLI::App& app, Action& action) {
       ->type_name("FILE");
   command->add_flag("--insecure", options->insecure,
                     "Let in whoever can reach the endpoint, from other machines too, without keys");
-  command->add_option("--http", options->http, "Web page and metrics (not yet)")->type_name("ADDR");
+  command
+      ->add_option("--http", options->http,
+                   "Serve the web page, /metrics and /api/v1 there, such as 127.0.0.1:8080")
+      ->type_name("ADDRESS:PORT");
+  command
+      ->add_option("--http-token", options->http_token,
+                   "Who may see the page: lines TOKEN ROLE NAME, ROLE being viewer or submitter")
+      ->type_name("FILE");
+  command->add_option("--tev", options->tev, "Show what is traced in the image viewer tev there")
+      ->type_name("HOST:PORT");
+  add_log_format(*command, options->json_log);
   command
       ->add_option("--store", options->store,
                    "Keep jobs and finished tiles in this folder [in memory]")

@@ -19,6 +19,7 @@
 #include "client/run_remote_job.h"
 #include "coordinator/local_workers.h"
 #include "coordinator/render_loop.h"
+#include "coordinator/tev/tev_viewer.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
 #include "proto/wire/shared_memory.h"
@@ -31,6 +32,7 @@ namespace {
 constexpr char kFrameIsDone[] = "the frame is done";
 /// What a worker gets to end by itself before it is told by signal.
 constexpr std::chrono::milliseconds kGrace{100};
+constexpr Time kBetweenLooks = std::chrono::milliseconds(50);
 
 LocalWorkerOptions worker_options(const LocalFarmOptions& farm) {
   LocalWorkerOptions options;
@@ -68,6 +70,11 @@ class LocalFarm : public TracingFarm {
     remove_when_interrupted(socket.parent_path(), {socket.string(), socket.string() + ".bulk"});
     held_.reset();
     loop_.watch(&workers_);
+    if (!options.tev.empty()) {
+      tev_.emplace(options.tev);
+      loop_.observe([this](Coordinator& coordinator, Time now) { tev_->look(coordinator, now); },
+                    kBetweenLooks);
+    }
     workers_.start();
   }
   ~LocalFarm() override {
@@ -77,7 +84,9 @@ class LocalFarm : public TracingFarm {
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {
-    return loop_.run(std::move(job), progress, stop);
+    JobResult result = loop_.run(std::move(job), progress, stop);
+    if (tev_) tev_->finish(result.film);
+    return result;
   }
   void share(BlobStore& blobs) const override { share_large_blobs(blobs); }
   uint64_t peak_worker_bytes() const override {
@@ -95,6 +104,7 @@ class LocalFarm : public TracingFarm {
  private:
   std::optional<HeldInterrupts> held_;  ///< until the sockets' folder is known to the handler
   LocalWorkers workers_;
+  std::optional<TevViewer> tev_;
   RenderLoop loop_;
   bool dismissed_ = false;
 };

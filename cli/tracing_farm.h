@@ -31,6 +31,7 @@ struct LocalFarmOptions {
   int threads = 1;  ///< of each
   bool quiet = false;
   double verify = 0;  ///< as in CoordinatorOptions
+  std::string tev{};  ///< where a viewer is, that shows what is traced; empty: nowhere
 };
 std::unique_ptr<TracingFarm> start_local_workers(const LocalFarmOptions& options);
 /// `threads` in this process: the same coordinator and worker code, over memory.

@@ -6,12 +6,14 @@
 #include <memory>
 #include <optional>
 
+#include "base/json_log.h"
 #include "base/log.h"
 #include "base/process.h"
 #include "base/shared_arena.h"
 #include "cli/command_line.h"
 #include "cli/farm_connection.h"
 #include "cli/interrupt.h"
+#include "cli/log_format.h"
 #include "cli/option_values.h"
 #include "renderer/render/tile_renderer.h"
 #include "worker/run_worker.h"
@@ -27,7 +29,7 @@ struct WorkerCommandOptions {
   std::string cache;
   std::optional<uint64_t> cache_budget;
   int parent = 0;
-  bool quiet = false;
+  bool quiet = false, json_log = false;
   int arena = -1;  ///< a descriptor of SharedArena that was inherited
   Time orphan_timeout = std::chrono::seconds(60);
   Time idle_timeout = Time::max();
@@ -58,6 +60,7 @@ ExitCode work(const WorkerCommandOptions& options) {
   // The terminal's Ctrl-C reaches the whole family; a local worker ends when its parent tells it.
   if (options.parent > 0) std::signal(SIGINT, SIG_IGN);
   configure_logging(options.quiet ? "off" : options.parent > 0 ? "warn" : "info", "worker");
+  if (options.json_log) log_as_json();
   WorkerOptions worker;
   worker.threads = options.threads > 0 ? options.threads : core_count();
   check_room_for_threads(worker.threads + kTransportThreads);
@@ -127,6 +130,7 @@ void add_worker_command(CLI::App& app, Action& action) {
   add_timeout(*command, "--idle-timeout",
               "End, with exit code 0, after so long without anything to trace [never]",
               options->idle_timeout);
+  add_log_format(*command, options->json_log);
   command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   // Not for users: an empty group hides them from --help.
   command->add_option("--parent", options->parent)->group("");

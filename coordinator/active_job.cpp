@@ -199,6 +199,19 @@ void ActiveJob::note_tile_seconds(uint32_t tile, double seconds) {
   tile_seconds_[tile] = static_cast<float>(seconds);
 }
 
+void ActiveJob::note_span(FrameTrace::Kind kind, WorkerId worker, const std::string& name,
+                          uint32_t tile, Time begin, Time now) {
+  constexpr size_t kMostSpans = 1 << 18;  // 16 MiB
+  if (trace_.spans.size() >= kMostSpans) {
+    ++trace_.left_out;
+    return;
+  }
+  trace_.workers.try_emplace(worker, name);
+  const bool of_tile = kind != FrameTrace::Kind::scene;
+  trace_.spans.push_back({worker, kind, tile, of_tile ? assembler_.tiles()[tile] : PixelRect{},
+                          to_seconds(begin - submitted_), to_seconds(now - submitted_)});
+}
+
 std::vector<TileSnapshot> ActiveJob::tiles(Time now) const {
   std::vector<TileSnapshot> result;
   const auto& rects = assembler_.tiles();
@@ -284,6 +297,7 @@ JobResult ActiveJob::finish() {
   if (first_assignment_ && last_result_) {
     report_.trace_seconds = to_seconds(*last_result_ - *first_assignment_);
   }
+  report_.trace = std::make_shared<const FrameTrace>(std::move(trace_));
   return {std::move(report_), std::move(assembler_.film())};
 }
 

@@ -81,6 +81,10 @@ class ActiveJob {
   void note_assignment(Time now);
   void note_result(Time now) { last_result_ = now; }
   void note_tile_seconds(uint32_t tile, double seconds);
+  /// For the timeline: what `worker` did from `begin` on. `tile` is of no meaning for a scene.
+  void note_span(FrameTrace::Kind kind, WorkerId worker, const std::string& name, uint32_t tile,
+                 Time begin, Time now);
+  const FrameTrace& trace() const { return trace_; }
   std::vector<TileSnapshot> tiles(Time now) const;
   JobProgress progress(Time now) const;
   /// Ends it: later calls change nothing.
@@ -119,6 +123,7 @@ class ActiveJob {
   std::map<WorkerId, ExitCode> scene_failures_;
   std::set<WorkerId> workers_seen_;
   std::vector<float> tile_seconds_;  ///< by tile; empty: of none
+  FrameTrace trace_;
 };
 
 }  // namespace tessera

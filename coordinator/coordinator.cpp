@@ -171,6 +171,18 @@ std::optional<PreviewImage> Coordinator::preview(uint64_t job, uint32_t frame, i
   return jobs_->preview(job, frame, most_side);
 }
 
+std::vector<std::pair<uint64_t, uint32_t>> Coordinator::running_frames() const {
+  return jobs_->running_frames();
+}
+
+std::optional<FilmView> Coordinator::film(uint64_t job, uint32_t frame) {
+  return jobs_->film(job, frame);
+}
+
+std::shared_ptr<const FrameTrace> Coordinator::trace(uint64_t job, uint32_t frame) const {
+  return jobs_->trace(job, frame);
+}
+
 v1::JobStatus Coordinator::ask(const v1::JobQuery& query, Time now) {
   v1::JobStatus status = clients_->ask(query, now);
   settle(now);

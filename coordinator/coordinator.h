@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/monotonic.h"
@@ -77,6 +78,12 @@ class Coordinator {
   /// The picture so far, no side longer than `most_side` > 0. Nothing where there is none yet.
   /// Takes milliseconds, for a large film that was finished long ago up to a second.
   std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
+  /// The frames that are being traced: job, and frame counted from 0. Those of this process too.
+  std::vector<std::pair<uint64_t, uint32_t>> running_frames() const;
+  /// The light so far of a frame that is being traced, or that of a client's frame that has ended.
+  std::optional<FilmView> film(uint64_t job, uint32_t frame);
+  /// Of a frame that is being traced, or of the last ones that were; else null.
+  std::shared_ptr<const FrameTrace> trace(uint64_t job, uint32_t frame) const;
   /// Asks and orders as a client does: cancel, pause, resume, priority. UNKNOWN: no such job.
   v1::JobStatus ask(const v1::JobQuery& query, Time now);
 

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "proto/wire/blob.h"
 #include "renderer/film/tile.h"
 
 namespace tessera {
@@ -38,6 +42,7 @@ struct FarmSnapshot {
     uint64_t tiles_done = 0;       ///< that it was first to complete
     double tile_seconds = 0;       ///< from assignment to completion, sum over those
     uint64_t bytes_results = 0;    ///< of pixels, as they came
+    uint64_t resident_bytes = 0;   ///< memory of its process, as it said last; 0: not known
     int failures = 0;              ///< tiles that it failed
     double silent_seconds = 0;     ///< since it was last heard
     double connected_seconds = 0;  ///< since it came
@@ -50,6 +55,17 @@ struct FarmSnapshot {
     uint64_t bytes_scene = 0, bytes_results = 0;  ///< to and from workers
     uint64_t jobs_accepted = 0;
     double tile_seconds = 0;  ///< sum over tiles_done
+    /// How many of tiles_done took at most so many seconds, and one more for all that took longer.
+    static constexpr std::array kTileSeconds = {0.001, 0.003, 0.01, 0.03, 0.1,  0.3,
+                                                1.0,   3.0,   10.0, 30.0, 100.0};
+    std::array<uint64_t, kTileSeconds.size() + 1> tiles_by_seconds{};
+
+    void note_tile(double seconds) {
+      const auto bound = std::lower_bound(kTileSeconds.begin(), kTileSeconds.end(), seconds);
+      ++tiles_by_seconds[static_cast<size_t>(bound - kTileSeconds.begin())];
+      ++tiles_done;
+      tile_seconds += seconds;
+    }
   };
   uint64_t farm = 0, epoch = 0;
   double uptime_seconds = 0;
@@ -67,6 +83,13 @@ struct TileSnapshot {
   uint64_t worker = 0;  ///< that holds it, or completed it; 0: none, or it was kept from before
   float seconds = 0;    ///< since it was assigned, or that it took
   uint8_t copies = 0;   ///< workers that hold it now
+};
+
+/// Light of the rect, kFilmChannels values a pixel, rows from the top.
+struct FilmView {
+  PixelRect rect;
+  std::span<const float> values;  ///< valid until the coordinator is called again, or:
+  BlobData keeps;                 ///< as long as this lives; null: of a frame being traced
 };
 
 /// A picture for people, made smaller where it is large.

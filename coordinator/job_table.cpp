@@ -67,6 +67,14 @@ void JobTable::describe(FarmSnapshot& snapshot, Time now) const {
   }
 }
 
+std::vector<std::pair<uint64_t, uint32_t>> JobTable::running_frames() const {
+  std::vector<std::pair<uint64_t, uint32_t>> result;
+  for (const auto& [id, job] : open_) {
+    for (const FarmJob::Running& running : job->running()) result.emplace_back(id, running.frame);
+  }
+  return result;
+}
+
 const ActiveJob* JobTable::running(uint64_t job, uint32_t frame) const {
   const auto it = open_.find(job);
   if (it == open_.end()) return nullptr;
@@ -74,6 +82,20 @@ const ActiveJob* JobTable::running(uint64_t job, uint32_t frame) const {
     if (running.frame == frame) return running.active.get();
   }
   return nullptr;
+}
+
+std::optional<FilmView> JobTable::film(uint64_t id, uint32_t frame) {
+  if (const ActiveJob* active = running(id, frame)) {
+    const Film& film = active->assembler().film();
+    return FilmView{film.rect(), film.values(), nullptr};
+  }
+  const FarmJob* const job = find(id);
+  const auto end = job && frame < job->frame_count() ? job->end_of(frame) : std::nullopt;
+  const BlobData pixels = end ? films_.find(digest_of(end->film_digest())) : nullptr;
+  const PixelRect rect = job ? rect_of(job->request().crop()) : PixelRect{};
+  const size_t count = static_cast<size_t>(rect.area()) * kFilmChannels;
+  if (!pixels || pixels->size() != count * sizeof(float)) return std::nullopt;
+  return FilmView{rect, {reinterpret_cast<const float*>(pixels->data()), count}, pixels};
 }
 
 std::optional<PreviewImage> JobTable::preview(uint64_t id, uint32_t frame, int most_side) {
@@ -91,6 +113,17 @@ std::optional<PreviewImage> JobTable::preview(uint64_t id, uint32_t frame, int m
   std::memcpy(film.values().data(), pixels->data(),
               std::min(pixels->size(), film.values().size_bytes()));
   return make_preview(film, output, from_message(*end).tiles_done, most_side);
+}
+
+std::shared_ptr<const FrameTrace> JobTable::trace(uint64_t job, uint32_t frame) const {
+  if (const ActiveJob* active = running(job, frame)) {
+    return std::make_shared<const FrameTrace>(active->trace());
+  }
+  const uint64_t id = frame_id(job, frame);
+  for (const auto& [ended, trace] : traces_) {
+    if (ended == id) return trace;
+  }
+  return nullptr;
 }
 
 uint64_t JobTable::frame_id(uint64_t job, uint32_t frame) const {

@@ -53,10 +53,14 @@ class JobTable {
   // For people.
   /// Jobs of clients, and the counters of jobs.
   void describe(FarmSnapshot& snapshot, Time now) const;
+  std::vector<std::pair<uint64_t, uint32_t>> running_frames() const;
   /// Null where that frame is not being traced.
   const ActiveJob* running(uint64_t job, uint32_t frame) const;
+  std::optional<FilmView> film(uint64_t job, uint32_t frame);
   /// Nothing where there is no such frame, or nothing of it yet.
   std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
+  /// Of a frame that is being traced, or of the last ones that were; else null.
+  std::shared_ptr<const FrameTrace> trace(uint64_t job, uint32_t frame) const;
 
   // Frames that run.
   /// Counts what workers hold until now; to be called before that changes.
@@ -107,6 +111,8 @@ class JobTable {
   std::vector<std::pair<uint64_t, v1::KeptJob::End>> unsaved_;  ///< ends that the store must take
   std::string trouble_;                                         ///< with those
   FilmShelf films_;
+  /// Of the last frames that ended, by the number that workers know.
+  std::deque<std::pair<uint64_t, std::shared_ptr<const FrameTrace>>> traces_;
   uint64_t tiles_restored_ = 0, jobs_accepted_ = 0;
 };
 

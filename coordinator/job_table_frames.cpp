@@ -20,6 +20,7 @@ constexpr size_t kMaxRunning = 8;
 constexpr size_t kMaxRunningUrgent = 64;
 /// Frames of one job at a time: the next begins when all tiles of the one before are given out.
 constexpr size_t kMaxFramesOfJob = 2;
+constexpr size_t kKeptTraces = 16;
 
 Digest digest_of(const std::string& hex) { return Digest::parse(hex).value_or(Digest{}); }
 
@@ -202,6 +203,8 @@ void JobTable::finish(FarmJob& job, FarmJob::Running& running, Changes& changes)
     results_.emplace(id, std::move(result));
     return;
   }
+  traces_.emplace_back(id, std::move(result.report.trace));
+  if (traces_.size() > kKeptTraces) traces_.pop_front();
   end.set_film_digest(films_.put(result.film, recipe_of(job.kept(), frame)).hex());
   end.set_film_size(result.film.values().size_bytes());
   file_end(job, frame, std::move(end));

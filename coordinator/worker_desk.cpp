@@ -113,6 +113,7 @@ void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, Time now) 
 
 void WorkerDesk::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now) {
   if (heartbeat.session() != worker.hello.session()) return;
+  worker.resident_bytes = heartbeat.resident_bytes();
   v1::Ping& ping = *send(worker.peer).mutable_ping();
   ping.set_session(heartbeat.session());
   ping.set_results(heartbeat.results());
@@ -165,7 +166,11 @@ void WorkerDesk::tell(WorkerRecord& worker, const ActiveJob& job, Time now) {
 void WorkerDesk::on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now) {
   ActiveJob* const job = jobs_.running(ready.job());
   if (!job) return;
-  worker.jobs[ready.job()].ready = true;
+  auto& known = worker.jobs[ready.job()];
+  if (!known.ready) {
+    job->note_span(FrameTrace::Kind::scene, worker.id, worker.name(), 0, known.told, now);
+  }
+  known.ready = true;
   job->assembler().note_build_counters(ready.counters());
   // Not a number fails the comparison, and is left out.
   double& longest = job->report().build_seconds;
@@ -207,8 +212,9 @@ void WorkerDesk::on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId leas
   const auto completion = job.complete(tile, lease, worker.id, now);
   const double seconds = to_seconds(completion.events.took.value_or(Time{}));
   job.note_tile_seconds(tile, seconds);
-  ++counters_.tiles_done;
-  counters_.tile_seconds += seconds;
+  job.note_span(FrameTrace::Kind::tile, worker.id, worker.name(), tile,
+                now - completion.events.took.value_or(Time{}), now);
+  counters_.note_tile(seconds);
   ++worker.tiles_done;
   worker.tile_seconds += seconds;
   act(job, completion.events, now);
@@ -383,6 +389,7 @@ void WorkerDesk::describe(FarmSnapshot& snapshot, Time now) const {
     shown.tiles_done = worker.tiles_done;
     shown.tile_seconds = worker.tile_seconds;
     shown.bytes_results = worker.bytes_results;
+    shown.resident_bytes = worker.resident_bytes;
     shown.failures = worker.failures;
     shown.silent_seconds = to_seconds(now - worker.last_heard);
     shown.connected_seconds = to_seconds(now - worker.came);

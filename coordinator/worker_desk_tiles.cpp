@@ -74,6 +74,8 @@ void WorkerDesk::act(ActiveJob& job, const SchedulerEvents& events, Time now) {
   for (const Lease& lease : events.cancelled) {
     const WorkerRecord* worker = workers_.by_id(lease.worker);
     if (!worker) continue;
+    job.note_span(FrameTrace::Kind::wasted, worker->id, worker->name(), lease.tile, lease.issued,
+                  now);
     v1::CancelTile& cancel = *send(worker->peer).mutable_cancel_tile();
     cancel.set_lease(lease.id);
     cancel.set_job(job.id());

@@ -36,6 +36,7 @@ struct WorkerRecord {
   uint64_t tiles_done = 0;            ///< that it was first to complete
   double tile_seconds = 0;            ///< from assignment to completion, sum over those
   uint64_t bytes_results = 0;         ///< of pixels, as they came
+  uint64_t resident_bytes = 0;        ///< as it said last
   size_t foreign = 0;                 ///< tiles that keep it busy though they are no longer its own
 
   bool ready_for(uint64_t job) const;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "job/frame_trace.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
@@ -55,6 +56,7 @@ struct JobReport {
   double build_seconds = 0;                     ///< longest of any worker
   double trace_seconds = 0;                     ///< from the first assignment to the last result
   double assemble_seconds = 0;
+  std::shared_ptr<const FrameTrace> trace;  ///< null: of a client's end, which has none
 };
 
 struct JobResult {

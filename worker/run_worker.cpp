@@ -12,6 +12,7 @@
 
 #include "base/log.h"
 #include "base/plural.h"
+#include "base/process_usage.h"
 #include "base/version.h"
 #include "proto/wire/frame.h"
 #include "proto/wire/version.h"
@@ -144,6 +145,9 @@ class WorkerLoop {
   bool perform() {
     for (SessionAction& action : session_.take_actions()) {
       if (auto* message = std::get_if<SendMessage>(&action)) {
+        if (message->message.has_heartbeat()) {
+          message->message.mutable_heartbeat()->set_resident_bytes(process_usage().resident_bytes);
+        }
         transport_.send(message->channel, encode(message->message));
       } else if (auto* bulk = std::get_if<ConnectBulk>(&action)) {
         transport_.connect_bulk(bulk->endpoint);

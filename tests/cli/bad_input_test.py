@@ -59,8 +59,8 @@ class BadCommandLine(TesseraTest):
     def test_a_crop_beyond_the_frame(self):
         self.refused("render", self.scene, "--size", "8x8", "--crop", "4,4,9,8", says=["--crop"])
 
-    def test_what_does_not_exist_yet(self):
-        self.refused("serve", "--http", "127.0.0.1:8080", says=["--http", "yet"])
+    def test_a_page_without_an_address(self):
+        self.refused("serve", "--http", "8080", says=["--http", "ADDRESS:PORT"])
 
     def test_places_that_cannot_be_written(self):
         for place in ["nowhere/picture.png", "tmp", "tmp/"]:

@@ -87,6 +87,7 @@ TEST_F(Disagreement, TheTilesOfWhoWasWrongAreTracedAgain) {
   const size_t count = heard(v1::Envelope::kAssign).size(), of_other = leases();
   v1::Envelope third = hello(3);
   third.mutable_hello()->set_credit(4);
+  third.mutable_hello()->set_threads(4);
   say("r", third);
   ready("r", id);
   say("r", band(*again(count), 1));

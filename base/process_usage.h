@@ -1,0 +1,19 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace tessera {
+
+/// What this process takes, as its kernel tells it; 0 where it does not.
+struct ProcessUsage {
+  uint64_t resident_bytes = 0;
+  double cpu_seconds = 0;  ///< of all its threads
+  uint64_t open_files = 0;
+};
+ProcessUsage process_usage();
+
+/// Processor time that the calling thread has had.
+std::chrono::nanoseconds thread_time();
+
+}  // namespace tessera

@@ -1,0 +1,120 @@
+#include "coordinator/web/web_access.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "base/error.h"
+#include "proto/wire/printable.h"
+
+namespace tessera {
+namespace {
+
+constexpr size_t kShortestToken = 16;
+constexpr char kBearer[] = "Bearer ";
+
+/// The host of "name:port", without what stands for the port.
+std::string host_of(const std::string& header) {
+  if (header.starts_with('[')) return header.substr(0, header.find(']') + 1);
+  return header.substr(0, header.find(':'));
+}
+
+bool names_this_machine(const std::string& host) {
+  const bool digits =
+      host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos;
+  return digits || host == "localhost" || host == "[::1]";
+}
+
+}  // namespace
+
+HttpResponse http_error(int status, const std::string& what) {
+  const nlohmann::json body{{"error", what}};
+  return {status,
+          "application/json",
+          std::make_shared<const std::string>(
+              body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"),
+          {}};
+}
+
+WebAccess WebAccess::read(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  struct stat about {};
+  if (!file || stat(path.c_str(), &about) != 0) {
+    throw usage_error(fmt::format("--http-token: '{}' cannot be read", path.string()));
+  }
+  if ((about.st_mode & (S_IRGRP | S_IROTH)) != 0) {
+    throw usage_error(
+        fmt::format("--http-token: '{}' can be read by others; expected mode 0600", path.string()));
+  }
+  WebAccess access;
+  int number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    std::istringstream words(line);
+    std::string token, role;
+    if (!(words >> token) || token.front() == '#') continue;
+    words >> role;
+    const auto wrong = [&](const std::string& what) {
+      return usage_error(fmt::format("{}:{}: {}", path.string(), number, what));
+    };
+    if (token.size() < kShortestToken) {
+      throw wrong(fmt::format("a token of {} characters; expected at least {}", token.size(),
+                              kShortestToken));
+    }
+    if (role != "viewer" && role != "submitter") {
+      throw wrong(fmt::format("role '{}'; expected viewer or submitter", printable(role)));
+    }
+    access.tokens_.push_back(
+        {Digest::of(token), role == "viewer" ? Role::viewer : Role::submitter});
+  }
+  if (access.tokens_.empty()) {
+    throw usage_error(fmt::format("--http-token: '{}' has no token; expected lines TOKEN ROLE NAME",
+                                  path.string()));
+  }
+  return access;
+}
+
+std::optional<WebAccess::Role> WebAccess::role_of(const HttpRequest& request) const {
+  const std::string header = request.header("authorization");
+  if (!header.starts_with(kBearer)) return std::nullopt;
+  const Digest digest = Digest::of(std::string_view(header).substr(sizeof kBearer - 1));
+  const auto it = std::find_if(tokens_.begin(), tokens_.end(),
+                               [&](const Token& token) { return token.digest == digest; });
+  return it == tokens_.end() ? std::nullopt : std::optional(it->role);
+}
+
+std::optional<HttpResponse> WebAccess::refuse(const HttpRequest& request, Role needed) const {
+  const std::string host = request.header("host");
+  if (tokens_.empty()) {
+    if (!names_this_machine(host_of(host))) {
+      return http_error(421, "this page answers to 127.0.0.1, [::1] and localhost alone");
+    }
+  } else {
+    const auto role = role_of(request);
+    if (!role) {
+      HttpResponse response = http_error(401, "expected a token: Authorization: Bearer TOKEN");
+      response.headers.emplace_back("WWW-Authenticate", "Bearer");
+      return response;
+    }
+    if (needed == Role::submitter && *role == Role::viewer) {
+      return http_error(403, "the token is a viewer's; expected a submitter's");
+    }
+  }
+  if (needed == Role::viewer) return std::nullopt;
+  // What another site has a browser send is of a simple type, or names that site.
+  const std::string origin = request.header("origin");
+  const size_t scheme = origin.find("://");
+  const bool foreign =
+      !origin.empty() && (scheme == std::string::npos || origin.substr(scheme + 3) != host);
+  if (foreign) return http_error(403, "orders are taken from our own page alone");
+  if (request.header("content-type") != "application/json") {
+    return http_error(415, "expected Content-Type: application/json");
+  }
+  return std::nullopt;
+}
+
+}  // namespace tessera

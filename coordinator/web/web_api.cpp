@@ -1,0 +1,302 @@
+#include "coordinator/web/web_api.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "base/monotonic.h"
+#include "base/process_usage.h"
+#include "coordinator/web/chrome_trace.h"
+#include "coordinator/web/farm_json.h"
+#include "coordinator/web/png_file.h"
+#include "coordinator/web/web_pages.h"
+
+namespace tessera {
+namespace {
+
+constexpr Time kSilent = std::chrono::seconds(10);
+constexpr size_t kMostMade = 64;
+constexpr char kApi[] = "/api/v1/";
+
+HttpResponse plain(int status, std::string text) {
+  return {status,
+          "text/plain; charset=utf-8",
+          std::make_shared<const std::string>(std::move(text)),
+          {}};
+}
+
+HttpResponse json(std::shared_ptr<const std::string> body) {
+  return {200, "application/json", std::move(body), {}};
+}
+
+/// What is known already.
+void tell(const HttpReply& reply, HttpResponse response) {
+  reply([response = std::move(response)] { return response; });
+}
+
+template <typename Number>
+std::optional<Number> whole(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+const FarmSnapshot::Job* find_job(const FarmSnapshot& snapshot, uint64_t id) {
+  const auto it =
+      std::lower_bound(snapshot.jobs.begin(), snapshot.jobs.end(), id,
+                       [](const auto& job, uint64_t wanted) { return job.id < wanted; });
+  return it != snapshot.jobs.end() && it->id == id ? &*it : nullptr;
+}
+
+/// Of the job, what there is to see: the frame that is being traced, else the last one begun.
+uint32_t frame_to_show(const FarmSnapshot::Job& job) {
+  if (!job.frames_running.empty()) return job.frames_running.front();
+  return job.frames_done > 0 ? job.frames_done - 1 : 0;
+}
+
+const char* name_of(v1::JobStatus::State state) {
+  switch (state) {
+    case v1::JobStatus::PAUSED:
+      return "paused";
+    case v1::JobStatus::RUNNING:
+      return "running";
+    case v1::JobStatus::ENDED:
+      return "ended";
+    default:
+      return "queued";
+  }
+}
+
+/// What became of an order: 409 where the job had ended before, 503 where it could not be kept.
+HttpResponse answer_order(const v1::JobQuery& query, const v1::JobStatus& status) {
+  if (status.state() == v1::JobStatus::UNKNOWN) return http_error(404, "there is no such job");
+  const bool ended = status.state() == v1::JobStatus::ENDED;
+  const bool cancelled = ended && status.how() == v1::JobEnd::INTERRUPTED;
+  const bool wanted = query.action() == v1::JobQuery::CANCEL ? cancelled : !ended;
+  if (ended && !wanted) return http_error(409, fmt::format("job {} has ended", status.job()));
+  const bool done =
+      query.action() == v1::JobQuery::CANCEL   ? cancelled
+      : query.action() == v1::JobQuery::PAUSE  ? status.state() == v1::JobStatus::PAUSED
+      : query.action() == v1::JobQuery::RESUME ? status.state() != v1::JobStatus::PAUSED
+                                               : status.priority() == query.priority();
+  if (!done) return http_error(503, status.failure());
+  const nlohmann::ordered_json body{{"job", status.job()},
+                                    {"state", cancelled ? "cancelled" : name_of(status.state())},
+                                    {"priority", status.priority()}};
+  return json(std::make_shared<const std::string>(body.dump() + "\n"));
+}
+
+/// Nothing where it is no order, or has no number that it needs.
+std::optional<v1::JobQuery> query_of(uint64_t job, const std::string& what,
+                                     const std::string& body) {
+  v1::JobQuery query;
+  query.set_job(job);
+  if (what == "priority") {
+    const auto json = nlohmann::json::parse(body, nullptr, false);
+    if (!json.is_object() || !json.contains("priority")) return std::nullopt;
+    const auto& number = json["priority"];
+    if (!number.is_number_integer()) return std::nullopt;
+    const auto value = number.get<int64_t>();
+    if (value != static_cast<int32_t>(value)) return std::nullopt;
+    query.set_priority(static_cast<int32_t>(value));
+    return query;
+  }
+  query.set_action(what == "cancel"  ? v1::JobQuery::CANCEL
+                   : what == "pause" ? v1::JobQuery::PAUSE
+                                     : v1::JobQuery::RESUME);
+  return query;
+}
+
+bool is_order(const std::string& what) {
+  return what == "cancel" || what == "pause" || what == "resume" || what == "priority";
+}
+
+}  // namespace
+
+template <typename Make>
+WebApi::Body WebApi::shared(const std::string& name, std::shared_ptr<const void> of, Make make) {
+  const auto it = made_.find(name);
+  if (it != made_.end() && it->second.of == of) return it->second.body;
+  if (made_.size() >= kMostMade) made_.clear();
+  auto body = std::make_shared<const std::string>(make());
+  made_[name] = {std::move(of), body};
+  return body;
+}
+
+void WebApi::handle(const HttpRequest& request, const HttpReply& reply) {
+  ++counts_.requests;
+  const bool reads = request.method == "GET" || request.method == "HEAD";
+  if (!reads && request.method != "POST")
+    return tell(reply, http_error(405, "expected GET or POST"));
+  // What holds no secret, and what asks whether we live, needs no token.
+  if (reads) {
+    if (request.path == "/healthz") return tell(reply, health());
+    if (request.path == "/readyz") return tell(reply, readiness());
+    if (const auto page = find_web_page(request.path)) {
+      return tell(
+          reply,
+          {200, std::string(page->type), std::make_shared<const std::string>(page->content), {}});
+    }
+  }
+  const auto needed = reads ? WebAccess::Role::viewer : WebAccess::Role::submitter;
+  if (auto refused = parts_.access.refuse(request, needed)) return tell(reply, std::move(*refused));
+  if (!parts_.monitor->farm()) return tell(reply, http_error(503, "the coordinator is starting"));
+  if (reads && request.path == "/metrics") return tell(reply, metrics());
+  if (request.path.starts_with(kApi)) return handle_api(request, reply);
+  tell(reply, http_error(404, "there is no such page"));
+}
+
+HttpResponse WebApi::health() const {
+  const Time silent = monotonic_now() - parts_.monitor->last_look();
+  if (parts_.monitor->farm() && silent > kSilent) {
+    return plain(503, fmt::format("the coordinator is silent for {:.0f} s\n", to_seconds(silent)));
+  }
+  return plain(200, "ok\n");
+}
+
+HttpResponse WebApi::readiness() const {
+  if (!parts_.monitor->farm()) return plain(503, "starting\n");
+  if (parts_.stopping && *parts_.stopping) return plain(503, "ending\n");
+  return health();
+}
+
+HttpResponse WebApi::metrics() const {
+  return {200,
+          "text/plain; version=0.0.4; charset=utf-8",
+          std::make_shared<const std::string>(metrics_text(
+              parts_.monitor->farm()->snapshot, parts_.monitor->work(), counts_, process_usage())),
+          {}};
+}
+
+void WebApi::handle_api(const HttpRequest& request, const HttpReply& reply) {
+  const std::string rest = request.path.substr(sizeof kApi - 1);
+  if (rest.starts_with("jobs/")) return handle_job(request, rest.substr(5), reply);
+  if (request.method == "POST") return tell(reply, http_error(405, "expected GET"));
+  const auto farm = parts_.monitor->farm();
+  const FarmSnapshot& snapshot = farm->snapshot;
+  if (rest == "farm") {
+    return tell(reply, json(shared(rest, farm, [&] { return farm_json(snapshot); })));
+  }
+  if (rest == "jobs") {
+    return tell(reply, json(shared(rest, farm, [&] { return jobs_json(snapshot); })));
+  }
+  if (rest == "workers") {
+    return tell(reply, json(shared(rest, farm, [&] { return workers_json(snapshot); })));
+  }
+  if (rest == "history") {
+    return tell(reply,
+                json(shared(rest, farm->history, [&] { return history_json(*farm->history); })));
+  }
+  if (rest == "log") return tell(reply, log(request));
+  tell(reply, http_error(404, "there is no such thing; docs/operating.md lists what there is"));
+}
+
+HttpResponse WebApi::log(const HttpRequest& request) const {
+  const auto after = request.query.find("after");
+  const auto number =
+      after == request.query.end() ? std::optional<uint64_t>(0) : whole<uint64_t>(after->second);
+  if (!number) return http_error(400, "after: expected a whole number");
+  nlohmann::ordered_json lines = nlohmann::ordered_json::array();
+  if (parts_.log) {
+    for (const LogRing::Line& line : parts_.log->after(*number)) {
+      lines.push_back({{"number", line.number},
+                       {"milliseconds", line.milliseconds},
+                       {"level", line.level},
+                       {"text", line.text}});
+    }
+  }
+  const nlohmann::ordered_json body{{"lines", std::move(lines)}};
+  return json(std::make_shared<const std::string>(
+      body.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"));
+}
+
+void WebApi::handle_job(const HttpRequest& request, const std::string& rest,
+                        const HttpReply& reply) {
+  const size_t slash = rest.find('/');
+  const auto id = whole<uint64_t>(rest.substr(0, slash));
+  const std::string what = slash == std::string::npos ? "" : rest.substr(slash + 1);
+  const bool known = what.empty() || what == "tiles" || what == "preview.png" ||
+                     what == "trace.json" || is_order(what);
+  if (!id || !known) return tell(reply, http_error(404, "there is no such thing of a job"));
+  if (is_order(what) != (request.method == "POST")) {
+    return tell(reply, http_error(405, is_order(what) ? "expected POST" : "expected GET"));
+  }
+  const auto farm = parts_.monitor->farm();
+  const FarmSnapshot::Job* const job = find_job(farm->snapshot, *id);
+  if (!job) return tell(reply, http_error(404, "there is no such job"));
+  if (is_order(what)) return order(*id, what, request, reply);
+  if (what.empty()) return tell(reply, json(std::make_shared<const std::string>(job_json(*job))));
+  uint32_t frame = frame_to_show(*job);
+  if (const auto asked = request.query.find("frame"); asked != request.query.end()) {
+    const auto number = whole<uint32_t>(asked->second);
+    if (!number || *number >= job->frames_total) {
+      return tell(reply, http_error(400, fmt::format("frame: expected a number from 0 to {}",
+                                                     job->frames_total - 1)));
+    }
+    frame = *number;
+  }
+  if (what == "trace.json") return show_trace(*id, frame, reply);
+  show_frame(*id, frame, what, request, reply);
+}
+
+void WebApi::show_frame(uint64_t job, uint32_t frame, const std::string& what,
+                        const HttpRequest& request, const HttpReply& reply) {
+  const bool picture = what == "preview.png";
+  const bool asked =
+      parts_.monitor->watch(job, frame,
+                            [this, job, frame, picture, known = request.header("if-none-match"),
+                             reply](const std::shared_ptr<const FrameShown>& shown) {
+                              reply([this, job, frame, picture, known, shown] {
+                                if (picture) return preview(job, frame, *shown, known);
+                                return json(shared(fmt::format("tiles {} {}", job, frame), shown,
+                                                   [&] { return tiles_json(job, frame, *shown); }));
+                              });
+                            });
+  if (!asked) reply([] { return http_error(503, "too many ask"); });
+}
+
+HttpResponse WebApi::preview(uint64_t job, uint32_t frame, const FrameShown& shown,
+                             const std::string& known) {
+  if (!shown.preview) return {204, "", nullptr, {}};
+  // Of a frame, a picture of more tiles is another; one of no frame is never made anew.
+  const std::string tag = fmt::format("\"{}-{}-{}-{}\"", job, frame, shown.preview->tiles_done,
+                                      shown.tiles.empty() ? "end" : "live");
+  if (known == tag) return {304, "", nullptr, {{"ETag", tag}}};
+  HttpResponse response{200, "image/png", nullptr, {{"ETag", tag}, {"Cache-Control", "no-cache"}}};
+  response.body = shared(fmt::format("preview {} {}", job, frame), shown.preview, [&] {
+    ++counts_.previews_encoded;
+    return png_file(*shown.preview);
+  });
+  return response;
+}
+
+void WebApi::show_trace(uint64_t job, uint32_t frame, const HttpReply& reply) {
+  const bool asked = parts_.monitor->ask_trace(
+      job, frame, [job, frame, reply](const std::shared_ptr<const FrameTrace>& trace) {
+        reply([job, frame, trace] {
+          if (!trace) return http_error(404, "of that frame there is no timeline, or no more");
+          return json(std::make_shared<const std::string>(
+              chrome_trace(*trace, fmt::format("job {} frame {}", job, frame))));
+        });
+      });
+  if (!asked) reply([] { return http_error(503, "too many ask"); });
+}
+
+void WebApi::order(uint64_t job, const std::string& what, const HttpRequest& request,
+                   const HttpReply& reply) {
+  const auto query = query_of(job, what, request.body);
+  if (!query) {
+    return reply([] { return http_error(400, "expected {\"priority\": a whole number}"); });
+  }
+  const bool asked =
+      parts_.monitor->order(*query, [query = *query, reply](const v1::JobStatus& status) {
+        reply([query, status] { return answer_order(query, status); });
+      });
+  if (!asked) reply([] { return http_error(503, "too many ask"); });
+}
+
+}  // namespace tessera

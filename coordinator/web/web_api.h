@@ -1,0 +1,64 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "coordinator/web/farm_monitor.h"
+#include "coordinator/web/http_message.h"
+#include "coordinator/web/log_ring.h"
+#include "coordinator/web/metrics_text.h"
+#include "coordinator/web/web_access.h"
+
+namespace tessera {
+
+/// What the web server answers: the page, /api/v1, /metrics, /healthz and /readyz. Used by one
+/// thread, the server's; what is made for one is kept for all that ask for the same.
+class WebApi {
+ public:
+  struct Parts {
+    std::shared_ptr<FarmMonitor> monitor;
+    std::shared_ptr<const LogRing> log;  ///< null: no log
+    WebAccess access;
+    const std::atomic<bool>* stopping = nullptr;  ///< from then on it is not ready any more
+  };
+  explicit WebApi(Parts parts) : parts_(std::move(parts)) {}
+
+  void handle(const HttpRequest& request, const HttpReply& reply);
+  const WebCounts& counts() const { return counts_; }
+
+ private:
+  using Body = std::shared_ptr<const std::string>;
+  /// What a text was made of, and it.
+  struct Made {
+    std::shared_ptr<const void> of;
+    Body body;
+  };
+
+  HttpResponse health() const;
+  HttpResponse readiness() const;
+  HttpResponse metrics() const;
+  void handle_api(const HttpRequest& request, const HttpReply& reply);
+  void handle_job(const HttpRequest& request, const std::string& rest, const HttpReply& reply);
+  void show_frame(uint64_t job, uint32_t frame, const std::string& what, const HttpRequest& request,
+                  const HttpReply& reply);
+  void show_trace(uint64_t job, uint32_t frame, const HttpReply& reply);
+  void order(uint64_t job, const std::string& what, const HttpRequest& request,
+             const HttpReply& reply);
+  HttpResponse preview(uint64_t job, uint32_t frame, const FrameShown& shown,
+                       const std::string& known);
+  HttpResponse log(const HttpRequest& request) const;
+  /// `make` is called where `of` is not what the text of that name was made of last.
+  template <typename Make>
+  Body shared(const std::string& name, std::shared_ptr<const void> of, Make make);
+
+  Parts parts_;
+  WebCounts counts_;
+  std::map<std::string, Made> made_;  ///< by what it is, and of which frame
+};
+
+}  // namespace tessera

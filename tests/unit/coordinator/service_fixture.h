@@ -1,0 +1,101 @@
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/log.h"
+#include "coordinator/memory_job_store.h"
+#include "proto/wire/blob_transfer.h"
+#include "proto/wire/scene_codec.h"
+#include "tests/unit/coordinator/coordinator_fixture.h"
+
+namespace tessera::testing {
+
+/// A coordinator with a store, and jobs of clients.
+class ServiceTest : public CoordinatorTest {
+ protected:
+  ServiceTest() {
+    spdlog::set_level(spdlog::level::off);
+    restart();
+  }
+  void restart() {
+    CoordinatorOptions options;
+    options.epoch = ++epoch;
+    coordinator = Coordinator(options, store);
+    all.clear();
+  }
+  /// The number of the job of `side` x `side` pixels in tiles of 16, once it is accepted.
+  uint64_t submit(uint32_t seed, int priority = 0, int side = 32, uint32_t weight = 1,
+                  int frames = 1, Time now = {}) {
+    v1::Envelope message;
+    v1::SubmitJob& request = *message.mutable_submit_job();
+    request.set_submission(1000 + seed);
+    request.set_detached(true);
+    request.set_priority(priority);
+    request.set_weight(weight);
+    request.set_tile_size(16);
+    request.mutable_crop()->set_x1(side);
+    request.mutable_crop()->set_y1(side);
+    BlobStore blobs;
+    for (int i = 0; i < frames; ++i) {
+      JobSpec spec = job(side);
+      spec.frame.set_seed(seed + static_cast<uint32_t>(i) * 100);
+      v1::JobFrame& frame = *request.add_frames();
+      const std::string scene = serialize_scene(spec.scene);
+      const auto bytes = std::as_bytes(std::span(scene));
+      frame.set_scene_digest(blobs.put({bytes.begin(), bytes.end()}).hex());
+      frame.set_scene_size(bytes.size());
+      *frame.mutable_settings() = spec.frame;
+    }
+    const size_t asked = heard(v1::Envelope::kBlobRequest).size();
+    say("client", message, now);
+    const auto requests = heard(v1::Envelope::kBlobRequest);
+    for (size_t i = asked; i < requests.size(); ++i) {
+      const auto& wanted = requests[i].blob_request();
+      coordinator.on_message(
+          Channel::bulk, "b",
+          answer_blob_request(wanted, blobs.find(*Digest::parse(wanted.digest()))), {});
+    }
+    return heard(v1::Envelope::kJobStatus).back().job_status().job();
+  }
+  v1::JobStatus ask(uint64_t id, v1::JobQuery::Action action = v1::JobQuery::ASK, Time now = {}) {
+    v1::JobQuery query;
+    query.set_job(id);
+    query.set_action(action);
+    return coordinator.ask(query, now);
+  }
+  /// A worker that has built all scenes that it is told of.
+  void come(WorkerId id, uint32_t credit) {
+    v1::Envelope message = hello(id);
+    message.mutable_hello()->set_credit(credit);
+    message.mutable_hello()->set_threads(credit);
+    const PeerId peer = "w" + std::to_string(id);
+    say(peer, message);
+    get_ready(peer);
+  }
+  void get_ready(const PeerId& peer, Time now = {}) {
+    for (size_t told = 0; told < heard(v1::Envelope::kJobStart).size(); ++told) {
+      ready(peer, heard(v1::Envelope::kJobStart)[told].job_start().job(), now);
+    }
+  }
+  std::vector<v1::Assign> assigned() {
+    std::vector<v1::Assign> result;
+    for (const auto& message : heard(v1::Envelope::kAssign)) result.push_back(message.assign());
+    return result;
+  }
+  static uint64_t job_of(const v1::Assign& assign) { return assign.job() >> 20; }
+  /// Of the job among the assignments from the `from`-th on.
+  size_t count_of(uint64_t id, size_t from = 0) {
+    const auto all_of_them = assigned();
+    return static_cast<size_t>(
+        std::count_if(all_of_them.begin() + static_cast<ptrdiff_t>(from), all_of_them.end(),
+                      [id](const v1::Assign& assign) { return job_of(assign) == id; }));
+  }
+
+  uint64_t epoch = 0;
+  std::shared_ptr<MemoryJobStore> store = std::make_shared<MemoryJobStore>(7);
+};
+
+}  // namespace tessera::testing

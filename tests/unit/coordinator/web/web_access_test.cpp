@@ -1,0 +1,100 @@
+// Who may see the page and who may order by it.
+#include "coordinator/web/web_access.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
+
+#include "base/error.h"
+
+namespace tessera::testing {
+namespace {
+
+using Role = WebAccess::Role;
+
+HttpRequest request(std::map<std::string, std::string> headers) {
+  headers.try_emplace("host", "127.0.0.1:8080");
+  return {"GET", "/", {}, std::move(headers), ""};
+}
+
+HttpRequest an_order(std::map<std::string, std::string> headers) {
+  headers.try_emplace("content-type", "application/json");
+  return request(std::move(headers));
+}
+
+int status(const WebAccess& access, const HttpRequest& request, Role role) {
+  const auto refused = access.refuse(request, role);
+  return refused ? refused->status : 200;
+}
+
+std::filesystem::path token_file(const std::string& text, mode_t mode = 0600) {
+  const auto path = std::filesystem::path(::testing::TempDir()) / "tokens";
+  std::filesystem::remove(path);
+  std::ofstream(path) << text;
+  chmod(path.c_str(), mode);
+  return path;
+}
+
+TEST(WebAccess, WithoutTokensAnswersByNamesOfThisMachineAlone) {
+  const WebAccess access;
+  for (const char* host :
+       {"127.0.0.1", "127.0.0.1:80", "127.1.2.3:9", "localhost:8080", "[::1]:80"}) {
+    EXPECT_EQ(status(access, request({{"host", host}}), Role::viewer), 200) << host;
+  }
+  for (const char* host : {"", "evil.example", "127.0.0.1.evil.example",
+                           "localhost.evil.example:80", "10.0.0.1", "[::2]:80"}) {
+    EXPECT_EQ(status(access, request({{"host", host}}), Role::viewer), 421) << host;
+  }
+}
+
+TEST(WebAccess, TakesOrdersOfItsOwnPageAlone) {
+  const WebAccess access;
+  EXPECT_EQ(status(access, an_order({}), Role::submitter), 200) << "of no browser";
+  EXPECT_EQ(status(access, an_order({{"origin", "http://127.0.0.1:8080"}}), Role::submitter), 200);
+  for (const char* origin : {"http://evil.example", "null", "http://127.0.0.1:8081",
+                             "http://localhost:8080", "https://127.0.0.1"}) {
+    EXPECT_EQ(status(access, an_order({{"origin", origin}}), Role::submitter), 403) << origin;
+  }
+  for (const char* type : {"", "text/plain", "application/x-www-form-urlencoded"}) {
+    EXPECT_EQ(status(access, an_order({{"content-type", type}}), Role::submitter), 415) << type;
+  }
+}
+
+TEST(WebAccess, TokensHaveRoles) {
+  const WebAccess access = WebAccess::read(
+      token_file("# who\nviewer-token-000001 viewer wall\n\nsubmitter-token-001 submitter\n"));
+  const auto with = [](const std::string& token) {
+    return an_order({{"authorization", "Bearer " + token}, {"host", "farm.example"}});
+  };
+  EXPECT_EQ(status(access, request({}), Role::viewer), 401);
+  EXPECT_EQ(status(access, with("viewer-token-000002"), Role::viewer), 401);
+  EXPECT_EQ(status(access, with(""), Role::viewer), 401);
+  EXPECT_EQ(status(access, with("viewer-token-000001"), Role::viewer), 200);
+  EXPECT_EQ(status(access, with("viewer-token-000001"), Role::submitter), 403);
+  EXPECT_EQ(status(access, with("submitter-token-001"), Role::viewer), 200);
+  EXPECT_EQ(status(access, with("submitter-token-001"), Role::submitter), 200);
+  EXPECT_EQ(status(access, request({{"authorization", "Basic viewer-token-000001"}}), Role::viewer),
+            401);
+}
+
+TEST(WebAccess, SaysWhatIsWrongWithAFile) {
+  const auto complaint = [](const std::string& text, mode_t mode = 0600) -> std::string {
+    try {
+      WebAccess::read(token_file(text, mode));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  EXPECT_THAT(complaint("short viewer\n"), ::testing::HasSubstr("tokens:1: a token of 5"));
+  EXPECT_THAT(complaint("\nlong-enough-token-1 king\n"),
+              ::testing::HasSubstr("tokens:2: role 'king'; expected viewer or submitter"));
+  EXPECT_THAT(complaint("# nothing\n"), ::testing::HasSubstr("has no token"));
+  EXPECT_THAT(complaint("long-enough-token-1 viewer\n", 0644), ::testing::HasSubstr("mode 0600"));
+  EXPECT_THROW(WebAccess::read("/nowhere/tokens"), Error);
+}
+
+}  // namespace
+}  // namespace tessera::testing
