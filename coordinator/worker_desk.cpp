@@ -122,9 +122,11 @@ void WorkerDesk::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbe
     held[entry.job()].push_back({entry.lease(), entry.work_done(), entry.started()});
   }
   worker.foreign = 0;
+  worker.leaves = heartbeat.leaves();
   for (ActiveJob* job : jobs_.running()) {
     SchedulerEvents events;
-    worker.foreign += job->scheduler().report(worker.id, held[job->id()], now, events);
+    worker.foreign +=
+        job->scheduler().report(worker.id, held[job->id()], now, events, heartbeat.leaves());
     held.erase(job->id());
     act(*job, events, now);
   }
@@ -170,7 +172,8 @@ void WorkerDesk::on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Tim
   // Not a number fails the comparison, and is left out.
   double& longest = job->report().build_seconds;
   if (ready.build_seconds() > longest) longest = ready.build_seconds();
-  job->scheduler().join(worker.id);
+  job->scheduler().join(worker.id, worker.hello.threads());
+  if (ready.has_unseen()) job->fill_unseen(ready.unseen(), worker.id);
   fill(worker, now);
 }
 

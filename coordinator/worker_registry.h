@@ -36,6 +36,7 @@ struct WorkerRecord {
   uint64_t tiles_done = 0;            ///< that it was first to complete
   double tile_seconds = 0;            ///< from assignment to completion, sum over those
   uint64_t bytes_results = 0;         ///< of pixels, as they came
+  bool leaves = false;                ///< it takes no more tiles
   size_t foreign = 0;                 ///< tiles that keep it busy though they are no longer its own
 
   bool ready_for(uint64_t job) const;
@@ -78,6 +79,8 @@ class WorkerRegistry {
   /// Those not lost.
   std::vector<WorkerRecord*> present();
   int present_count() const;
+  /// That those trace with.
+  uint32_t present_threads() const;
   const std::map<WorkerId, WorkerRecord>& all() const { return workers_; }
 
  private:

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <random>
 #include <utility>
 #include <variant>
@@ -58,12 +59,17 @@ class WorkerLoop {
         service_(options.make_renderer, options.threads, [&transport] { transport.wake(); }),
         loader_(options.cache, [&transport] { transport.wake(); }),
         session_(session_options(options), monotonic_now()),
-        threads_(options.threads) {}
+        threads_(options.threads),
+        drain_(options.drain) {}
 
   WorkerEnd run(const std::atomic<bool>& stop) {
     while (true) {
       if (perform()) break;
-      if (stop) {
+      if (stop && !drain_until_) {
+        drain_until_ = monotonic_now() + drain_;
+        session_.drain(monotonic_now());
+      }
+      if (drain_until_ && (session_.drained() || monotonic_now() >= *drain_until_)) {
         session_.leave("stopped");
         perform();
         break;
@@ -157,6 +163,8 @@ class WorkerLoop {
   WorkerSession session_;
   WorkerEnd end_;
   int threads_;
+  Time drain_;
+  std::optional<Time> drain_until_;
   bool told_welcome_ = false;
   std::string told_trouble_;
 };
