@@ -269,10 +269,11 @@ JobProgress ActiveJob::progress(Time now) const {
   progress.tiles_total = assembler_.tiles().size();
   progress.elapsed_seconds = to_seconds(now - submitted_);
   progress.remaining_seconds = -1;
-  if (first_assignment_ && progress.tiles_done > 0) {
+  const uint64_t untraced = report_.tiles_restored + report_.filled;
+  if (first_assignment_ && progress.tiles_done > untraced) {
     progress.remaining_seconds = to_seconds(now - *first_assignment_) *
                                  static_cast<double>(progress.tiles_total - progress.tiles_done) /
-                                 static_cast<double>(progress.tiles_done);
+                                 static_cast<double>(progress.tiles_done - untraced);
   }
   return progress;
 }

@@ -202,7 +202,10 @@ void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBan
   if (result.mismatch) return on_mismatch(job, std::move(*result.mismatch), now);
   act(job, job.note_band(band, worker.id, was_complete), now);
   if (result.completed_tile) on_completed(worker, job, band.lease(), now);
-  if (band.last()) fill(worker, now);
+  if (!band.last()) return;
+  fill(worker, now);
+  // It may have split what another had.
+  if (job.scheduler().has_pending()) fill_hungry(now);
 }
 
 void WorkerDesk::on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId lease, Time now) {

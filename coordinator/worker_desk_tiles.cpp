@@ -24,9 +24,18 @@ void WorkerDesk::fill(Time now) {
 }
 
 void WorkerDesk::fill_hungry(Time now) {
-  for (const WorkerId id : std::exchange(hungry_, {})) {
+  const std::vector<ActiveJob*> jobs = jobs_.running();
+  const auto any_pending = [&jobs] {
+    return std::any_of(jobs.begin(), jobs.end(),
+                       [](const ActiveJob* job) { return job->scheduler().has_pending(); });
+  };
+  // There may be thousands, and one tile.
+  std::set<WorkerId> hungry = std::exchange(hungry_, {});
+  while (!hungry.empty() && any_pending()) {
+    const WorkerId id = hungry.extract(hungry.begin()).value();
     if (WorkerRecord* worker = workers_.by_id(id)) fill(*worker, now);
   }
+  hungry_.merge(hungry);
 }
 
 void WorkerDesk::fill(WorkerRecord& worker, Time now) {
@@ -100,13 +109,15 @@ bool WorkerDesk::give_tile(WorkerRecord& worker, Time now) {
 }
 
 void WorkerDesk::follow(const JobTable::Changes& changes, Time now) {
+  // As after nearly every message, while there may be thousands of workers.
+  if (changes.ended.empty() && changes.begun.empty()) return;
   for (WorkerRecord* worker : workers_.present()) {
     for (const uint64_t job : changes.ended) {
       if (worker->jobs.erase(job) > 0) send(worker->peer).mutable_cancel_job()->set_job(job);
     }
     for (ActiveJob* job : changes.begun) job->note_worker(worker->id);
   }
-  if (!changes.ended.empty() || !changes.begun.empty()) fill(now);
+  fill(now);
 }
 
 void WorkerDesk::act(ActiveJob& job, const SchedulerEvents& events, Time now) {
@@ -116,7 +127,6 @@ void WorkerDesk::act(ActiveJob& job, const SchedulerEvents& events, Time now) {
     v1::CancelTile& cancel = *send(worker->peer).mutable_cancel_tile();
     cancel.set_lease(lease.id);
     cancel.set_job(job.id());
-    hungry_.insert(lease.worker);
   }
   counters_.tiles_given_up += events.given_up.size();
   for (const uint32_t tile : events.given_up) {
@@ -127,7 +137,10 @@ void WorkerDesk::act(ActiveJob& job, const SchedulerEvents& events, Time now) {
     WorkerRecord* worker = workers_.by_id(id);
     if (worker) judge_failures(*worker, now);
   }
-  if (!events.cancelled.empty() || job.scheduler().has_pending()) fill_hungry(now);
+  for (const Lease& lease : events.cancelled) {
+    if (WorkerRecord* worker = workers_.by_id(lease.worker)) fill(*worker, now);
+  }
+  if (job.scheduler().has_pending()) fill_hungry(now);
 }
 
 }  // namespace tessera

@@ -199,7 +199,9 @@ void Simulation::start_tracing(Worker& worker) {
       say(fmt::format("worker {} hangs in tile {}", process, run->tile));
       continue;
     }
-    const Time end = now_ + Time(static_cast<int64_t>(tile_seconds * worker.slowness * 1e9));
+    // What is cancelled in the queue takes no time.
+    const double spent = run->started ? tile_seconds * worker.slowness : 0;
+    const Time end = now_ + Time(static_cast<int64_t>(spent * 1e9));
     at(end, [this, process, run] { finish_tracing(process, run); });
   }
 }
