@@ -48,7 +48,7 @@ class Descriptors(ServiceTest):
         service.send_signal(signal.SIGTERM)
         _, log = service.communicate(timeout=60)
         self.assertEqual(0, service.returncode, log)
-        self.assertEqual(1, log.count("no file descriptor is left"), log)
+        self.assertIn(log.count("no file descriptor is left"), (1, 2), log)  # a channel
         self.assertEqual(0, worker.wait(60))
 
     def pixels_of(self, job, worker):

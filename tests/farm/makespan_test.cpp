@@ -29,7 +29,7 @@ constexpr int kTile = 16;
 /// One way between coordinator and worker.
 constexpr Time kLatency = microseconds(200);
 
-Time time_of(double seconds) { return Time(static_cast<int64_t>(seconds * 1e9)); }
+Time time_of(double count) { return Time(static_cast<int64_t>(count * 1e9)); }
 
 class Farm {
  public:

@@ -122,7 +122,8 @@ class PowerLoss : public testing::Test {
     const fs::path to = folder_ / ("cut" + std::to_string(++cuts_));
     fs::create_directories(to / "blobs");
     for (const auto& [name, old] : std::map(synced())) {
-      if (fs::path(name).parent_path() != from) continue;
+      // SQLite syncs the folder where it matters that a file is gone.
+      if (fs::path(name).parent_path() != from || !fs::exists(name)) continue;
       std::string bytes = content(name);
       const auto kept = static_cast<size_t>(share * static_cast<double>(bytes.size()));
       // The first part as it is now, the rest as it was.
@@ -159,7 +160,7 @@ TEST_F(PowerLoss, JobsAndEpochsAreThereAndTilesAreWholeOrGone) {
   SqliteJobStore store(home);
   int tiles = 0;
   size_t lost = 0;
-  for (uint64_t number = 1; number <= 6; ++number) {
+  for (uint64_t number = 1; number <= 3; ++number) {
     store.save(job(number));
     for (const double share : {0.0, 0.4, 0.9, 1.0}) {
       // More than SQLite moves from its log to the database at a time.
