@@ -200,8 +200,13 @@ void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBan
   if (result.duplicate_tile) ++job.report().duplicates;
   if (result.duplicate_tile) ++counters_.duplicates;
   if (result.mismatch) return on_mismatch(job, std::move(*result.mismatch), now);
-  act(job, job.note_band(band, worker.id, was_complete), now);
-  if (result.completed_tile) on_completed(worker, job, band.lease(), now);
+  const SchedulerEvents events = job.note_band(band, worker.id, was_complete);
+  if (result.completed_tile) {
+    // Before anybody is given what may be this very tile.
+    on_completed(worker, job, band.lease(), now);
+  } else {
+    act(job, events, now);
+  }
   if (!band.last()) return;
   fill(worker, now);
   // It may have split what another had.
