@@ -74,7 +74,8 @@ std::optional<double> TileCosts::predict(uint32_t tile) const {
        y <= std::min(rows - 1, cell_y(tile) + kNeighbours); ++y) {
     for (int x = std::max(0, cell_x(tile) - kNeighbours);
          x <= std::min(columns - 1, cell_x(tile) + kNeighbours); ++x) {
-      const float seconds = seconds_[tile_in_[static_cast<size_t>(y * columns + x)]];
+      const size_t cell = static_cast<size_t>(y) * columns_ + static_cast<size_t>(x);
+      const float seconds = seconds_[tile_in_[cell]];
       if (seconds < 0) continue;
       sum += static_cast<double>(seconds);
       ++count;
