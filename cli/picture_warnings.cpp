@@ -5,6 +5,8 @@
 
 #include <functional>
 
+#include "job/scene_motion.h"
+
 namespace tessera {
 namespace {
 
@@ -68,12 +70,6 @@ bool is_all_black(const RenderOptions& options, const v1::Scene& scene) {
   if (kind == "normals" || kind == "depth") return false;
   return is_black(integrator.ambient()) && !shines(scene.background()) &&
          !any_message(scene, may_shine);
-}
-
-bool moves(const v1::Scene& scene) {
-  return any_message(scene, [](const pb::Message& message) {
-    return message.GetDescriptor() == v1::TransformKey::descriptor();
-  });
 }
 
 }  // namespace

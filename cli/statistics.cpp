@@ -75,11 +75,19 @@ json statistics_json(const FrameStatistics& statistics) {
   result["skips"] = skips_json(report.counters);
   result["built"] = json::object();
   for (const auto& [name, value] : report.build_counters) result["built"][name] = value;
-  result["tiles"] = {{"total", report.tiles_total},       {"done", report.tiles_done},
-                     {"restored", report.tiles_restored}, {"failed", report.holes.size()},
-                     {"retries", report.retries},         {"speculative", report.speculative},
-                     {"duplicates", report.duplicates},   {"mismatches", report.mismatches},
-                     {"verified", report.verified},       {"unverified", report.unverified},
+  result["tiles"] = {{"total", report.tiles_total},
+                     {"done", report.tiles_done},
+                     {"restored", report.tiles_restored},
+                     {"failed", report.holes.size()},
+                     {"filled", report.filled},
+                     {"split", report.split},
+                     {"moved", report.moved},
+                     {"retries", report.retries},
+                     {"speculative", report.speculative},
+                     {"duplicates", report.duplicates},
+                     {"mismatches", report.mismatches},
+                     {"verified", report.verified},
+                     {"unverified", report.unverified},
                      {"retraced", report.retraced}};
   result["workers"] = {
       {"seen", report.workers_seen}, {"lost", report.workers_lost}, {"set_aside", report.liars}};

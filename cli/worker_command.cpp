@@ -101,7 +101,9 @@ void add_worker_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("worker", "Trace tiles for a coordinator");
   command->footer(
       "Connects again whenever the connection is lost. Give every machine of a farm one worker.\n"
-      "Ctrl-C or SIGTERM: it gives back its tiles and ends.\n"
+      "Ctrl-C or SIGTERM: it gives back what it has not begun, traces the rest, and ends; a second "
+      "one\n"
+      "ends it at once.\n"
       "Example:\n"
       "  tessera worker --connect tcp://127.0.0.1:7117 --threads 8\n"
       "Where the coordinator has a list of keys, also --key and --server-key: see 'tessera help "

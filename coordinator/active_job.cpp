@@ -4,11 +4,13 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
 #include "coordinator/tile_store.h"
 #include "job/job_messages.h"
+#include "job/scene_motion.h"
 #include "job/tile_grid.h"
 #include "proto/wire/scene_codec.h"
 #include "proto/wire/shared_memory.h"
@@ -48,7 +50,8 @@ v1::JobStart start_of(uint64_t id, const JobSpec& spec, const Digest& scene, uin
 }
 
 Digest key_of(const JobSpec& spec) {
-  return tile_key(Digest::of(serialize_scene(spec.scene)), spec.frame, spec.crop);
+  return tile_key(Digest::of(serialize_scene(spec.scene)), settled(spec.frame, moves(spec.scene)),
+                  spec.crop);
 }
 
 }  // namespace
@@ -70,7 +73,7 @@ ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>
       tile_size_(tile_size_of(spec, kept, options)),
       samples_(spec.frame.samples_per_pixel()),
       assembler_(spec.crop, cut_tiles(spec.crop, tile_size_)),
-      scheduler_(assembler_.tiles().size(), options),
+      scheduler_(assembler_.tiles(), tile_size_, options),
       verifier_(assembler_.tiles().size(), options.verify, options.verify_key ^ id),
       submitted_(now) {
   if (store_) key_ = key_of(spec);
@@ -81,6 +84,9 @@ ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>
   if (options.shared_by_process != 0) share_large_blobs(blobs_);
   blobs_.put(std::move(scene));
   report_.tiles_total = assembler_.tiles().size();
+  for (uint32_t tile = 0; tile < report_.tiles_total && options.verify > 0; ++tile) {
+    if (verifier_.selects(tile)) scheduler_.keep_whole(tile);
+  }
   restore(kept);
 }
 
@@ -131,7 +137,10 @@ void ActiveJob::reopen(uint32_t tile) {
 SchedulerEvents ActiveJob::note_band(const v1::TileBand& band, WorkerId from, bool was_complete) {
   if (!was_complete) {
     verifier_.note_rows(band.tile(), from);
-    return {};
+    note_cost(band);
+    const bool part_done = !TilePiece::of(band.lease()).whole() &&
+                           !assembler_.complete(band.tile()) && assembler_.has_piece(band.lease());
+    return part_done ? scheduler_.complete_part(band.lease()) : SchedulerEvents{};
   }
   const PixelRect& rect = assembler_.tiles()[band.tile()];
   if (!verifier_.note_same_rows(band.tile(), from, rect, band.first_row(), band.rows())) return {};
@@ -154,6 +163,37 @@ ActiveJob::Completion ActiveJob::complete(uint32_t tile, LeaseId lease, WorkerId
     scheduler_.want_check(tile, verifier_.traced_by(tile));
   }
   return result;
+}
+
+void ActiveJob::note_cost(const v1::TileBand& band) {
+  if (!band.last() || band.trace_microseconds() == 0) return;
+  const double seconds = static_cast<double>(band.trace_microseconds()) * 1e-6;
+  // A part tells of the whole.
+  scheduler_.costs().note(band.tile(), seconds * TilePiece::of(band.lease()).parts);
+}
+
+void ActiveJob::fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from) {
+  const std::vector<float> value(unseen.value().begin(), unseen.value().end());
+  const auto finite = [](float channel) { return std::isfinite(channel); };
+  if (value.size() != kFilmChannels || !std::all_of(value.begin(), value.end(), finite)) return;
+  const PixelRect seen = rect_of(unseen.seen());
+  const auto& tiles = assembler_.tiles();
+  std::vector<uint32_t> filled;
+  for (uint32_t tile = 0; tile < tiles.size(); ++tile) {
+    const PixelRect& t = tiles[tile];
+    const bool apart =
+        seen.empty() || t.x1 <= seen.x0 || t.x0 >= seen.x1 || t.y1 <= seen.y0 || t.y0 >= seen.y1;
+    // What somebody holds, or what is in dispute, is traced.
+    if (!apart || !scheduler_.untouched(tile)) continue;
+    if (assembler_.fill(tile, value, unseen.counters(), from)) filled.push_back(tile);
+  }
+  scheduler_.restore(filled);
+  report_.filled += filled.size();
+  for (const uint32_t tile : filled) {
+    keep(tile);
+    verifier_.note_rows(tile, from);
+    if (verifier_.selects(tile)) scheduler_.want_check(tile, {from});
+  }
 }
 
 SchedulerEvents ActiveJob::dispute(Mismatch mismatch, Time now) {
@@ -185,7 +225,7 @@ v1::Assign ActiveJob::assignment(const Lease& lease) const {
   assign.set_job(id_);
   assign.set_lease(lease.id);
   assign.set_tile(lease.tile);
-  *assign.mutable_rect() = to_message(assembler_.tiles()[lease.tile]);
+  *assign.mutable_rect() = to_message(lease.piece().rect(assembler_.tiles()[lease.tile]));
   assign.set_sample_count(samples_);
   return assign;
 }
@@ -242,10 +282,11 @@ JobProgress ActiveJob::progress(Time now) const {
   progress.tiles_total = assembler_.tiles().size();
   progress.elapsed_seconds = to_seconds(now - submitted_);
   progress.remaining_seconds = -1;
-  if (first_assignment_ && progress.tiles_done > 0) {
+  const uint64_t untraced = report_.tiles_restored + report_.filled;
+  if (first_assignment_ && progress.tiles_done > untraced) {
     progress.remaining_seconds = to_seconds(now - *first_assignment_) *
                                  static_cast<double>(progress.tiles_total - progress.tiles_done) /
-                                 static_cast<double>(progress.tiles_done);
+                                 static_cast<double>(progress.tiles_done - untraced);
   }
   return progress;
 }
@@ -294,6 +335,8 @@ JobResult ActiveJob::finish() {
   report_.speculative = scheduler_.speculative();
   report_.verified = scheduler_.verified();
   report_.unverified = scheduler_.unverified();
+  report_.split = scheduler_.split_tiles();
+  report_.moved = scheduler_.moved();
   if (first_assignment_ && last_result_) {
     report_.trace_seconds = to_seconds(*last_result_ - *first_assignment_);
   }

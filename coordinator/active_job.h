@@ -19,7 +19,8 @@
 
 namespace tessera {
 
-/// Under what the tiles of a frame are kept: names all that its pixels depend on.
+/// Under what the tiles of a frame are kept: names all that its pixels depend on. `frame` is
+/// settled().
 Digest tile_key(const Digest& scene, const v1::FrameSettings& frame, const PixelRect& crop);
 
 /// A worker whose pixels two others contradict.
@@ -64,6 +65,8 @@ class ActiveJob {
     std::optional<Mismatch> undecided;  ///< the third differs from both
   };
   Completion complete(uint32_t tile, LeaseId lease, WorkerId from, Time now);
+  /// Completes, as traced by that worker, the tiles that look past everything, as it says.
+  void fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from);
   /// Two workers traced it differently: it is traced again by a third.
   SchedulerEvents dispute(Mismatch mismatch, Time now);
   /// All that the worker has traced is traced again by others.
@@ -98,6 +101,7 @@ class ActiveJob {
   ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>& kept,
             const CoordinatorOptions& options, Time now);
   void restore(const std::vector<FinishedTile>& kept);
+  void note_cost(const v1::TileBand& band);
   /// Lets a complete tile outlive this process.
   void keep(uint32_t tile);
   /// It is complete no more.

@@ -19,6 +19,20 @@ namespace {
 constexpr size_t kMaxCounters = 256;
 constexpr size_t kMaxCounterName = 64;
 
+/// Ranges of rows that begin at `first` and follow one upon the other until `last`.
+template <typename Counts>
+bool find_chain(const Counts& counts, int first, int last,
+                std::vector<const std::vector<uint64_t>*>& chain) {
+  if (first == last) return true;
+  for (auto it = counts.lower_bound({first, 0}); it != counts.end() && it->first.first == first;
+       ++it) {
+    chain.push_back(&it->second);
+    if (find_chain(counts, it->first.second, last, chain)) return true;
+    chain.pop_back();
+  }
+  return false;
+}
+
 uint64_t saturating_sum(uint64_t a, uint64_t b) {
   return a > std::numeric_limits<uint64_t>::max() - b ? std::numeric_limits<uint64_t>::max()
                                                       : a + b;
@@ -30,12 +44,11 @@ Assembler::Assembler(const PixelRect& crop, std::vector<PixelRect> tiles)
     : tiles_(std::move(tiles)), done_by_(tiles_.size()), film_(crop), counts_(tiles_.size()) {}
 
 bool Assembler::plausible(const v1::TileBand& band) const {
-  if (band.tile() >= tiles_.size() || band.tile() != TileScheduler::tile_of(band.lease())) {
-    return false;
-  }
-  const PixelRect& tile = tiles_[band.tile()];
-  return band.rows() > 0 && band.first_row() >= tile.y0 && band.first_row() < tile.y1 &&
-         band.rows() <= tile.y1 - band.first_row();
+  const TilePiece piece = TilePiece::of(band.lease());
+  if (band.tile() >= tiles_.size() || band.tile() != piece.tile) return false;
+  const PixelRect tile = piece.rect(tiles_[band.tile()]);
+  return !tile.empty() && band.rows() > 0 && band.first_row() >= tile.y0 &&
+         band.first_row() < tile.y1 && band.rows() <= tile.y1 - band.first_row();
 }
 
 std::optional<std::vector<uint64_t>> Assembler::counts_of(const v1::Counters& counters) {
@@ -195,18 +208,78 @@ BandResult Assembler::add(const v1::TileBand& band, WorkerId from) {
     result.duplicate_tile = band.last();
     return result;
   }
-  if (band.last() && !partial->counts) partial->counts = std::move(counts);
-  if (partial->rows_missing == 0 && partial->counts) {
-    counts_[index] = std::move(*partial->counts);
-    done_by_[index] = from;
-    const bool mixed = std::any_of(partial->row_from.begin(), partial->row_from.end(),
-                                   [from](WorkerId owner) { return owner != from; });
-    if (mixed) mixed_[index] = std::move(partial->row_from);
-    partial_.erase(index);
-    ++tiles_done_;
+  const PixelRect counted = TilePiece::of(band.lease()).rect(tile);
+  if (band.last()) partial->counts.try_emplace({counted.y0, counted.y1}, std::move(*counts));
+  if (partial->rows_missing > 0) return result;
+  if (auto sums = counts_of(*partial, tile)) {
+    complete_tile(index, std::move(*sums), from);
     result.completed_tile = true;
   }
   return result;
+}
+
+void Assembler::complete_tile(uint32_t index, std::vector<uint64_t> counts, WorkerId from) {
+  counts_[index] = std::move(counts);
+  done_by_[index] = from;
+  const auto partial = partial_.find(index);
+  if (partial != partial_.end()) {
+    std::vector<WorkerId>& row_from = partial->second.row_from;
+    const bool mixed = std::any_of(row_from.begin(), row_from.end(),
+                                   [from](WorkerId owner) { return owner != from; });
+    if (mixed) mixed_[index] = std::move(row_from);
+    partial_.erase(partial);
+  }
+  ++tiles_done_;
+}
+
+std::optional<std::vector<uint64_t>> Assembler::counts_of(const Partial& partial,
+                                                          const PixelRect& tile) const {
+  std::vector<const std::vector<uint64_t>*> chain;
+  if (!find_chain(partial.counts, tile.y0, tile.y1, chain)) return std::nullopt;
+  if (chain.size() == 1) return *chain.front();
+  std::vector<uint64_t> sums(names_.size());
+  for (const auto& [name, place] : names_) {
+    // What is true of a tile is so where it is of all its parts.
+    const bool of_tile = name.starts_with("tiles_");
+    for (size_t i = 0; i < chain.size(); ++i) {
+      const uint64_t count = place < chain[i]->size() ? (*chain[i])[place] : 0;
+      sums[place] = i == 0    ? count
+                    : of_tile ? std::min(sums[place], count)
+                              : saturating_sum(sums[place], count);
+    }
+  }
+  return sums;
+}
+
+bool Assembler::has_piece(LeaseId lease) const {
+  const TilePiece piece = TilePiece::of(lease);
+  const auto it = partial_.find(piece.tile);
+  if (it == partial_.end()) return complete(piece.tile);
+  const PixelRect& tile = tiles_[piece.tile];
+  const PixelRect rows = piece.rect(tile);
+  if (rows.empty() || !it->second.counts.contains({rows.y0, rows.y1})) return false;
+  const auto first = it->second.row_from.begin() + (rows.y0 - tile.y0);
+  return std::find(first, first + rows.height(), WorkerId{0}) == first + rows.height();
+}
+
+bool Assembler::fill(uint32_t index, std::span<const float> value, const v1::Counters& of_pixel,
+                     WorkerId from) {
+  if (complete(index) || partial_.contains(index)) return false;
+  auto counts = counts_of(of_pixel);
+  if (!counts) return false;
+  const PixelRect& tile = tiles_[index];
+  for (const auto& [name, place] : names_) {
+    if (place >= counts->size() || name.starts_with("tiles_")) continue;
+    uint64_t& count = (*counts)[place];
+    if (__builtin_mul_overflow(count, static_cast<uint64_t>(tile.area()), &count)) {
+      count = std::numeric_limits<uint64_t>::max();
+    }
+  }
+  scratch_.resize(static_cast<size_t>(tile.width()) * kFilmChannels);
+  for (size_t i = 0; i < scratch_.size(); ++i) scratch_[i] = value[i % kFilmChannels];
+  for (int row = tile.y0; row < tile.y1; ++row) film_.write(tile, row, 1, scratch_);
+  complete_tile(index, std::move(*counts), from);
+  return true;
 }
 
 }  // namespace tessera

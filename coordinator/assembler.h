@@ -43,6 +43,12 @@ class Assembler {
   Assembler(const PixelRect& crop, std::vector<PixelRect> tiles);
 
   BandResult add(const v1::TileBand& band, WorkerId from);
+  /// Whether all rows of the piece that this lease is of are there, and counters of just these.
+  bool has_piece(LeaseId lease) const;
+  /// Completes a tile of which nothing is there: each pixel is `value`, each counter as many times
+  /// as it has pixels. False where something of it is there, or there are too many counters.
+  bool fill(uint32_t tile, std::span<const float> value, const v1::Counters& of_pixel,
+            WorkerId from);
   /// Takes up tiles that were kept, as far as they are sound and of this grid. Which are complete.
   std::vector<uint32_t> restore(const std::vector<FinishedTile>& kept);
   /// A complete tile as bands whose last has its counters.
@@ -73,11 +79,16 @@ class Assembler {
   struct Partial {
     std::vector<WorkerId> row_from;  ///< 0: not there
     int rows_missing = 0;
-    std::optional<std::vector<uint64_t>> counts;
+    /// By the rows, of the frame, that they are of: the first, and that behind the last.
+    std::map<std::pair<int, int>, std::vector<uint64_t>> counts;
   };
   bool plausible(const v1::TileBand& band) const;
   /// The numbers by names_, which grow; nothing if there would be too many, or too long ones.
   std::optional<std::vector<uint64_t>> counts_of(const v1::Counters& counters);
+  /// Counts of all of the tile, out of those of its parts; nothing where some are missing.
+  std::optional<std::vector<uint64_t>> counts_of(const Partial& partial,
+                                                 const PixelRect& tile) const;
+  void complete_tile(uint32_t tile, std::vector<uint64_t> counts, WorkerId from);
   /// Whose pixels are in that row of a complete tile, counted from its first.
   WorkerId owner_of(uint32_t tile, size_t row) const;
   /// Where the row of the tile begins among the film's values.

@@ -69,10 +69,15 @@ void Coordinator::collect_outgoing() {
   for (WorkerDesk::Outgoing& out : workers_->take_outgoing()) {
     outgoing_.push_back({Channel::control, std::move(out.peer), std::move(out.message)});
   }
+  auto for_clients = clients_->take_outgoing();
+  if (for_clients.empty()) return;
   const auto count = static_cast<uint32_t>(workers().present_count());
-  for (ClientDesk::Outgoing& out : clients_->take_outgoing()) {
+  for (ClientDesk::Outgoing& out : for_clients) {
     if (out.message.has_job_status()) out.message.mutable_job_status()->set_workers(count);
-    if (out.message.has_job_list()) out.message.mutable_job_list()->set_workers(count);
+    if (out.message.has_job_list()) {
+      out.message.mutable_job_list()->set_workers(count);
+      out.message.mutable_job_list()->set_threads(workers().present_threads());
+    }
     outgoing_.push_back({Channel::control, std::move(out.peer), std::move(out.message)});
   }
 }
@@ -85,6 +90,8 @@ std::vector<OutgoingMessage> Coordinator::take_outgoing() {
 void Coordinator::on_message(Channel channel, const PeerId& peer, const v1::Envelope& message,
                              Time now) {
   jobs_->account(now);
+  const bool of_submission = message.has_submit_job() || message.has_blob_chunk();
+  if (of_submission) jobs_->set_threads(workers().present_threads());
   if (channel == Channel::bulk) {
     if (message.has_blob_request()) return on_blob_request(peer, message.blob_request());
     if (message.has_blob_chunk()) clients_->on_chunk(message.blob_chunk(), now);

@@ -12,14 +12,16 @@ namespace tessera {
 struct CoordinatorOptions {
   // When it gives up on whom: lengths of time, all above zero.
   Time heartbeat = std::chrono::seconds(1);
-  Time suspect_after = std::chrono::seconds(3);   ///< silence: no new work for it
-  Time lost_after = std::chrono::seconds(5);      ///< silence: its work is given to others
-  Time lease = std::chrono::seconds(10);          ///< a tile without progress
+  Time suspect_after = std::chrono::milliseconds(2500);  ///< silence: others copy its work
+  Time lost_after = std::chrono::seconds(5);             ///< silence: its work is given to others
+  Time lease = std::chrono::seconds(10);                 ///< a tile without progress
   Time settle = std::chrono::milliseconds(2500);  ///< for what was sent to show in heartbeats
   Time greeting = std::chrono::seconds(15);       ///< for a local process to say hello
   Time client_timeout = std::chrono::seconds(15);
   /// A second copy of a tile is issued no sooner than this after the first.
   Time speculate_after = std::chrono::milliseconds(100);
+  /// No tile is split into parts that take less than this.
+  Time smallest_part = std::chrono::milliseconds(4);
 
   // How much it takes on.
   /// What all submissions of clients together may come to take: blobs, scenes and films.

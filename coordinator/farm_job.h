@@ -58,6 +58,10 @@ class FarmJob {
   void catch_up(double share);
   double worker_seconds() const { return worker_seconds_; }
 
+  /// Of the frame that ended last.
+  std::optional<TileCosts>& last_costs() { return last_costs_; }
+  const std::optional<TileCosts>& last_costs() const { return last_costs_; }
+
   JobProgress progress(Time now) const;
   uint64_t tiles_restored() const;
 
@@ -70,6 +74,7 @@ class FarmJob {
   uint32_t frames_ended_ = 0, next_frame_ = 0;
   uint64_t tiles_per_frame_ = 0;
   std::deque<Running> running_;
+  std::optional<TileCosts> last_costs_;
   double worker_seconds_ = 0, head_start_ = 0;
   std::optional<Time> accepted_;
   Time counted_until_{};

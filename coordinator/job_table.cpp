@@ -13,6 +13,7 @@
 #include "coordinator/preview.h"
 #include "job/check_job.h"
 #include "job/job_messages.h"
+#include "job/scene_motion.h"
 #include "job/tile_grid.h"
 #include "proto/wire/printable.h"
 #include "proto/wire/scene_codec.h"
@@ -170,15 +171,20 @@ void JobTable::accept(v1::SubmitJob request, const std::vector<Digest>& blobs, T
   JobSpec probe;
   probe.crop = rect_of(request.crop());
   probe.tile_size = static_cast<int>(std::min<uint32_t>(request.tile_size(), kMaxFrameSide));
+  std::map<std::string, bool> scene_moves;
   for (const v1::JobFrame& frame : request.frames()) {
     probe.frame = frame.settings();
     check_job(probe);
-    kept.add_tile_keys(
-        tile_key(digest_of(frame.scene_digest()), frame.settings(), probe.crop).hex());
+    const auto [moving, fresh] = scene_moves.try_emplace(frame.scene_digest(), true);
+    if (fresh) moving->second = moves(load_scene(frame.scene_digest()));
+    kept.add_tile_keys(tile_key(digest_of(frame.scene_digest()),
+                                settled(frame.settings(), moving->second), probe.crop)
+                           .hex());
   }
   if (request.frames().empty()) throw usage_error("a job without frames; expected at least one");
   if (probe.tile_size == 0) {
-    probe.tile_size = choose_tile_size(probe.crop, options_.expected_workers);
+    const int threads = threads_ > 0 ? static_cast<int>(threads_) : options_.expected_workers;
+    probe.tile_size = choose_tile_size(probe.crop, threads);
   }
   request.set_tile_size(static_cast<uint32_t>(probe.tile_size));
   for (const Digest& blob : blobs) kept.add_blobs(blob.hex());

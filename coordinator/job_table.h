@@ -62,6 +62,9 @@ class JobTable {
   /// Of a frame that is being traced, or of the last ones that were; else null.
   std::shared_ptr<const FrameTrace> trace(uint64_t job, uint32_t frame) const;
 
+  /// How many threads trace now, for the choice of tile sizes; 0: not known.
+  void set_threads(uint32_t threads) { threads_ = threads; }
+
   // Frames that run.
   /// Counts what workers hold until now; to be called before that changes.
   void account(Time now);
@@ -99,6 +102,11 @@ class JobTable {
   void finish(FarmJob& job, FarmJob::Running& running, Changes& changes);
   void file_end(FarmJob& job, uint32_t frame, v1::JobEnd end);
   JobSpec spec_of(FarmJob& job, uint32_t frame);
+  // Of the store; each throws where they are not there, or not what they should be.
+  BlobData load_blob(const std::string& hex);
+  v1::Scene load_scene(const std::string& hex);
+  /// What the tiles of the frame before took; null: there is none.
+  const TileCosts* earlier_costs(const FarmJob& job) const;
 
   CoordinatorOptions options_;
   std::shared_ptr<JobStore> store_;
@@ -106,7 +114,9 @@ class JobTable {
   std::map<uint64_t, FarmJob*> open_;  ///< those of them that have not ended
   std::map<uint64_t, uint64_t> by_submission_;
   std::map<uint64_t, JobResult> results_;  ///< of jobs of this process
+  std::optional<TileCosts> local_costs_;   ///< of the last of those
   uint64_t last_job_ = 0;
+  uint32_t threads_ = 0;
   Changes changes_;                                             ///< that advance() has not told yet
   std::vector<std::pair<uint64_t, v1::KeptJob::End>> unsaved_;  ///< ends that the store must take
   std::string trouble_;                                         ///< with those

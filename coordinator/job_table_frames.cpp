@@ -99,7 +99,17 @@ bool JobTable::has_room_for(const FarmJob& job) const {
     const auto given_out = [](const FarmJob::Running& running) {
       return !running.active->scheduler().has_pending();
     };
-    return job.running().size() < kMaxFramesOfJob &&
+    // What it would trace is being traced.
+    const auto key_of = [&job](uint32_t frame) {
+      return job.kept().tile_keys_size() > static_cast<int>(frame)
+                 ? job.kept().tile_keys(static_cast<int>(frame))
+                 : std::string();
+    };
+    const std::string key = key_of(*job.next_frame());
+    const bool same =
+        std::any_of(job.running().begin(), job.running().end(),
+                    [&](const FarmJob::Running& running) { return key_of(running.frame) == key; });
+    return !same && job.running().size() < kMaxFramesOfJob &&
            std::all_of(job.running().begin(), job.running().end(), given_out);
   }
   size_t running = 0;
@@ -136,26 +146,38 @@ JobTable::Changes JobTable::advance(Time now) {
   return changes;
 }
 
+BlobData JobTable::load_blob(const std::string& hex) {
+  BlobData data = store_->find_blob(digest_of(hex));
+  if (!data) {
+    throw render_error(
+        fmt::format("blob {} is gone from the store, or damaged; submit the job again", hex));
+  }
+  return data;
+}
+
+v1::Scene JobTable::load_scene(const std::string& hex) {
+  const BlobData bytes = load_blob(hex);
+  auto scene = parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+  if (!scene) throw scene_error("the submitted bytes are no scene");
+  return std::move(*scene);
+}
+
+const TileCosts* JobTable::earlier_costs(const FarmJob& job) const {
+  if (job.local()) return local_costs_ ? &*local_costs_ : nullptr;
+  if (!job.running().empty()) return &job.running().back().active->scheduler().costs();
+  return job.last_costs() ? &*job.last_costs() : nullptr;
+}
+
 JobSpec JobTable::spec_of(FarmJob& job, uint32_t frame) {
   if (job.local()) return job.take_local_spec();
   const v1::SubmitJob& request = job.request();
   const v1::JobFrame& wanted = request.frames(static_cast<int>(frame));
-  const auto load = [this](const std::string& hex) {
-    BlobData data = store_->find_blob(digest_of(hex));
-    if (!data) {
-      throw render_error(
-          fmt::format("blob {} is gone from the store, or damaged; submit the job again", hex));
-    }
-    return data;
-  };
-  const BlobData bytes = load(wanted.scene_digest());
-  auto scene = parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
-  if (!scene) throw scene_error("the submitted bytes are no scene");
   JobSpec spec;
-  for (const v1::BlobRef& ref : referenced_blobs(*scene).value_or(std::vector<v1::BlobRef>())) {
-    spec.blobs.put(digest_of(ref.digest()), load(ref.digest()));
+  spec.scene = load_scene(wanted.scene_digest());
+  const auto refs = referenced_blobs(spec.scene);
+  for (const v1::BlobRef& ref : refs.value_or(std::vector<v1::BlobRef>())) {
+    spec.blobs.put(digest_of(ref.digest()), load_blob(ref.digest()));
   }
-  spec.scene = std::move(*scene);
   spec.frame = wanted.settings();
   spec.crop = rect_of(request.crop());
   spec.tile_size = static_cast<int>(request.tile_size());
@@ -181,6 +203,9 @@ void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
     auto active =
         std::make_unique<ActiveJob>(frame_id(job.id(), frame), spec_of(job, frame), options_, now);
     tiles_restored_ += active->report().tiles_restored;
+    if (const TileCosts* earlier = earlier_costs(job)) {
+      active->scheduler().costs().learn_from(*earlier);
+    }
     changes.begun.push_back(active.get());
     job.begin(frame, std::move(active), now);
   } catch (const Error& error) {
@@ -196,15 +221,18 @@ void JobTable::finish(FarmJob& job, FarmJob::Running& running, Changes& changes)
   const uint64_t id = running.active->id();
   const uint32_t frame = running.frame;
   changes.ended.push_back(id);
+  TileCosts costs = running.active->scheduler().costs();
   JobResult result = running.active->finish();
   v1::JobEnd end = to_message(result.report);
   if (job.local()) {
+    local_costs_ = std::move(costs);
     job.end(frame, std::move(end));
     results_.emplace(id, std::move(result));
     return;
   }
   traces_.emplace_back(id, std::move(result.report.trace));
   if (traces_.size() > kKeptTraces) traces_.pop_front();
+  job.last_costs() = std::move(costs);
   end.set_film_digest(films_.put(result.film, recipe_of(job.kept(), frame)).hex());
   end.set_film_size(result.film.values().size_bytes());
   file_end(job, frame, std::move(end));

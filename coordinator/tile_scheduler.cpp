@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace tessera {
 namespace {
@@ -11,11 +12,6 @@ constexpr size_t kMaxFailures = 3;
 // else: tiles get the benefit of the doubt for longer.
 constexpr uint8_t kMaxVanished = 12;
 constexpr size_t kMaxLeasesOfTile = 2;
-// Second copies may be one in so many of all tiles, or kFreeCopies if that is more.
-constexpr uint64_t kTilesPerCopy = 20;
-constexpr uint64_t kFreeCopies = 4;
-constexpr double kStragglerFactor = 1.5;
-constexpr int kOverdueLeases = 3;
 constexpr size_t kDurationsKept = 1024;
 // A worker that vanishes takes no more than this of work along that was done and not sent.
 constexpr Time kAtOnce = std::chrono::milliseconds(100);
@@ -23,13 +19,28 @@ constexpr Time kAtOnce = std::chrono::milliseconds(100);
 constexpr int kEpochShift = 52, kCountShift = 32;
 constexpr uint64_t kEpochTags = uint64_t{1} << (64 - kEpochShift);
 
+std::vector<PixelRect> row_of_pixels(size_t count) {
+  std::vector<PixelRect> result;
+  for (int x = 0; x < static_cast<int>(count); ++x) result.push_back({x, 0, x + 1, 1});
+  return result;
+}
+
 }  // namespace
 
-TileScheduler::TileScheduler(size_t tiles, const CoordinatorOptions& options)
-    : options_(options), tiles_(tiles), pending_(tiles), open_tiles_(tiles) {
+TileScheduler::TileScheduler(std::vector<PixelRect> tiles, int tile_size,
+                             const CoordinatorOptions& options)
+    : options_(options),
+      rects_(std::move(tiles)),
+      tiles_(rects_.size()),
+      costs_(rects_, tile_size),
+      pending_(rects_.size()),
+      open_tiles_(rects_.size()) {
   leases_issued_ = epoch_tag() << (kEpochShift - kCountShift);
   std::iota(pending_.begin(), pending_.end(), 0u);
 }
+
+TileScheduler::TileScheduler(size_t tiles, const CoordinatorOptions& options)
+    : TileScheduler(row_of_pixels(tiles), 1, options) {}
 
 void TileScheduler::restore(const std::vector<uint32_t>& tiles) {
   for (const uint32_t tile : tiles) {
@@ -39,8 +50,9 @@ void TileScheduler::restore(const std::vector<uint32_t>& tiles) {
   std::erase_if(pending_, [this](uint32_t tile) { return tiles_[tile].state == State::done; });
 }
 
-void TileScheduler::join(WorkerId worker) {
-  holders_.try_emplace(worker);
+void TileScheduler::join(WorkerId worker, uint32_t threads) {
+  const auto [holder, fresh] = holders_.try_emplace(worker);
+  if (fresh) threads_ += holder->second.threads = std::max(1u, threads);
   const auto it = vanished_with_.find(worker);
   if (it == vanished_with_.end()) return;
   for (const uint32_t tile : it->second) --tiles_[tile].vanished;
@@ -49,7 +61,13 @@ void TileScheduler::join(WorkerId worker) {
 
 void TileScheduler::set_suspect(WorkerId worker, bool suspect) {
   const auto it = holders_.find(worker);
-  if (it != holders_.end()) it->second.suspect = suspect;
+  if (it == holders_.end() || it->second.suspect == suspect) return;
+  it->second.suspect = suspect;
+  if (suspect) {
+    suspects_.insert(worker);
+  } else {
+    suspects_.erase(worker);
+  }
 }
 
 size_t TileScheduler::held_by(WorkerId worker) const {
@@ -69,7 +87,9 @@ SchedulerEvents TileScheduler::leave(WorkerId worker, LossCause cause, Time now)
     vanished_with_[worker].push_back(lease.tile);
     if (++tiles_[lease.tile].vanished >= kMaxVanished) give_up(lease.tile, events);
   }
-  holders_.erase(worker);
+  threads_ -= it->second.threads;
+  suspects_.erase(worker);
+  holders_.erase(it);
   return events;
 }
 
@@ -94,54 +114,35 @@ bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now, bool 
                      [&](const auto& other) { return has_failed(other.first); });
 }
 
+void TileScheduler::order_pending() {
+  if (!costs_.order_is_due()) return;
+  // What was given out before is wanted first.
+  const auto fresh =
+      std::stable_partition(pending_.begin(), pending_.end(), [this](uint32_t packed) {
+        const TilePiece piece = TilePiece::unpack(packed);
+        return !piece.whole() || tiles_[piece.tile].attempts > 0;
+      });
+  std::deque<uint32_t> tiles(fresh, pending_.end());
+  costs_.put_in_order(tiles);
+  std::copy(tiles.begin(), tiles.end(), fresh);
+}
+
 std::optional<uint32_t> TileScheduler::next_pending(WorkerId worker, Time now, bool busy) {
+  order_pending();
   for (auto it = pending_.begin(); it != pending_.end(); ++it) {
-    const uint32_t tile = *it;
-    if (!may_trace(tiles_[tile], worker, now, busy)) continue;
-    pending_.erase(it);
-    return tile;
-  }
-  return std::nullopt;
-}
-
-std::optional<uint32_t> TileScheduler::next_check(WorkerId worker, Time now, bool busy) {
-  // Where there is other work, those that others are to do are not all looked at each time.
-  constexpr size_t kFew = 64;
-  const size_t most = pending_.empty() ? waiting_checks_.size() : kFew;
-  for (size_t i = 0; i < std::min(most, waiting_checks_.size()); ++i) {
-    const uint32_t tile = waiting_checks_[i];
-    if (!may_trace(tiles_[tile], worker, now, busy)) continue;
-    waiting_checks_.erase(waiting_checks_.begin() + static_cast<ptrdiff_t>(i));
-    return tile;
-  }
-  return std::nullopt;
-}
-
-Time TileScheduler::straggler_age() const {
-  if (durations_.empty()) return options_.lease;
-  std::vector<Time> sorted = durations_;
-  const auto p90 = sorted.begin() + static_cast<ptrdiff_t>(sorted.size() * 9 / 10);
-  std::nth_element(sorted.begin(), p90, sorted.end());
-  const Time limit{static_cast<int64_t>(static_cast<double>(p90->count()) * kStragglerFactor)};
-  return std::max(options_.speculate_after, limit);
-}
-
-std::optional<uint32_t> TileScheduler::next_straggler(WorkerId worker, Time now, bool busy) const {
-  if (live_.empty()) return std::nullopt;
-  const bool within_budget =
-      speculative_ < std::max<uint64_t>(kFreeCopies, tiles_.size() / kTilesPerCopy);
-  // Whoever reports progress for ever and sends nothing holds no tile back for good.
-  const Time overdue = kOverdueLeases * options_.lease;
-  const Time age = within_budget ? std::min(straggler_age(), overdue) : overdue;
-  const Lease* slowest = nullptr;
-  for (const auto& [id, lease] : live_) {
-    const Tile& tile = tiles_[lease.tile];
-    if (lease.worker == worker || tile.leases.size() >= kMaxLeasesOfTile) continue;
+    const TilePiece piece = TilePiece::unpack(*it);
+    const Tile& tile = tiles_[piece.tile];
     if (!may_trace(tile, worker, now, busy)) continue;
-    if (!holders_.at(lease.worker).suspect && now - lease.issued < age) continue;
-    if (!slowest || lease.issued < slowest->issued) slowest = &lease;
+    const size_t left = pending_.size();
+    pending_.erase(it);
+    const size_t busy_threads = live_.size() - waiting_.size();
+    const size_t idle = threads_ - std::min(threads_, busy_threads);
+    if (!piece.whole() || tile.attempts > 0 || left >= idle) return piece.packed();
+    // Not every thread can have one.
+    const uint32_t parts = useful_parts(piece.tile, 2 * idle / left);
+    return parts > 1 ? split(piece.tile, parts) : piece.packed();
   }
-  return slowest ? std::optional(slowest->tile) : std::nullopt;
+  return std::nullopt;
 }
 
 Time TileScheduler::lease_length(const Tile& tile) const {
@@ -184,58 +185,70 @@ size_t TileScheduler::depth(uint32_t threads) const {
 
 std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now, bool busy) {
   const auto it = holders_.find(worker);
-  if (it == holders_.end() || it->second.suspect) return std::nullopt;
-  Holder& holder = it->second;
-  if (isolates(worker)) return std::nullopt;
-  Lease lease;
-  if (const auto check = next_check(worker, now, busy)) {
-    lease.tile = *check;
-    lease.check = true;
-  } else if (const auto next = next_pending(worker, now, busy)) {
-    lease.tile = *next;
-  } else if (const auto straggler = next_straggler(worker, now, busy)) {
-    lease.tile = *straggler;
-    lease.speculative = true;
-    ++speculative_;
-  } else {
-    return std::nullopt;
+  if (it == holders_.end() || it->second.suspect || isolates(worker)) return std::nullopt;
+  if (const auto check = next_check(worker, now, busy)) return give(*check, Why::next, worker, now);
+  if (const auto copy = next_of_suspect(worker, now, busy)) {
+    return give(*copy, Why::copy, worker, now);
   }
-  Tile& tile = tiles_[lease.tile];
-  lease.id = ++leases_issued_ << kCountShift | lease.tile;
+  if (const auto next = next_pending(worker, now, busy)) return give(*next, Why::next, worker, now);
+  return std::nullopt;
+}
+
+Lease TileScheduler::give(uint32_t packed, Why why, WorkerId worker, Time now) {
+  const TilePiece piece = TilePiece::unpack(packed);
+  Tile& tile = tiles_[piece.tile];
+  Lease lease;
+  lease.id = ++leases_issued_ << kCountShift | packed;
+  lease.tile = piece.tile;
   lease.worker = worker;
   lease.issued = now;
   lease.deadline = now + lease_length(tile);
+  lease.speculative = why == Why::copy;
+  if (lease.speculative) ++speculative_;
   if (tile.state == State::done) {
     lease.check = true;
   } else {
-    lease.again = tile.attempts++ > 0 && !lease.speculative;
+    lease.again = tile.attempts++ > 0 && why == Why::next && piece.whole();
     if (lease.again) ++retries_;
     tile.state = State::leased;
   }
-  tile.leases.push_back(lease.id);
-  live_.emplace(lease.id, lease);
-  issued_.emplace(lease.id, worker);
-  holder.leases.push_back(lease.id);
+  hold(lease);
   return lease;
+}
+
+void TileScheduler::hold(const Lease& lease) {
+  Holder& holder = holders_.at(lease.worker);
+  tiles_[lease.tile].leases.push_back(lease.id);
+  live_.emplace(lease.id, lease);
+  issued_.emplace(lease.id, lease.worker);
+  holder.leases.push_back(lease.id);
+  if (holder.leases.size() > holder.threads && !lease.started) waiting_.insert(lease.id);
 }
 
 Lease TileScheduler::drop(LeaseId id) {
   const auto it = live_.find(id);
   const Lease lease = it->second;
   live_.erase(it);
-  std::erase(holders_.at(lease.worker).leases, id);
+  waiting_.erase(id);
+  Holder& holder = holders_.at(lease.worker);
+  std::erase(holder.leases, id);
+  // The next in its queue begins.
+  if (holder.leases.size() >= holder.threads) waiting_.erase(holder.leases[holder.threads - 1]);
   Tile& tile = tiles_[lease.tile];
   std::erase(tile.leases, id);
-  if (tile.leases.empty() && tile.state == State::leased) {
-    tile.state = State::pending;
-    pending_.push_front(lease.tile);
+  const TilePiece piece = lease.piece();
+  const bool wanted = tile.state == State::leased && piece.parts == tile.parts &&
+                      (tile.parts_done >> piece.part & 1) == 0;
+  if (wanted && copies_of(piece.packed()) == 0) {
+    if (piece.whole()) tile.state = State::pending;
+    pending_.push_front(piece.packed());
   }
   if (tile.leases.empty() && checks_.contains(lease.tile)) waiting_checks_.push_front(lease.tile);
   return lease;
 }
 
 size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& held, Time now,
-                             SchedulerEvents& events) {
+                             SchedulerEvents& events, bool leaves) {
   size_t foreign = 0;
   bool grew = false;
   std::map<LeaseId, LeaseProgress> by_id;
@@ -262,7 +275,7 @@ size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& 
     const auto it = by_id.find(id);
     if (it == by_id.end()) {
       // The assignment or its result was lost on the way.
-      if (now - lease.issued >= options_.settle) drop(id);
+      if (leaves || now - lease.issued >= options_.settle) drop(id);
       continue;
     }
     const bool renewed = it->second.work_done > lease.work_done ||
@@ -270,6 +283,7 @@ size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& 
     if (renewed) lease.deadline = now + lease_length(tiles_[lease.tile]);
     lease.work_done = std::max(lease.work_done, it->second.work_done);
     lease.started |= it->second.started;
+    if (lease.started) waiting_.erase(id);
   }
   return foreign;
 }
@@ -289,7 +303,9 @@ bool TileScheduler::adopt(LeaseId lease, WorkerId worker) {
 void TileScheduler::go_on(const LeaseProgress& progress, WorkerId worker, Time now) {
   const uint32_t index = tile_of(progress.lease);
   Tile& tile = tiles_[index];
-  if (tile.state != State::pending || !may_trace(tile, worker, now, false)) return;
+  // Parts are no longer known; what comes of one is still taken.
+  const bool whole = TilePiece::of(progress.lease).whole();
+  if (!whole || tile.state != State::pending || !may_trace(tile, worker, now, false)) return;
   std::erase(pending_, index);
   Lease lease{.id = progress.lease, .tile = index, .worker = worker, .issued = now};
   lease.deadline = now + lease_length(tile);
@@ -297,18 +313,18 @@ void TileScheduler::go_on(const LeaseProgress& progress, WorkerId worker, Time n
   lease.started = progress.started;
   ++tile.attempts;
   tile.state = State::leased;
-  tile.leases.push_back(lease.id);
-  live_.emplace(lease.id, lease);
-  holders_.at(worker).leases.push_back(lease.id);
+  hold(lease);
 }
 
 SchedulerEvents TileScheduler::complete(uint32_t index, LeaseId by, Time now) {
   SchedulerEvents events;
   Tile& tile = tiles_[index];
   if (tile.state == State::done) return events;
-  if (tile.state == State::pending) std::erase(pending_, index);
+  forget_pending(index);
   if (tile.state != State::given_up) --open_tiles_;
   tile.state = State::done;
+  tile.parts = 1;
+  tile.parts_done = 0;
   const std::vector<LeaseId> leases = tile.leases;
   for (const LeaseId id : leases) {
     const Lease lease = drop(id);
@@ -317,10 +333,20 @@ SchedulerEvents TileScheduler::complete(uint32_t index, LeaseId by, Time now) {
       continue;
     }
     events.took = now - lease.issued;
-    if (durations_.size() < kDurationsKept) durations_.push_back(*events.took);
-    lately_ = lately_ ? (*lately_ * 7 + *events.took) / 8 : *events.took;
+    if (lease.piece().whole()) {
+      if (durations_.size() < kDurationsKept) durations_.push_back(*events.took);
+      lately_ = lately_ ? (*lately_ * 7 + *events.took) / 8 : *events.took;
+    }
   }
   return events;
+}
+
+void TileScheduler::forget_pending(uint32_t index) {
+  const Tile& tile = tiles_[index];
+  if (tile.state == State::pending) std::erase(pending_, index);
+  if (!tile.split()) return;
+  std::erase_if(pending_,
+                [index](uint32_t packed) { return TilePiece::unpack(packed).tile == index; });
 }
 
 SchedulerEvents TileScheduler::fail(LeaseId id, WorkerId worker, Time now) {
@@ -329,89 +355,6 @@ SchedulerEvents TileScheduler::fail(LeaseId id, WorkerId worker, Time now) {
   if (it == live_.end() || it->second.worker != worker) return events;
   blame(drop(id).tile, worker, now, events);
   return events;
-}
-
-SchedulerEvents TileScheduler::dispute(uint32_t index, WorkerId one, WorkerId other, Time now) {
-  SchedulerEvents events;
-  Tile& tile = tiles_[index];
-  if (tile.disputed_by.empty()) disputed_.push_back(index);
-  tile.disputed_by.insert(tile.disputed_by.end(), {one, other});
-  tile.disputed_at = now;
-  forget_check(index);
-  const std::vector<LeaseId> leases = tile.leases;
-  for (const LeaseId id : leases) events.cancelled.push_back(drop(id));
-  if (tile.state == State::done) {
-    tile.state = State::pending;
-    pending_.push_front(index);
-    ++open_tiles_;
-  }
-  return events;
-}
-
-void TileScheduler::forget_dispute(uint32_t index) {
-  tiles_[index].disputed_by.clear();
-  std::erase(disputed_, index);
-}
-
-void TileScheduler::want_check(uint32_t index, std::vector<WorkerId> traced_by) {
-  if (tiles_[index].state != State::done || checks_.contains(index)) return;
-  checks_.emplace(index, std::move(traced_by));
-  waiting_checks_.push_back(index);
-}
-
-void TileScheduler::forget_check(uint32_t index) {
-  if (checks_.erase(index) > 0) std::erase(waiting_checks_, index);
-}
-
-SchedulerEvents TileScheduler::check_done(uint32_t index, LeaseId by) {
-  SchedulerEvents events;
-  if (!checks_.contains(index)) return events;
-  forget_check(index);
-  if (by != 0) ++verified_;
-  const std::vector<LeaseId> leases = tiles_[index].leases;
-  for (const LeaseId id : leases) {
-    const Lease lease = drop(id);
-    if (id != by) events.cancelled.push_back(lease);
-  }
-  return events;
-}
-
-SchedulerEvents TileScheduler::requeue(uint32_t index) {
-  SchedulerEvents events;
-  Tile& tile = tiles_[index];
-  if (tile.state != State::done) return events;
-  events = check_done(index, 0);
-  tile.state = State::pending;
-  pending_.push_front(index);
-  ++open_tiles_;
-  return events;
-}
-
-size_t TileScheduler::abandon_checks(Time now) {
-  // Whoever is there has traced them, or is stuck.
-  if (open_tiles_ > 0 || waiting_checks_.empty() || !live_.empty()) {
-    uncheckable_since_.reset();
-    return 0;
-  }
-  if (!uncheckable_since_) uncheckable_since_ = now;
-  if (now - *uncheckable_since_ < options_.lease) return 0;
-  const size_t count = waiting_checks_.size();
-  unverified_ += count;
-  for (const uint32_t tile : waiting_checks_) checks_.erase(tile);
-  waiting_checks_.clear();
-  return count;
-}
-
-std::optional<uint32_t> TileScheduler::undecided(Time now) const {
-  const auto it = std::find_if(disputed_.begin(), disputed_.end(), [&](uint32_t index) {
-    const Tile& tile = tiles_[index];
-    if (tile.state != State::pending || now - tile.disputed_at < options_.lease) return false;
-    // Who could decide may be busy.
-    return std::none_of(holders_.begin(), holders_.end(), [&](const auto& holder) {
-      return std::count(tile.disputed_by.begin(), tile.disputed_by.end(), holder.first) == 0;
-    });
-  });
-  return it == disputed_.end() ? std::nullopt : std::optional(*it);
 }
 
 bool TileScheduler::issued(LeaseId lease, WorkerId worker) const {
@@ -433,6 +376,7 @@ SchedulerEvents TileScheduler::expire(Time now) {
 }
 
 void TileScheduler::blame(uint32_t index, WorkerId worker, Time now, SchedulerEvents& events) {
+  merge(index, events);
   Tile& tile = tiles_[index];
   events.blamed.push_back(worker);
   tile.failed_by.push_back(worker);
@@ -448,6 +392,7 @@ void TileScheduler::give_up(uint32_t index, SchedulerEvents& events) {
     return forget_check(index);
   }
   if (tile.state == State::given_up) return;
+  merge(index, events);
   if (tile.state == State::pending) std::erase(pending_, index);
   tile.state = State::given_up;
   --open_tiles_;

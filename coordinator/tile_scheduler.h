@@ -4,19 +4,19 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
 #include "base/monotonic.h"
 #include "coordinator/coordinator_options.h"
+#include "coordinator/tile_costs.h"
+#include "coordinator/tile_piece.h"
 
 namespace tessera {
 
-using WorkerId = uint64_t;
-using LeaseId = uint64_t;
-
-/// The right, for a time, to trace one tile.
+/// The right, for a time, to trace one tile, or a part of it.
 struct Lease {
   LeaseId id = 0;
   uint32_t tile = 0;
@@ -27,6 +27,8 @@ struct Lease {
   bool speculative = false;
   bool check = false;  ///< of a tile whose pixels are there
   bool again = false;  ///< replaces one that came to nothing
+
+  TilePiece piece() const { return TilePiece::of(id); }
 };
 
 /// One lease as its worker reports it.
@@ -45,46 +47,64 @@ enum class LossCause {
 
 /// What else follows from a call.
 struct SchedulerEvents {
-  std::vector<Lease> cancelled;    ///< wanted no longer: tell their workers
-  std::vector<uint32_t> given_up;  ///< tiles that failed too often
-  std::vector<WorkerId> blamed;    ///< workers that failed a tile, once for each
-  std::optional<Time> took{};      ///< what completed, from its assignment on
+  std::vector<Lease> cancelled;     ///< wanted no longer: tell their workers
+  std::optional<Lease> recalled{};  ///< given to another, unless its worker has begun with it
+  std::vector<uint32_t> given_up;   ///< tiles that failed too often
+  std::vector<WorkerId> blamed;     ///< workers that failed a tile, once for each
+  std::optional<Time> took{};       ///< what completed, from its assignment on
 };
 
 /// Which tile of a job goes to whom. A tile is pending, leased (by one worker or two), done or
 /// given up. Its lease is renewed by progress alone; a tile whose lease ends goes back to the front
 /// of the queue. A tile that failed is tried by other workers as long as there are any, and only by
-/// workers that hold nothing else, so that the next failure blames the right one. Plain values; no
-/// clock.
+/// workers that hold nothing else, so that the next failure blames the right one.
+///
+/// Costly tiles come first (TileCosts). At the end of the queue, what waits in one worker's queue
+/// is given to another that has nothing to do, and large tiles are split into strips for several:
+/// each is leased by itself, and the tile is done when all its rows are there, whoever traced them.
+/// A tile that fails is whole again. Plain values; no clock.
 class TileScheduler {
  public:
+  /// Tiles of the grid of that size, as cut_tiles() orders them.
+  TileScheduler(std::vector<PixelRect> tiles, int tile_size, const CoordinatorOptions& options);
+  /// So many tiles of one pixel each.
   TileScheduler(size_t tiles, const CoordinatorOptions& options);
 
-  /// These were done before the job was taken up again. To be called first.
+  /// These are done though nobody was given them: before the job was taken up again, say.
   void restore(const std::vector<uint32_t>& tiles);
-  /// From now on the worker may hold tiles. If it had vanished, no tile was the cause of it.
-  void join(WorkerId worker);
+  /// The tile is never split: another worker than that of each part would be wanted to check it.
+  void keep_whole(uint32_t tile) { tiles_[tile].kept_whole = true; }
+  /// From now on the worker may hold tiles, of which it traces `threads` at a time in the order in
+  /// which it got them. If it had vanished, no tile was the cause of it.
+  void join(WorkerId worker, uint32_t threads = 1);
   /// It may no more; what it held is pending again.
   SchedulerEvents leave(WorkerId worker, LossCause cause, Time now);
-  /// A suspect gets no work, and others get copies of what it holds.
+  /// A suspect gets no work, and others get copies of what it holds, before all else.
   void set_suspect(WorkerId worker, bool suspect);
 
-  /// A tile for this worker: the next pending one or, where there is none, a second copy of one
-  /// that takes long elsewhere. `busy`: it holds tiles of other jobs.
+  /// A tile for this worker: a copy of a suspect's, or the next pending one. `busy`: it holds tiles
+  /// of other jobs.
   std::optional<Lease> assign(WorkerId worker, Time now, bool busy = false);
   /// How many tiles a worker of that many threads should hold: one for each, and some that wait,
   /// so that no thread waits for the network. While tiles come back at once and many are left, more
   /// wait, and go back several at a time: each trip costs the machine as much as tracing some
   /// pixels.
   size_t depth(uint32_t threads) const;
+  /// Where no tile is pending in any job: what another worker has not begun, if this one is `idle`,
+  /// or a second copy of one that takes long elsewhere.
+  std::optional<Lease> assign_at_end(WorkerId worker, Time now, bool busy, bool idle,
+                                     SchedulerEvents& events);
   /// Whether the worker holds a tile that failed before: beside that, nothing else runs.
   bool isolates(WorkerId worker) const;
   /// All leases that the worker holds, as of now. Returns how many of them are not ours any more
   /// yet still take up the worker; those of finished tiles are cancelled.
+  /// `leaves`: it gives back all that it does not list.
   size_t report(WorkerId worker, const std::vector<LeaseProgress>& held, Time now,
-                SchedulerEvents& events);
+                SchedulerEvents& events, bool leaves = false);
   /// All pixels of the tile are there, the last of them by `lease`, which may be none of ours.
   SchedulerEvents complete(uint32_t tile, LeaseId lease, Time now);
+  /// All pixels of that part of a tile are there, the last of them by `lease`.
+  SchedulerEvents complete_part(LeaseId lease);
   /// The worker could not trace the tile of this lease.
   SchedulerEvents fail(LeaseId lease, WorkerId worker, Time now);
   /// Two workers traced the tile and got different pixels: neither counts, and neither gets the
@@ -113,6 +133,11 @@ class TileScheduler {
   /// Takes a lease for issued that a coordinator before us gave, on the same store: what was traced
   /// under it is as good. False where it cannot be one.
   bool adopt(LeaseId lease, WorkerId worker);
+  /// Nobody has it or ever had it.
+  bool untouched(uint32_t tile) const {
+    return tiles_[tile].state == State::pending && tiles_[tile].attempts == 0 &&
+           tiles_[tile].disputed_by.empty();
+  }
   bool finished() const { return open_tiles_ == 0 && checks_.empty(); }
   size_t held_by(WorkerId worker) const;
   bool has_pending() const { return !pending_.empty() || !waiting_checks_.empty(); }
@@ -133,7 +158,13 @@ class TileScheduler {
   uint64_t unverified() const { return unverified_; }
 
   /// The tile that a lease, live or not, was for.
-  static uint32_t tile_of(LeaseId lease) { return static_cast<uint32_t>(lease); }
+  static uint32_t tile_of(LeaseId lease) { return TilePiece::of(lease).tile; }
+  TileCosts& costs() { return costs_; }
+  const TileCosts& costs() const { return costs_; }
+  /// Tiles that were split at the end of the queue, and what moved to an idle worker before another
+  /// had begun with it.
+  uint64_t split_tiles() const { return split_tiles_; }
+  uint64_t moved() const { return moved_; }
 
  private:
   enum class State : uint8_t { pending, leased, done, given_up };
@@ -146,16 +177,40 @@ class TileScheduler {
     Time failed_at{};
     std::vector<WorkerId> disputed_by;
     Time disputed_at{};
+    bool kept_whole = false;
+    uint32_t parts = 1;       ///< that it is split into
+    uint64_t parts_done = 0;  ///< bits
+    bool split() const { return parts > 1; }
   };
   struct Holder {
+    uint32_t threads = 1;
     bool suspect = false;
-    std::vector<LeaseId> leases;
+    std::vector<LeaseId> leases;  ///< in the order in which they were given
   };
 
   bool may_trace(const Tile& tile, WorkerId worker, Time now, bool busy) const;
+  // Each finds the packed TilePiece that is next.
   std::optional<uint32_t> next_pending(WorkerId worker, Time now, bool busy);
   std::optional<uint32_t> next_check(WorkerId worker, Time now, bool busy);
+  std::optional<uint32_t> next_of_suspect(WorkerId worker, Time now, bool busy) const;
   std::optional<uint32_t> next_straggler(WorkerId worker, Time now, bool busy) const;
+  /// A tile that waits in another's queue, or a part of it; the rest is pending then.
+  std::optional<uint32_t> take_waiting(WorkerId worker, Time now, bool busy,
+                                       SchedulerEvents& events);
+  enum class Why { next, copy, moved };
+  Lease give(uint32_t piece, Why why, WorkerId worker, Time now);
+  void hold(const Lease& lease);
+  /// Takes the tile, or what of it is pending, out of the queue.
+  void forget_pending(uint32_t tile);
+  size_t copies_of(uint32_t piece) const;
+  /// How many parts a tile that is whole should be split into; 1: none.
+  uint32_t useful_parts(uint32_t tile, size_t most) const;
+  /// Splits a tile that nobody holds and that is not pending; but for the first part, which is
+  /// returned, all are pending.
+  uint32_t split(uint32_t tile, uint32_t parts);
+  /// The tile is whole again, and pending if it is not done.
+  void merge(uint32_t tile, SchedulerEvents& events);
+  void order_pending();
   void forget_check(uint32_t tile);
   /// The worker goes on with a tile of adopt().
   void go_on(const LeaseProgress& progress, WorkerId worker, Time now);
@@ -168,8 +223,10 @@ class TileScheduler {
   void give_up(uint32_t tile, SchedulerEvents& events);
 
   CoordinatorOptions options_;
+  std::vector<PixelRect> rects_;
   std::vector<Tile> tiles_;
-  std::deque<uint32_t> pending_;
+  TileCosts costs_;
+  std::deque<uint32_t> pending_;  ///< packed pieces
   std::map<LeaseId, Lease> live_;
   std::unordered_map<LeaseId, WorkerId> issued_;      ///< all there ever were
   std::vector<uint32_t> disputed_;                    ///< tiles
@@ -177,11 +234,15 @@ class TileScheduler {
   std::deque<uint32_t> waiting_checks_;               ///< those that no lease is for
   std::optional<Time> uncheckable_since_;
   std::map<WorkerId, Holder> holders_;
+  std::set<WorkerId> suspects_;  ///< of holders_
+  std::set<LeaseId> waiting_;    ///< live ones beyond the threads of their holders
+  size_t threads_ = 0;           ///< of holders_
   std::map<WorkerId, std::vector<uint32_t>> vanished_with_;
   std::vector<Time> durations_;  ///< of completed leases, the first ones
   std::optional<Time> lately_;   ///< how long these take now
   size_t open_tiles_, adopted_ = 0;
-  uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0, verified_ = 0, unverified_ = 0;
+  uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0, late_copies_ = 0, verified_ = 0,
+           unverified_ = 0, split_tiles_ = 0, moved_ = 0;
 };
 
 }  // namespace tessera

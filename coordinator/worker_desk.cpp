@@ -123,9 +123,11 @@ void WorkerDesk::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbe
     held[entry.job()].push_back({entry.lease(), entry.work_done(), entry.started()});
   }
   worker.foreign = 0;
+  worker.leaves = heartbeat.leaves();
   for (ActiveJob* job : jobs_.running()) {
     SchedulerEvents events;
-    worker.foreign += job->scheduler().report(worker.id, held[job->id()], now, events);
+    worker.foreign +=
+        job->scheduler().report(worker.id, held[job->id()], now, events, heartbeat.leaves());
     held.erase(job->id());
     act(*job, events, now);
   }
@@ -175,7 +177,8 @@ void WorkerDesk::on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Tim
   // Not a number fails the comparison, and is left out.
   double& longest = job->report().build_seconds;
   if (ready.build_seconds() > longest) longest = ready.build_seconds();
-  job->scheduler().join(worker.id);
+  job->scheduler().join(worker.id, worker.hello.threads());
+  if (ready.has_unseen()) job->fill_unseen(ready.unseen(), worker.id);
   fill(worker, now);
 }
 
@@ -202,9 +205,17 @@ void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBan
   if (result.duplicate_tile) ++job.report().duplicates;
   if (result.duplicate_tile) ++counters_.duplicates;
   if (result.mismatch) return on_mismatch(job, std::move(*result.mismatch), now);
-  act(job, job.note_band(band, worker.id, was_complete), now);
-  if (result.completed_tile) on_completed(worker, job, band.lease(), now);
-  if (band.last()) fill(worker, now);
+  const SchedulerEvents events = job.note_band(band, worker.id, was_complete);
+  if (result.completed_tile) {
+    // Before anybody is given what may be this very tile.
+    on_completed(worker, job, band.lease(), now);
+  } else {
+    act(job, events, now);
+  }
+  if (!band.last()) return;
+  fill(worker, now);
+  // It may have split what another had.
+  if (job.scheduler().has_pending()) fill_hungry(now);
 }
 
 void WorkerDesk::on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId lease, Time now) {

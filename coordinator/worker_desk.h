@@ -3,6 +3,7 @@
 #include <sys/types.h>
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -64,7 +65,13 @@ class WorkerDesk {
   void look_at_jobs(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now);
   void tell(WorkerRecord& worker, const ActiveJob& job, Time now);
   void fill(WorkerRecord& worker, Time now);
+  /// Those that had room when there was nothing for them.
+  void fill_hungry(Time now);
   bool give_tile(WorkerRecord& worker, Time now);
+  bool give_at_end(WorkerRecord& worker, const std::vector<ActiveJob*>& jobs, Time now);
+  void give(WorkerRecord& worker, ActiveJob& job, const Lease& lease, Time now);
+  /// Takes it back from its worker, unless that has begun.
+  void recall(const ActiveJob& job, const Lease& lease);
   size_t held_by(const WorkerRecord& worker) const;
 
   void lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now);
@@ -79,6 +86,7 @@ class WorkerDesk {
   std::vector<Outgoing> outgoing_;
   std::vector<pid_t> stuck_;
   FarmSnapshot::Counters counters_;
+  std::set<WorkerId> hungry_;
   bool draining_ = false;
 };
 

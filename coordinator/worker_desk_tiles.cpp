@@ -1,5 +1,6 @@
 // Who gets which tile: the other half of WorkerDesk.
 #include <algorithm>
+#include <utility>
 
 #include "base/log.h"
 #include "coordinator/worker_desk.h"
@@ -22,12 +23,63 @@ void WorkerDesk::fill(Time now) {
   for (WorkerRecord* worker : workers_.present()) fill(*worker, now);
 }
 
+void WorkerDesk::fill_hungry(Time now) {
+  const std::vector<ActiveJob*> jobs = jobs_.running();
+  const auto any_pending = [&jobs] {
+    return std::any_of(jobs.begin(), jobs.end(),
+                       [](const ActiveJob* job) { return job->scheduler().has_pending(); });
+  };
+  // There may be thousands, and one tile.
+  std::set<WorkerId> hungry = std::exchange(hungry_, {});
+  while (!hungry.empty() && any_pending()) {
+    const WorkerId id = hungry.extract(hungry.begin()).value();
+    if (WorkerRecord* worker = workers_.by_id(id)) fill(*worker, now);
+  }
+  hungry_.merge(hungry);
+}
+
 void WorkerDesk::fill(WorkerRecord& worker, Time now) {
-  if (worker.foreign > 0 || worker.state != WorkerState::active) return;
+  if (worker.foreign > 0 || worker.leaves || worker.state != WorkerState::active) return;
   if (draining_ || !jobs_.store_trouble().empty()) return;
   while (held_by(worker) < worker.hello.credit()) {
-    if (!give_tile(worker, now)) return;
+    if (give_tile(worker, now)) continue;
+    hungry_.insert(worker.id);
+    return;
   }
+}
+
+bool WorkerDesk::give_at_end(WorkerRecord& worker, const std::vector<ActiveJob*>& jobs, Time now) {
+  const size_t held = held_by(worker);
+  for (ActiveJob* job : jobs) {
+    if (job->ended() || !worker.ready_for(job->id())) continue;
+    TileScheduler& scheduler = job->scheduler();
+    SchedulerEvents events;
+    const bool idle = held < worker.hello.threads();
+    const auto lease =
+        scheduler.assign_at_end(worker.id, now, held > scheduler.held_by(worker.id), idle, events);
+    if (events.recalled) recall(*job, *events.recalled);
+    if (!lease) continue;
+    give(worker, *job, *lease, now);
+    return true;
+  }
+  return false;
+}
+
+void WorkerDesk::recall(const ActiveJob& job, const Lease& lease) {
+  const WorkerRecord* holder = workers_.by_id(lease.worker);
+  if (!holder) return;
+  hungry_.insert(lease.worker);
+  v1::CancelTile& cancel = *send(holder->peer).mutable_cancel_tile();
+  cancel.set_lease(lease.id);
+  cancel.set_job(job.id());
+  cancel.set_unless_started(true);
+}
+
+void WorkerDesk::give(WorkerRecord& worker, ActiveJob& job, const Lease& lease, Time now) {
+  if (lease.speculative) ++counters_.speculative;
+  if (lease.again) ++counters_.retries;
+  job.note_assignment(now);
+  *send(worker.peer).mutable_assign() = job.assignment(lease);
 }
 
 bool WorkerDesk::give_tile(WorkerRecord& worker, Time now) {
@@ -40,34 +92,37 @@ bool WorkerDesk::give_tile(WorkerRecord& worker, Time now) {
   // It builds one scene at a time.
   bool builds = std::any_of(worker.jobs.begin(), worker.jobs.end(),
                             [](const auto& known) { return !known.second.ready; });
+  bool full = false;
   for (ActiveJob* job : jobs) {
     if (job->ended() || job->scene_failed_at(worker.id)) continue;
     if (worker.ready_for(job->id())) {
       TileScheduler& scheduler = job->scheduler();
-      if (held >= scheduler.depth(worker.hello.threads())) continue;
+      if (held >= scheduler.depth(worker.hello.threads())) {
+        full = true;
+        continue;
+      }
       const auto lease = scheduler.assign(worker.id, now, held > scheduler.held_by(worker.id));
       if (!lease) continue;
-      if (lease->speculative) ++counters_.speculative;
-      if (lease->again) ++counters_.retries;
-      job->note_assignment(now);
-      *send(worker.peer).mutable_assign() = job->assignment(*lease);
+      give(worker, *job, *lease, now);
       return true;
     }
     if (builds || worker.jobs.contains(job->id()) || worker.jobs.size() >= kJobsOfWorker) continue;
     tell(worker, *job, now);
     builds = true;
   }
-  return false;
+  return !full && give_at_end(worker, jobs, now);
 }
 
 void WorkerDesk::follow(const JobTable::Changes& changes, Time now) {
+  // As after nearly every message, while there may be thousands of workers.
+  if (changes.ended.empty() && changes.begun.empty()) return;
   for (WorkerRecord* worker : workers_.present()) {
     for (const uint64_t job : changes.ended) {
       if (worker->jobs.erase(job) > 0) send(worker->peer).mutable_cancel_job()->set_job(job);
     }
     for (ActiveJob* job : changes.begun) job->note_worker(worker->id);
   }
-  if (!changes.ended.empty() || !changes.begun.empty()) fill(now);
+  fill(now);
 }
 
 void WorkerDesk::act(ActiveJob& job, const SchedulerEvents& events, Time now) {
@@ -85,10 +140,14 @@ void WorkerDesk::act(ActiveJob& job, const SchedulerEvents& events, Time now) {
     spdlog::error("tile {} is given up: it failed too often", tile);
   }
   for (const WorkerId id : events.blamed) {
+    hungry_.insert(id);
     WorkerRecord* worker = workers_.by_id(id);
     if (worker) judge_failures(*worker, now);
   }
-  if (!events.cancelled.empty() || job.scheduler().has_pending()) fill(now);
+  for (const Lease& lease : events.cancelled) {
+    if (WorkerRecord* worker = workers_.by_id(lease.worker)) fill(*worker, now);
+  }
+  if (job.scheduler().has_pending()) fill_hungry(now);
 }
 
 }  // namespace tessera

@@ -12,6 +12,7 @@ namespace {
 
 constexpr size_t kMaxText = 256;
 constexpr uint32_t kMaxCredit = 8192;
+constexpr uint32_t kMaxThreads = 1024;  // of one worker, that count
 /// More than this at once are refused: ids cost nothing to make up.
 constexpr size_t kMaxWorkers = 16384;
 // Lost workers that are remembered, so that late results are known for whose they are.
@@ -98,6 +99,7 @@ WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hel
     worker.came = now;
     worker.jobs.clear();
     worker.foreign = 0;
+    worker.leaves = false;
   }
   return {&worker, anew};
 }
@@ -176,6 +178,14 @@ std::vector<WorkerRecord*> WorkerRegistry::present() {
     if (worker.state != WorkerState::lost) result.push_back(&worker);
   }
   return result;
+}
+
+uint32_t WorkerRegistry::present_threads() const {
+  uint32_t threads = 0;
+  for (const auto& [id, worker] : workers_) {
+    if (worker.state != WorkerState::lost) threads += std::min(worker.hello.threads(), kMaxThreads);
+  }
+  return threads;
 }
 
 int WorkerRegistry::present_count() const {

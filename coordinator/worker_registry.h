@@ -37,6 +37,7 @@ struct WorkerRecord {
   double tile_seconds = 0;            ///< from assignment to completion, sum over those
   uint64_t bytes_results = 0;         ///< of pixels, as they came
   uint64_t resident_bytes = 0;        ///< as it said last
+  bool leaves = false;                ///< it takes no more tiles
   size_t foreign = 0;                 ///< tiles that keep it busy though they are no longer its own
 
   bool ready_for(uint64_t job) const;
@@ -79,6 +80,8 @@ class WorkerRegistry {
   /// Those not lost.
   std::vector<WorkerRecord*> present();
   int present_count() const;
+  /// That those trace with.
+  uint32_t present_threads() const;
   const std::map<WorkerId, WorkerRecord>& all() const { return workers_; }
 
  private:

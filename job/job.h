@@ -44,6 +44,9 @@ struct JobReport {
   uint64_t tiles_restored = 0;  ///< of those, kept from before
   uint64_t retries = 0;         ///< assignments beyond the first that replaced a lost one
   uint64_t speculative = 0;     ///< second copies issued at the end of the queue
+  uint64_t filled = 0;          ///< tiles that look past everything, completed without tracing
+  uint64_t split = 0;           ///< tiles given out in parts at the end of the queue
+  uint64_t moved = 0;           ///< tiles, or parts, given to an idle worker before another began
   uint64_t duplicates = 0;      ///< results that came for a tile already done
   uint64_t mismatches = 0;      ///< of those, not equal bit for bit
   uint64_t verified = 0;        ///< chosen tiles that a second worker traced to the same bits

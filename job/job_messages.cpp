@@ -9,12 +9,15 @@ namespace tessera {
 namespace {
 
 using Total = uint64_t JobReport::*;
-constexpr std::array<std::pair<const char*, Total>, 15> kTotals = {{
+constexpr std::array<std::pair<const char*, Total>, 18> kTotals = {{
     {"tiles_total", &JobReport::tiles_total},
     {"tiles_done", &JobReport::tiles_done},
     {"tiles_restored", &JobReport::tiles_restored},
     {"retries", &JobReport::retries},
     {"speculative", &JobReport::speculative},
+    {"filled", &JobReport::filled},
+    {"split", &JobReport::split},
+    {"moved", &JobReport::moved},
     {"duplicates", &JobReport::duplicates},
     {"mismatches", &JobReport::mismatches},
     {"verified", &JobReport::verified},

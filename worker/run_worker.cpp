@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <random>
 #include <utility>
 #include <variant>
@@ -61,12 +62,17 @@ class WorkerLoop {
         loader_(options.cache, [&transport] { transport.wake(); }),
         session_(session_options(options), monotonic_now()),
         threads_(options.threads),
-        idle_timeout_(options.idle_timeout) {}
+        idle_timeout_(options.idle_timeout),
+        drain_(options.drain) {}
 
   WorkerEnd run(const std::atomic<bool>& stop) {
     while (true) {
       if (perform()) break;
-      if (stop) {
+      if (stop && !drain_until_) {
+        drain_until_ = monotonic_now() + drain_;
+        session_.drain(monotonic_now());
+      }
+      if (drain_until_ && (session_.drained() || monotonic_now() >= *drain_until_)) {
         session_.leave("stopped");
         perform();
         break;
@@ -182,6 +188,8 @@ class WorkerLoop {
   Time idle_timeout_;
   Time last_work_ = monotonic_now();
   int underway_ = 0;  ///< builds and traces that have not come back
+  Time drain_;
+  std::optional<Time> drain_until_;
   bool told_welcome_ = false;
   std::string told_trouble_;
 };

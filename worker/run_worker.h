@@ -22,6 +22,8 @@ using TileRendererFactory = std::function<std::shared_ptr<const TileRenderer>(
 
 struct WorkerOptions {
   int threads = 1;
+  /// Told to stop, how long what is being traced may take.
+  Time drain = std::chrono::seconds(25);
   /// Ends after so long without a word from the coordinator; Time::max(): never.
   Time orphan_timeout = std::chrono::seconds(60);
   /// Ends (done) after so long without anything to build, trace or fetch; Time::max(): never.
@@ -50,7 +52,8 @@ bool die_with_parent(pid_t parent);
 
 /// Works for the coordinator behind `transport` until that says to end, refuses this worker
 /// (bad_usage), stays silent too long (render_failed), there is nothing to do for too long (done),
-/// or `stop` is set (done: the coordinator is told). A running tile is then given back.
+/// or `stop` is set (done): tiles that it has not begun are given back at once, the others once
+/// they are traced or that took too long.
 WorkerEnd run_worker(ClientTransport& transport, const WorkerOptions& options,
                      const std::atomic<bool>& stop);
 

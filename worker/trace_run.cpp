@@ -2,12 +2,26 @@
 
 #include <fmt/format.h>
 
+#include <time.h>
+
 #include <exception>
 #include <utility>
 
+#include "base/monotonic.h"
 #include "proto/wire/pixels.h"
 
 namespace tessera {
+
+namespace {
+
+/// What this thread has computed: others on the machine do not count.
+Time thread_time() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
+}  // namespace
 
 TraceOutcome trace(std::shared_ptr<TraceRun> run) {
   TraceOutcome outcome;
@@ -17,6 +31,7 @@ TraceOutcome trace(std::shared_ptr<TraceRun> run) {
     return outcome;
   }
   run->started = true;
+  const Time began = thread_time();
   try {
     const auto pixels = run->renderer->render(run->task, run->progress);
     if (!pixels) {
@@ -32,6 +47,8 @@ TraceOutcome trace(std::shared_ptr<TraceRun> run) {
     }
     outcome.bands = encode_bands(pixels->values, rect.width(), rect.y0, run->compress);
     v1::TileBand& last = outcome.bands.back();
+    // Above 0, which would say that it is not known.
+    last.set_trace_microseconds(1 + static_cast<uint64_t>((thread_time() - began).count() / 1000));
     for (const auto& [name, value] : pixels->counters) {
       (*last.mutable_counters()->mutable_values())[name] = value;
     }

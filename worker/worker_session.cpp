@@ -61,6 +61,16 @@ void WorkerSession::say_hello(Time now) {
   hello_pause_ = std::min(hello_pause_ * 2, kLongestHelloPause);
 }
 
+void WorkerSession::drain(Time now) {
+  leaves_ = true;
+  std::erase_if(runs_, [](const auto& entry) {
+    if (entry.second->started) return false;
+    entry.second->progress.cancelled = true;
+    return true;
+  });
+  if (welcomed_) send_heartbeat(now);
+}
+
 void WorkerSession::leave(const std::string& reason) {
   for (auto& [lease, run] : runs_) run->progress.cancelled = true;
   runs_.clear();
@@ -252,6 +262,18 @@ void WorkerSession::send_ready(const Job& job) {
   for (const auto& [name, value] : job.renderer->build_counters()) {
     (*ready.mutable_counters()->mutable_values())[name] = value;
   }
+  const auto unseen = job.renderer->unseen(job.start.frame().samples_per_pixel());
+  if (!unseen) return;
+  v1::SceneReady::Unseen& told = *ready.mutable_unseen();
+  v1::PixelRect& seen = *told.mutable_seen();
+  seen.set_x0(unseen->seen.x0);
+  seen.set_y0(unseen->seen.y0);
+  seen.set_x1(unseen->seen.x1);
+  seen.set_y1(unseen->seen.y1);
+  for (const float channel : unseen->one_pixel.values) told.add_value(channel);
+  for (const auto& [name, value] : unseen->one_pixel.counters) {
+    (*told.mutable_counters()->mutable_values())[name] = value;
+  }
 }
 
 void WorkerSession::on_built(BuildOutcome outcome, Time) {
@@ -272,7 +294,7 @@ void WorkerSession::on_built(BuildOutcome outcome, Time) {
 
 void WorkerSession::on_assign(const v1::Assign& assign) {
   const auto job = jobs_.find(assign.job());
-  if (job == jobs_.end() || !job->second.renderer ||
+  if (leaves_ || job == jobs_.end() || !job->second.renderer ||
       runs_.contains({assign.job(), assign.lease()}) ||
       runs_.size() >= kCreditSlack * options_.hello.credit()) {
     return;
@@ -297,13 +319,16 @@ void WorkerSession::on_assign(const v1::Assign& assign) {
 void WorkerSession::on_cancel_tile(const v1::CancelTile& cancel) {
   const auto it = runs_.find({cancel.job(), cancel.lease()});
   if (it == runs_.end()) return;
+  if (cancel.unless_started() && it->second->started) return;
   it->second->progress.cancelled = true;
   // What runs is held until it has really stopped.
   if (!it->second->started) runs_.erase(it);
 }
 
-void WorkerSession::on_traced(TraceOutcome outcome, Time) {
+void WorkerSession::on_traced(TraceOutcome outcome, Time now) {
   const TraceRun& run = *outcome.run;
+  // It has room now for what is wanted, which else the coordinator would learn with the next one.
+  if (outcome.cancelled) next_heartbeat_ = std::min(next_heartbeat_, now);
   const auto it = runs_.find({run.job, run.lease});
   // One that is not held any more was of a job that is forgotten.
   if (it == runs_.end() || it->second != outcome.run) return;
@@ -355,6 +380,7 @@ void WorkerSession::send_heartbeat(Time now) {
   v1::Heartbeat& heartbeat = *send().mutable_heartbeat();
   heartbeat.set_session(options_.hello.session());
   heartbeat.set_results(results_made_);
+  heartbeat.set_leaves(leaves_);
   for (auto& [id, job] : jobs_) {
     auto& entry = *heartbeat.add_jobs();
     entry.set_job(id);

@@ -78,6 +78,10 @@ class WorkerSession {
   /// Whether the coordinator has taken this worker in, and is there.
   bool is_welcome() const { return welcomed_; }
 
+  /// Gives back what it has not begun and takes nothing more; the rest is traced and sent.
+  void drain(Time now);
+  /// Nothing is left of that.
+  bool drained() const { return leaves_ && runs_.empty(); }
   /// Gives back what it holds and says goodbye.
   void leave(const std::string& reason);
 
@@ -121,7 +125,7 @@ class WorkerSession {
   SessionOptions options_;
   std::vector<SessionAction> actions_;
   // The connection.
-  bool welcomed_ = false;
+  bool welcomed_ = false, leaves_ = false;
   v1::Welcome welcome_;
   Time last_heard_, next_hello_, next_heartbeat_{};
   Time hello_pause_;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <zmq.hpp>
 
+#include "base/descriptors.h"
 #include "base/error.h"
 #include "proto/transport/endpoint.h"
 #include "proto/transport/handshake_monitor.h"
@@ -160,6 +161,7 @@ std::unique_ptr<ClientTransport> connect_client(const std::string& endpoint,
   if (parsed.tcp && parsed.port == 0) {
     throw usage_error(fmt::format("endpoint '{}' has no port; expected tcp://HOST:PORT", endpoint));
   }
+  check_room_for_descriptors(kTransportDescriptors);
   return std::make_unique<ZmqClient>(parsed, keys);
 }
 

@@ -7,7 +7,9 @@
 #include <utility>
 #include <zmq.hpp>
 
+#include "base/descriptors.h"
 #include "base/error.h"
+#include "proto/transport/accept_guard.h"
 #include "proto/transport/endpoint.h"
 #include "proto/transport/peer_connections.h"
 #include "proto/transport/socket_file.h"
@@ -30,6 +32,8 @@ class ZmqServer final : public ServerTransport {
       if (security.keys) ZapHandler::protect(*socket, *security.keys);
       if (endpoint.host.starts_with("[")) socket->set(zmq::sockopt::ipv6, 1);
     }
+    control_guard_.emplace(context_, control_);
+    bulk_guard_.emplace(context_, bulk_);
     Endpoint bulk = endpoint;
     if (!endpoint.tcp) bulk.path += ".bulk";
     if (endpoint.tcp && endpoint.port != 0) ++bulk.port;
@@ -46,12 +50,16 @@ class ZmqServer final : public ServerTransport {
   std::string bulk_endpoint() const override { return bulk_endpoint_; }
 
   void wait(std::chrono::milliseconds timeout) override {
-    std::array<zmq::pollitem_t, 4> items = {{{control_.handle(), 0, ZMQ_POLLIN, 0},
+    std::array<zmq::pollitem_t, 6> items = {{{control_.handle(), 0, ZMQ_POLLIN, 0},
                                              {bulk_.handle(), 0, ZMQ_POLLIN, 0},
-                                             {nullptr, wake_.descriptor(), ZMQ_POLLIN, 0}}};
-    if (zap_) items[3] = {zap_->socket().handle(), 0, ZMQ_POLLIN, 0};
-    poll_sockets(std::span(items).first(zap_ ? 4 : 3), timeout);
+                                             {nullptr, wake_.descriptor(), ZMQ_POLLIN, 0},
+                                             {control_guard_->socket().handle(), 0, ZMQ_POLLIN, 0},
+                                             {bulk_guard_->socket().handle(), 0, ZMQ_POLLIN, 0}}};
+    if (zap_) items[5] = {zap_->socket().handle(), 0, ZMQ_POLLIN, 0};
+    poll_sockets(std::span(items).first(zap_ ? 6 : 5), timeout);
     wake_.clear();
+    control_guard_->act();
+    bulk_guard_->act();
     if (zap_) zap_->answer();
   }
 
@@ -137,6 +145,7 @@ class ZmqServer final : public ServerTransport {
   std::optional<ZapHandler> zap_;  ///< where there are keys
   PeerConnections connections_;    ///< of those let in by a key
   zmq::socket_t control_, bulk_;
+  std::optional<AcceptGuard> control_guard_, bulk_guard_;  ///< always there once bound
   SocketFile control_file_, bulk_file_;
   WakeUp wake_;
   std::string endpoint_, bulk_endpoint_;
@@ -152,6 +161,7 @@ std::unique_ptr<ServerTransport> bind_server(const std::string& endpoint, Server
                     "--allow), or a loopback address such as tcp://127.0.0.1:PORT",
                     endpoint));
   }
+  check_room_for_descriptors(kTransportDescriptors);
   return std::make_unique<ZmqServer>(parsed, std::move(security));
 }
 

@@ -11,6 +11,9 @@ namespace tessera {
 
 /// What both ends of ZeroMQ share; for this room alone.
 
+/// What either end opens before the first connection, and some more.
+inline constexpr int kTransportDescriptors = 32;
+
 /// Interrupts a wait from another thread.
 class WakeUp {
  public:

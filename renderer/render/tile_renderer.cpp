@@ -72,6 +72,21 @@ class SceneTileRenderer final : public TileRenderer {
     return tile;
   }
 
+  std::optional<Unseen> unseen(uint32_t sample_count) const override {
+    if (!scene_->background.is_constant()) return std::nullopt;
+    Unseen unseen{scene_->seen, {}};
+    TraceState state;
+    const Color mean =
+        mean_of(0, 0, {{}, 0, sample_count}, state, &SceneTileRenderer::constant_background);
+    for (const double channel : {mean.r, mean.g, mean.b}) {
+      unseen.one_pixel.values.push_back(static_cast<float>(channel));
+    }
+    state.counters.add_to(unseen.one_pixel.counters);
+    unseen.one_pixel.counters["rays_background_skipped"] = sample_count;
+    unseen.one_pixel.counters["tiles_background"] = 1;
+    return unseen;
+  }
+
  private:
   using SampleFunction = Color (SceneTileRenderer::*)(const SampleKey&, TraceState&) const;
 

@@ -26,6 +26,12 @@ class TileRenderer {
   /// Nothing if it was cancelled.
   virtual std::optional<TilePixels> render(const RenderTask& task,
                                            TileProgress& progress) const = 0;
+  /// What looks past everything, where all such pixels are alike.
+  struct Unseen {
+    PixelRect seen;        ///< outside of it, no sample of any pixel can hit
+    TilePixels one_pixel;  ///< of those there, as render() would give it
+  };
+  virtual std::optional<Unseen> unseen(uint32_t /*sample_count*/) const { return std::nullopt; }
   /// Counts of what building found and left out, by the names of --stats.
   virtual CounterMap build_counters() const = 0;
 };

@@ -87,13 +87,28 @@ class Render(TesseraTest):
         for name in ("hits", "primitive_tests", "bytes_shipped", "peak_memory_bytes"):
             self.assertGreater(stats[name], 0, name)
         self.assertGreaterEqual(stats["node_visits"], 0)
-        self.assertEqual({"total": 6, "done": 6, "restored": 0, "failed": 0, "retries": 0,
+        self.assertEqual({"total": 6, "done": 6, "restored": 0, "failed": 0, "filled": 0, "retries": 0,
                           "mismatches": 0, "verified": 0, "unverified": 0, "retraced": 0},
                          {k: v for k, v in stats["tiles"].items()
-                          if k not in ("speculative", "duplicates")})
+                          if k not in ("speculative", "duplicates", "split", "moved")})
         self.assertEqual(stats["bytes_shipped"], sum(stats["bytes"].values()))
         self.assertIsInstance(stats["skips"], dict)
         self.assertEqual(0, stats["workers"]["lost"])
+
+    def test_what_looks_past_everything_is_filled(self):
+        """Where the background is one colour: whole tiles are not even given out."""
+        scene = self.write("solid.tessera", scenes.ONE_SPHERE.replace(
+            "background { gradient", "background { solid { r: 0.1 g: 0.2 b: 0.3 } } #"))
+        digests, counts = set(), set()
+        for options in (["--workers", 0, "--tile", 16], ["--workers", 2, "--tile", 16, "--verify", "50%"],
+                        ["--workers", 2, "--tile", 24]):
+            stats = self.render(scene, "--size", "320x240", "--spp", 3, *options)
+            digests.add(stats["pixels_sha256"])
+            counts.add((stats["samples"], stats["skips"]["rays_background_skipped"]))
+            self.assertGreater(stats["tiles"]["filled"], 0)
+            self.assertEqual(0, stats["tiles"]["mismatches"])
+            self.assertEqual(stats["tiles"]["total"], stats["tiles"]["done"])
+        self.assertEqual((1, 1), (len(digests), len(counts)))
 
     def test_frames(self):
         result = self.run_program("render", self.scene, *SMALL, "--frames", "3-5", "-o", "anim.png")

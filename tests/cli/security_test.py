@@ -235,6 +235,28 @@ class KeyedFarm(TesseraTest):
         stays.send_signal(signal.SIGTERM)
         stays.wait(10)
 
+    def test_a_job_is_submitted_watched_and_fetched_with_keys(self):
+        self.serve()
+        worker = self.worker(*self.as_("node"))
+
+        def ask(who, *command, code=0):
+            result = self.run_program(*command, *self.as_(who))
+            self.assertEqual(code, result.code, result.err)
+            return result
+        job = ask("alice", "submit", self.scene, *FRAME, 16).out.strip()
+        ask("alice", "fetch", job, "--wait", "-o", "fetched.pfm")
+        self.assertIn("done", ask("wall", "status", job).out, "a viewer may look")
+        for command in (["cancel", job], ["submit", self.scene, *FRAME, 16]):
+            refused = ask("wall", *command, code=2)
+            self.assertIn("viewer", refused.err)
+        stranger = self.run_program("status", job, *self.as_("stranger"))
+        self.assertNotEqual(0, stranger.code)
+        self.assertNotIn("done", stranger.out)
+        self.render(self.scene, "-o", "alone.pfm", "--workers", "0", *FRAME, 16)
+        self.assertEqual((self.folder / "alone.pfm").read_bytes(),
+                         (self.folder / "fetched.pfm").read_bytes())
+        self.end_farm(worker)
+
     # ---------------------------------------------------------------------------- over a network
 
     def test_over_a_network_with_keys_alone(self):

@@ -32,6 +32,13 @@ def free_port():
                 pass
 
 
+def threads_at_work(process):
+    """How many of its threads run, or want to."""
+    states = [stat.read_text().rpartition(")")[2].split()[0]
+              for stat in pathlib.Path(f"/proc/{process.pid}/task").glob("*/stat")]
+    return states.count("R")
+
+
 class ServiceTest(TesseraTest):
     spp = 8
 
@@ -152,6 +159,24 @@ class Ends(ServiceTest):
         self.assertEqual([], lost)
         self.assertEqual(0, second.wait(30))
 
+    def test_a_worker_told_to_end_traces_what_it_has_begun_to_the_end(self):
+        """And its queue is another's before that."""
+        service, first = self.serve(), self.worker()
+        job = int(self.ask("submit", self.scene, "--size", "64x64", "--tile", "16", "--spp", 2048))
+        wait_until(lambda: threads_at_work(first) >= 2, "both threads trace")
+        first.send_signal(signal.SIGTERM)
+        second = self.worker()
+        self.assertEqual(0, first.wait(60 * SLOWER))
+        self.ask("fetch", job, "--wait", "-o", "fetched.pfm")
+        self.assertEqual(0, second.poll() or 0)
+        status = self.status(job)
+        self.assertEqual(("done", 16), (status["state"], status["tiles"]["done"]))
+        self.render(self.scene, "-o", "alone.pfm", "--workers", "0", "--size", "64x64", "--spp", 2048)
+        self.assertEqual((self.folder / "alone.pfm").read_bytes(),
+                         (self.folder / "fetched.pfm").read_bytes())
+        self.stop(service)
+        self.assertEqual(0, second.wait(30))
+
     def test_an_orphan_comes_back_or_leaves(self):
         service = self.serve()
         patient, hasty = self.worker(), self.worker("--orphan-timeout", 1)
@@ -268,6 +293,17 @@ class Jobs(ServiceTest):
         self.assertEqual(f"job {long} is cancelled\n", self.ask("cancel", long))
         self.ask("fetch", long, "-o", "part.png", code=4)
         self.assertTrue((self.folder / "part.png").exists())
+        self.stop(service, worker)
+
+    def test_a_cancelled_job_leaves_its_workers_idle(self):
+        """Its tiles would take many minutes each."""
+        service, worker = self.serve(), self.worker()
+        job = int(self.ask("submit", self.scene, "--size", "64x48", "--tile", "32", "--spp", 1_000_000))
+        wait_until(lambda: threads_at_work(worker) >= 2, "both threads trace")
+        self.assertEqual(f"job {job} is cancelled\n", self.ask("cancel", job))
+        wait_until(lambda: all(threads_at_work(worker) == 0 for _ in range(5)), "nobody traces")
+        self.assertIsNone(worker.poll())
+        self.assertEqual(self.expected(), self.pixels(self.submit()))
         self.stop(service, worker)
 
     def test_a_wrong_scene_fails_its_job_alone(self):

@@ -70,6 +70,7 @@ class Simulation {
     int failures_left = 0;  ///< two do not make a tile given up
     bool lies = false;
     bool hangs = false;  ///< from its next tile on
+    bool drains = false;
     double slowness = 1;
     Time frozen_until{}, cut_until{};  ///< stopped; separated from the coordinator
     bool cut_to = false, cut_from = false;
@@ -105,6 +106,7 @@ class Simulation {
   Worker* find_process(uint32_t process);
   void join();
   void crash(uint32_t process, bool noticed, bool own_fault);
+  void end_drain(uint32_t process);
   void something_happens();
   void thaw_all();
   /// A new coordinator with a new job, whose picture is another.
@@ -114,6 +116,8 @@ class Simulation {
   void to_coordinator(Channel channel, const PeerId& peer, const v1::Envelope& message);
   void deliver();
   void perform(Worker& worker);
+  /// Of tracing that, for a worker of ordinary speed.
+  double seconds_of(const TraceRun& run) const;
   void start_tracing(Worker& worker);
   void finish_tracing(uint32_t process, const std::shared_ptr<TraceRun>& run);
   TraceOutcome outcome_of(Worker& worker, const std::shared_ptr<TraceRun>& run);

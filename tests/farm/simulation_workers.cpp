@@ -6,6 +6,7 @@
 
 #include "proto/wire/pixels.h"
 #include "tests/farm/simulation.h"
+#include "worker/run_worker.h"
 
 namespace tessera::testing {
 namespace {
@@ -76,6 +77,13 @@ void Simulation::something_happens() {
     case 0:
       return crash(worker.process, draw() < 0.5, false);
     case 1:
+      if (draw() < 0.5) {
+        say(fmt::format("worker {} drains", worker.process));
+        worker.session->drain(now_);
+        worker.drains = true;
+        at(now_ + WorkerOptions().drain, [this, process = worker.process] { end_drain(process); });
+        return perform(worker);
+      }
       say(fmt::format("worker {} leaves", worker.process));
       worker.session->leave("simulated");
       perform(worker);
@@ -98,6 +106,11 @@ void Simulation::something_happens() {
   }
 }
 
+double Simulation::seconds_of(const TraceRun& run) const {
+  const double whole = pace_ * (0.02 + 0.3 * static_cast<double>(run.tile * 37 % 11) / 11);
+  return whole / TilePiece::of(run.lease).parts;
+}
+
 void Simulation::start_tracing(Worker& worker) {
   const uint32_t process = worker.process;
   while (worker.tracing.size() < 2 && !worker.queue.empty()) {
@@ -105,14 +118,15 @@ void Simulation::start_tracing(Worker& worker) {
     worker.queue.pop_front();
     run->started = !run->progress.cancelled;
     worker.tracing[run.get()] = {run, now_};
-    const double tile_seconds =
-        pace_ * (0.02 + 0.3 * static_cast<double>(run->tile * 37 % 11) / 11);
+    const double tile_seconds = seconds_of(*run);
     if (worker.hangs && run->started) {
       worker.hangs = false;
       say(fmt::format("worker {} hangs in tile {}", process, run->tile));
       continue;
     }
-    const Time end = now_ + Time(static_cast<int64_t>(tile_seconds * worker.slowness * 1e9));
+    // What is cancelled in the queue takes no time.
+    const double spent = run->started ? tile_seconds * worker.slowness : 0;
+    const Time end = now_ + Time(static_cast<int64_t>(spent * 1e9));
     at(end, [this, process, run] { finish_tracing(process, run); });
   }
 }
@@ -133,6 +147,8 @@ void Simulation::finish_tracing(uint32_t process, const std::shared_ptr<TraceRun
 TraceOutcome Simulation::outcome_of(Worker& worker, const std::shared_ptr<TraceRun>& run) {
   TraceOutcome outcome = tessera::trace(run);
   if (outcome.cancelled) return outcome;
+  const auto microseconds = static_cast<uint64_t>(seconds_of(*run) * worker.slowness * 1e6);
+  if (!outcome.bands.empty()) outcome.bands.back().set_trace_microseconds(microseconds);
   if (worker.failures_left > 0) {
     --worker.failures_left;
     outcome.bands.clear();
@@ -156,6 +172,7 @@ TraceOutcome Simulation::outcome_of(Worker& worker, const std::shared_ptr<TraceR
   }
   outcome.bands.back().set_last(true);
   *outcome.bands.back().mutable_counters() = std::move(counters);
+  outcome.bands.back().set_trace_microseconds(microseconds);
   return outcome;
 }
 
@@ -194,6 +211,22 @@ void Simulation::perform(Worker& worker) {
     }
   }
   start_tracing(worker);
+  if (worker.drains && worker.session->drained()) {
+    at(now_, [this, process] { end_drain(process); });
+  }
+}
+
+void Simulation::end_drain(uint32_t process) {
+  Worker* worker = find_process(process);
+  if (!worker || !worker->drains) return;
+  if (now_ < worker->frozen_until) {
+    return at(worker->frozen_until, [this, process] { end_drain(process); });
+  }
+  worker->drains = false;
+  say(fmt::format("worker {} has drained", process));
+  worker->session->leave("simulated");
+  perform(*worker);
+  workers_.erase(process);
 }
 
 }  // namespace tessera::testing

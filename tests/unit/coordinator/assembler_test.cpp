@@ -188,5 +188,87 @@ TEST(Assembler, RefusesWhatDoesNotFit) {
   EXPECT_FALSE(refused([](auto&) {}));
 }
 
+/// The same bands under leases of three parts of one row each.
+std::vector<v1::TileBand> parts_of_first_tile() {
+  auto bands = rows_of_first_tile();
+  for (uint32_t part = 0; part < 3; ++part) {
+    v1::TileBand& band = bands[part];
+    band.set_lease(uint64_t{20 + part} << 32 | TilePiece{0, part, 3}.packed());
+    band.set_last(true);
+    auto& counters = *band.mutable_counters()->mutable_values();
+    counters["rays_primary"] = 4;
+    counters["tiles_background"] = part == 0 ? 0 : 1;
+  }
+  return bands;
+}
+
+TEST(Assembler, PartsMakeTheTileInAnyOrder) {
+  for (const std::array<size_t, 3> order : {std::array<size_t, 3>{0, 1, 2}, {2, 0, 1}}) {
+    Assembler assembler(kCrop, kTiles);
+    const auto parts = parts_of_first_tile();
+    for (int i = 0; i < 3; ++i) {
+      const v1::TileBand& part = parts[order[static_cast<size_t>(i)]];
+      EXPECT_FALSE(assembler.has_piece(part.lease()));
+      EXPECT_EQ(assembler.add(part, 1 + static_cast<WorkerId>(i)).completed_tile, i == 2);
+      EXPECT_TRUE(assembler.has_piece(part.lease()));
+    }
+    EXPECT_EQ(assembler.counters().at("rays_primary"), 12u);
+    EXPECT_EQ(assembler.counters().at("tiles_background"), 0u) << "not all of it is";
+    EXPECT_EQ(assembler.film().values()[7 * 3], 12);
+  }
+}
+
+TEST(Assembler, AWholeTileAndItsPartsRace) {
+  Assembler assembler(kCrop, kTiles);
+  const auto parts = parts_of_first_tile();
+  const auto whole = rows_of_first_tile();
+  assembler.add(parts[1], 2);
+  assembler.add(whole[0], 1);
+  assembler.add(whole[1], 1);  // compared with the part
+  EXPECT_TRUE(assembler.add(whole[2], 1).completed_tile);
+  EXPECT_EQ(assembler.counters().at("rays_primary"), 12u) << "counted once";
+  EXPECT_TRUE(assembler.add(parts[0], 2).duplicate_tile);
+  const auto other = rows_of_first_tile(1);
+  v1::TileBand wrong = parts[2];
+  wrong.set_pixels(other[2].pixels());
+  wrong.set_pixel_crc(other[2].pixel_crc());
+  const auto mismatch = assembler.add(wrong, 3).mismatch;
+  ASSERT_TRUE(mismatch);
+  EXPECT_EQ(mismatch->row, 22);
+  EXPECT_EQ(mismatch->first, 1u);
+}
+
+TEST(Assembler, AWholeTilesRowsDoNotCountForPartsOfIt) {
+  Assembler assembler(kCrop, kTiles);
+  const auto parts = parts_of_first_tile();
+  v1::TileBand outside = parts[0];
+  outside.set_lease(parts[1].lease());
+  EXPECT_FALSE(assembler.add(outside, 1).valid) << "a row that the part does not have";
+  v1::TileBand none = parts[0];
+  none.set_lease(uint64_t{9} << 32 | TilePiece{0, 3, 3}.packed());
+  EXPECT_FALSE(assembler.add(none, 1).valid) << "the fourth of three";
+  none.set_lease(uint64_t{9} << 32 | TilePiece{0, 0, 4}.packed());
+  EXPECT_FALSE(assembler.add(none, 1).valid) << "four parts of three rows";
+}
+
+TEST(Assembler, FillsWhatNobodyHasTraced) {
+  Assembler assembler(kCrop, kTiles);
+  v1::Counters of_pixel;
+  (*of_pixel.mutable_values())["samples"] = 2;
+  (*of_pixel.mutable_values())["tiles_background"] = 1;
+  const std::array<float, 3> value{0.25f, 0.5f, 1};
+  assembler.add(rows_of_first_tile()[0], 1);
+  EXPECT_FALSE(assembler.fill(0, value, of_pixel, 1)) << "some of it is there";
+  EXPECT_TRUE(assembler.fill(1, value, of_pixel, 1));
+  EXPECT_FALSE(assembler.fill(1, value, of_pixel, 2));
+  EXPECT_EQ(assembler.done_by(1), 1u);
+  EXPECT_EQ(assembler.counters().at("samples"), 18u);
+  EXPECT_EQ(assembler.counters().at("tiles_background"), 1u);
+  EXPECT_EQ(assembler.film().values()[4 * 3 + 1], 0.5f);
+  const auto bands = assembler.bands_of(1);
+  Assembler other(kCrop, kTiles);
+  EXPECT_TRUE(other.add(bands[0], 2).completed_tile) << "kept like any other";
+}
+
 }  // namespace
 }  // namespace tessera

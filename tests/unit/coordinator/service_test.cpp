@@ -208,5 +208,137 @@ TEST_F(ServiceTest, IsShownAsItIs) {
   EXPECT_TRUE(coordinator.tiles(9, 0, {}).empty());
 }
 
+TEST_F(ServiceTest, AFrameOfWhichNothingDiffersIsTakenFromTheOneBefore) {
+  v1::Envelope message;
+  v1::SubmitJob& request = *message.mutable_submit_job();
+  request.set_submission(5);
+  request.set_detached(true);
+  request.set_tile_size(16);
+  request.mutable_crop()->set_x1(32);
+  request.mutable_crop()->set_y1(32);
+  BlobStore blobs;
+  const auto add_frame = [&](double time, bool moving) {
+    JobSpec spec = job(32);
+    if (moving) spec.scene.add_cameras()->add_keys()->set_time(1);
+    spec.frame.set_time(time);
+    v1::JobFrame& frame = *request.add_frames();
+    const std::string scene = serialize_scene(spec.scene);
+    const auto bytes = std::as_bytes(std::span(scene));
+    frame.set_scene_digest(blobs.put({bytes.begin(), bytes.end()}).hex());
+    frame.set_scene_size(bytes.size());
+    *frame.mutable_settings() = spec.frame;
+  };
+  add_frame(0, false);
+  add_frame(1, false);  // another instant, and nothing moves
+  add_frame(0, true);
+  add_frame(1, true);
+  say("client", message);
+  for (const auto& wanted : heard(v1::Envelope::kBlobRequest)) {
+    coordinator.on_message(
+        Channel::bulk, "b",
+        answer_blob_request(wanted.blob_request(),
+                            blobs.find(*Digest::parse(wanted.blob_request().digest()))),
+        {});
+  }
+  const uint64_t id = heard(v1::Envelope::kJobStatus).back().job_status().job();
+  ASSERT_NE(id, 0u);
+  come(1, 100);
+  for (size_t i = 0; i < assigned().size(); ++i) {
+    const v1::Assign assign = assigned()[i];
+    say("w1", band(assign, 1));
+    get_ready("w1");
+  }
+  EXPECT_EQ(ask(id).frames_done(), 4u);
+  EXPECT_EQ(ask(id).how(), v1::JobEnd::DONE);
+  EXPECT_EQ(assigned().size(), 12u) << "four tiles of each frame but the second";
+  EXPECT_EQ(ask(id).tiles_restored(), 4u);
+}
+
+TEST_F(ServiceTest, TilesAreCutForTheThreadsThatThereAre) {
+  const auto tile_size = [&](uint32_t threads) {
+    restart();
+    v1::Envelope message = hello(threads);
+    message.mutable_hello()->set_threads(threads);
+    say("w", message);
+    message = {};
+    v1::SubmitJob& request = *message.mutable_submit_job();
+    request.set_submission(100 + threads);
+    request.set_detached(true);
+    request.mutable_crop()->set_x1(1024);
+    request.mutable_crop()->set_y1(1024);
+    JobSpec spec = job(1024);
+    v1::JobFrame& frame = *request.add_frames();
+    const std::string scene = serialize_scene(spec.scene);
+    const auto bytes = std::as_bytes(std::span(scene));
+    BlobStore blobs;
+    frame.set_scene_digest(blobs.put({bytes.begin(), bytes.end()}).hex());
+    frame.set_scene_size(bytes.size());
+    *frame.mutable_settings() = spec.frame;
+    say("client", message);
+    for (const auto& wanted : heard(v1::Envelope::kBlobRequest)) {
+      coordinator.on_message(
+          Channel::bulk, "b",
+          answer_blob_request(wanted.blob_request(),
+                              blobs.find(*Digest::parse(wanted.blob_request().digest()))),
+          {});
+    }
+    return store->jobs().back().request().tile_size();
+  };
+  const uint32_t for_one = tile_size(1), for_many = tile_size(64);
+  EXPECT_GT(for_one, for_many);
+  v1::Envelope query;
+  query.mutable_job_list_query();
+  say("client", query);
+  EXPECT_EQ(heard(v1::Envelope::kJobList).back().job_list().threads(), 64u);
+}
+
+TEST_F(ServiceTest, WhatLooksPastEverythingIsFilledAsItsWorkerSays) {
+  const uint64_t id = submit(1, 0, 64);
+  say("w1", hello(1));
+  v1::Envelope message;
+  v1::SceneReady& ready = *message.mutable_scene_ready();
+  ready.set_session(1);
+  ready.set_job(job_id());
+  for (const float channel : {0.1f, 0.2f, 0.3f}) ready.mutable_unseen()->add_value(channel);
+  ready.mutable_unseen()->mutable_seen()->set_x1(17);
+  ready.mutable_unseen()->mutable_seen()->set_y1(16);
+  (*ready.mutable_unseen()->mutable_counters()->mutable_values())["samples"] = 1;
+  say("w1", message);
+  EXPECT_EQ(ask(id).tiles_done(), 14u) << "all but two tiles of sixteen";
+  EXPECT_EQ(store->tile_count(), 14u);
+  ASSERT_EQ(assigned().size(), 2u);
+  for (const v1::Assign& assign : assigned()) {
+    EXPECT_LT(assign.rect().x0(), 17);
+    EXPECT_EQ(assign.rect().y0(), 0);
+    say("w1", band(assign, 1));
+  }
+  EXPECT_EQ(ask(id).end().totals().values().at("filled"), 14u);
+  EXPECT_EQ(ask(id).end().counters().values().at("samples"), 14u * 256);
+}
+
+TEST_F(ServiceTest, AWorkerThatLeavesGetsNoMoreAndItsQueueIsGivenToOthers) {
+  submit(1);
+  come(1, 2);
+  come(2, 2);
+  const std::vector<v1::Assign> given = assigned();
+  ASSERT_EQ(given.size(), 4u);
+  v1::Envelope message;
+  v1::Heartbeat& heartbeat = *message.mutable_heartbeat();
+  heartbeat.set_session(1);
+  heartbeat.set_leaves(true);
+  heartbeat.add_jobs()->set_job(given[0].job());
+  heartbeat.mutable_jobs(0)->set_ready(true);
+  auto& begun = *heartbeat.add_progress();
+  begun.set_job(given[0].job());
+  begun.set_lease(given[0].lease());
+  begun.set_started(true);
+  say("w1", message);
+  for (size_t i = 2; i < 4; ++i) say("w2", band(given[i], 1));
+  ASSERT_EQ(assigned().size(), 5u);
+  EXPECT_EQ(assigned().back().tile(), given[1].tile());
+  say("w1", band(given[0], 1));
+  EXPECT_EQ(assigned().size(), 5u) << "its last tile brings it no other";
+}
+
 }  // namespace
 }  // namespace tessera::testing

@@ -140,16 +140,21 @@ TEST_F(TileSchedulerTest, CopiesAStragglerOnceWhenTheQueueIsEmpty) {
   const Lease quick = *scheduler.assign(kB, {});
   const Lease other = *scheduler.assign(kC, {});
   scheduler.complete(quick.tile, quick.id, seconds(1));
-  EXPECT_FALSE(scheduler.assign(kB, milliseconds(1400)));
-  const auto copy = scheduler.assign(kB, milliseconds(1600));
+  SchedulerEvents none;
+  const auto at_end = [&](WorkerId worker, Time now) {
+    EXPECT_FALSE(scheduler.assign(worker, now));
+    return scheduler.assign_at_end(worker, now, false, true, none);
+  };
+  EXPECT_FALSE(at_end(kB, milliseconds(1400)));
+  const auto copy = at_end(kB, milliseconds(1600));
   ASSERT_TRUE(copy);
   EXPECT_TRUE(copy->speculative);
   EXPECT_EQ(copy->tile, slow.tile);
   EXPECT_EQ(scheduler.speculative(), 1u);
   EXPECT_EQ(scheduler.retries(), 0u);
   // Not a third time, and nobody gets a copy of their own.
-  EXPECT_EQ(scheduler.assign(kB, milliseconds(1600))->tile, other.tile);
-  EXPECT_FALSE(scheduler.assign(kC, seconds(100)));
+  EXPECT_EQ(at_end(kB, milliseconds(1600))->tile, other.tile);
+  EXPECT_FALSE(at_end(kC, seconds(100)));
   const auto events = scheduler.complete(slow.tile, copy->id, seconds(2));
   ASSERT_EQ(events.cancelled.size(), 1u);
   EXPECT_EQ(events.cancelled[0].id, slow.id);
@@ -161,8 +166,8 @@ TEST_F(TileSchedulerTest, ASuspectGetsNothingAndOthersGetCopiesOfItsTiles) {
   scheduler.assign(kA, {});
   scheduler.set_suspect(kA, true);
   EXPECT_FALSE(scheduler.assign(kA, {}));
-  EXPECT_EQ(scheduler.assign(kB, {})->tile, 1u);
   EXPECT_EQ(scheduler.assign(kB, {})->tile, 0u);
+  EXPECT_EQ(scheduler.assign(kB, {})->tile, 1u);
   EXPECT_EQ(scheduler.speculative(), 1u);
   scheduler.set_suspect(kA, false);
 }
@@ -254,6 +259,144 @@ TEST_F(TileSchedulerTest, IgnoresFailuresOfLeasesOfOthers) {
   EXPECT_THAT(scheduler.fail(lease.id, kB, {}).blamed, IsEmpty());
   EXPECT_THAT(scheduler.fail(12345, kA, {}).blamed, IsEmpty());
   EXPECT_EQ(scheduler.held_by(kA), 1u);
+}
+
+/// Four tiles of 8x8 pixels that take 100 ms each, and workers of one thread.
+class EndOfQueue : public ::testing::Test {
+ protected:
+  EndOfQueue() {
+    for (const WorkerId worker : {kA, kB, kC, kD}) scheduler.join(worker, 1);
+  }
+  void note_costs() {
+    for (uint32_t tile = 0; tile < 4; ++tile) scheduler.costs().note(tile, 0.1);
+  }
+  /// Each traces one and has one waiting.
+  std::vector<Lease> give_to_two() {
+    std::vector<Lease> held;
+    for (const WorkerId worker : {kA, kB, kA, kB}) held.push_back(*scheduler.assign(worker, now));
+    note_costs();
+    return held;
+  }
+  std::optional<Lease> take(WorkerId worker) {
+    events = {};
+    return scheduler.assign_at_end(worker, now, false, true, events);
+  }
+  Time now = seconds(1);
+  TileScheduler scheduler{
+      {{0, 0, 8, 8}, {8, 0, 16, 8}, {0, 8, 8, 16}, {8, 8, 16, 16}}, 8, CoordinatorOptions{}};
+  SchedulerEvents events;
+};
+
+TEST_F(EndOfQueue, WhatWaitsIsSplitForIdleWorkers) {
+  const std::vector<Lease> held = give_to_two();
+  ASSERT_FALSE(scheduler.has_pending());
+  const Lease part = *take(kC);
+  ASSERT_TRUE(events.recalled);
+  EXPECT_EQ(events.recalled->id, held[2].id);
+  EXPECT_EQ(part.tile, held[2].tile);
+  EXPECT_EQ(part.piece().parts, 4u);
+  EXPECT_EQ(part.piece().rect({0, 0, 8, 8}), (PixelRect{0, 0, 8, 2}));
+  EXPECT_EQ(scheduler.split_tiles(), 1u);
+  // The rest of it is for whoever has room.
+  EXPECT_TRUE(scheduler.has_pending());
+  std::vector<Lease> parts{part};
+  for (const WorkerId worker : {kD, kC, kA}) parts.push_back(*scheduler.assign(worker, now));
+  for (uint32_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(parts[i].piece(), (TilePiece{held[2].tile, i, 4}));
+    EXPECT_FALSE(parts[i].again);
+  }
+  EXPECT_FALSE(scheduler.has_pending());
+  for (const Lease& lease : parts) {
+    EXPECT_THAT(scheduler.complete_part(lease.id).cancelled, IsEmpty());
+    EXPECT_FALSE(scheduler.has_pending());
+  }
+  scheduler.complete(held[2].tile, parts[3].id, now);
+  for (const size_t i : {0, 1, 3}) scheduler.complete(held[i].tile, held[i].id, now);
+  EXPECT_TRUE(scheduler.finished());
+  EXPECT_EQ(scheduler.retries(), 0u);
+}
+
+TEST_F(EndOfQueue, ALastTileIsSplitWhereMoreThanOneIsIdle) {
+  for (const WorkerId worker : {kA, kA, kA}) scheduler.assign(worker, now);
+  note_costs();
+  const Lease part = *scheduler.assign(kB, now);
+  EXPECT_EQ(part.piece(), (TilePiece{3, 0, 6}));  // two for each of three
+  EXPECT_EQ(scheduler.assign(kC, now)->piece(), (TilePiece{3, 1, 6}));
+}
+
+TEST_F(EndOfQueue, WhoHadBegunMayCompleteItAndThePartsAreCancelled) {
+  const std::vector<Lease> held = give_to_two();
+  const Lease part = *take(kC);
+  // Its worker had begun with it all the same.
+  const auto done = scheduler.complete(held[2].tile, held[2].id, now);
+  ASSERT_EQ(done.cancelled.size(), 1u);
+  EXPECT_EQ(done.cancelled[0].id, part.id);
+  EXPECT_FALSE(scheduler.has_pending());
+}
+
+TEST_F(EndOfQueue, ATileThatFailsInPartsIsWholeAgain) {
+  const std::vector<Lease> held = give_to_two();
+  const Lease part = *take(kC);
+  const Lease other = *scheduler.assign(kD, now);
+  const auto failed = scheduler.fail(part.id, kC, now);
+  EXPECT_THAT(failed.blamed, ElementsAre(kC));
+  ASSERT_EQ(failed.cancelled.size(), 1u);
+  EXPECT_EQ(failed.cancelled[0].id, other.id);
+  const Lease again = *scheduler.assign(kD, now);
+  EXPECT_EQ(again.piece(), (TilePiece{part.tile, 0, 1}));
+  EXPECT_FALSE(scheduler.has_pending());
+}
+
+TEST_F(EndOfQueue, APartOfALostWorkerIsPendingAgain) {
+  give_to_two();
+  const Lease part = *take(kC);
+  scheduler.complete_part(part.id);
+  const Lease second = *scheduler.assign(kC, now);
+  scheduler.leave(kC, LossCause::vanished, now);
+  const Lease again = *scheduler.assign(kD, now);
+  EXPECT_EQ(again.piece(), second.piece());
+}
+
+TEST_F(EndOfQueue, WhatHasBegunOrIsCheapOrIsToBeCheckedStaysWhereItIs) {
+  std::vector<Lease> held;
+  for (const WorkerId worker : {kA, kB, kA, kB}) held.push_back(*scheduler.assign(worker, now));
+  EXPECT_FALSE(take(kC)) << "nothing is known of its cost";
+  for (uint32_t tile = 0; tile < 4; ++tile) scheduler.costs().note(tile, 0.0001);
+  EXPECT_FALSE(take(kC)) << "it takes no time";
+  note_costs();
+  SchedulerEvents ignored;
+  for (const WorkerId worker : {kA, kB}) {
+    std::vector<LeaseProgress> all;
+    for (const Lease& lease : held) {
+      if (lease.worker == worker) all.push_back({lease.id, 1, true});
+    }
+    scheduler.report(worker, all, now, ignored);
+  }
+  EXPECT_FALSE(take(kC)) << "all have begun";
+}
+
+TEST_F(EndOfQueue, WhatIsToBeCheckedMovesWhole) {
+  for (uint32_t tile = 0; tile < 4; ++tile) scheduler.keep_whole(tile);
+  give_to_two();
+  EXPECT_TRUE(take(kC)->piece().whole());
+  EXPECT_EQ(scheduler.moved(), 1u);
+  EXPECT_EQ(scheduler.split_tiles(), 0u);
+}
+
+TEST_F(EndOfQueue, WhoLeavesGivesBackWhatItDoesNotListAtOnce) {
+  const Lease begun = *scheduler.assign(kA, now), waits = *scheduler.assign(kA, now);
+  scheduler.report(kA, {{begun.id, 1, true}}, now, events, true);
+  EXPECT_EQ(scheduler.held_by(kA), 1u);
+  EXPECT_EQ(scheduler.assign(kB, now)->tile, waits.tile);
+}
+
+TEST_F(EndOfQueue, TilesOfASuspectAreCopiedBeforeOthersAreBegun) {
+  const Lease first = *scheduler.assign(kA, now);
+  scheduler.set_suspect(kA, true);
+  const Lease copy = *scheduler.assign(kB, now);
+  EXPECT_EQ(copy.tile, first.tile);
+  EXPECT_TRUE(copy.speculative);
+  EXPECT_NE(scheduler.assign(kC, now)->tile, first.tile);
 }
 
 }  // namespace

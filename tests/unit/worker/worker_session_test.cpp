@@ -469,5 +469,49 @@ TEST_F(WorkerSessionTest, MapsWhatTheCoordinatorSharesAndFetchesWhatIsNotThere) 
   }
 }
 
+TEST_F(WorkerSessionTest, WhatIsRecalledIsTracedIfItHasBegun) {
+  make_ready(7);
+  assign(7, 1);
+  assign(7, 2);
+  const auto runs = wants<StartTrace>();
+  runs[0].run->started = true;
+  v1::Envelope message;
+  message.mutable_cancel_tile()->set_job(7);
+  message.mutable_cancel_tile()->set_unless_started(true);
+  for (const uint64_t lease : {1, 2}) {
+    message.mutable_cancel_tile()->set_lease(lease);
+    session.on_message(Channel::control, message, {});
+  }
+  EXPECT_FALSE(runs[0].run->progress.cancelled);
+  EXPECT_TRUE(runs[1].run->progress.cancelled);
+}
+
+TEST_F(WorkerSessionTest, DrainingItGivesBackAtOnceWhatItHasNotBegun) {
+  make_ready(7);
+  assign(7, 1);
+  assign(7, 2);
+  const auto runs = wants<StartTrace>();
+  runs[0].run->started = true;
+  session.drain(seconds(1));
+  const v1::Heartbeat told = sent(v1::Envelope::kHeartbeat).at(0).heartbeat();
+  EXPECT_TRUE(told.leaves());
+  ASSERT_EQ(told.progress_size(), 1);
+  EXPECT_EQ(told.progress(0).lease(), 1u);
+  EXPECT_TRUE(runs[1].run->progress.cancelled);
+  EXPECT_FALSE(session.drained());
+  assign(7, 3);
+  EXPECT_THAT(wants<StartTrace>(), IsEmpty()) << "it takes no more";
+  session.on_traced(trace(runs[0].run), seconds(2));
+  EXPECT_THAT(sent(v1::Envelope::kTileBand), SizeIs(1));
+  EXPECT_TRUE(session.drained());
+}
+
+TEST_F(WorkerSessionTest, TellsWhatATileTook) {
+  make_ready(7);
+  assign(7, 1);
+  session.on_traced(trace(wants<StartTrace>().at(0).run), {});
+  EXPECT_GT(sent(v1::Envelope::kTileBand).at(0).tile_band().trace_microseconds(), 0u);
+}
+
 }  // namespace
 }  // namespace tessera

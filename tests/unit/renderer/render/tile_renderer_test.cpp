@@ -221,6 +221,32 @@ TEST(TileRenderer, answers_tiles_of_background_without_tracing) {
   EXPECT_EQ(render_rect(*renderer, {28, 28, 36, 36}).counters.at("tiles_background"), 0u);
 }
 
+// What a coordinator fills whole tiles with.
+TEST(TileRenderer, tells_what_every_pixel_past_everything_is) {
+  constexpr uint32_t kSamples = 3;
+  const std::string settings = "settings { sampling { pattern: OWEN_SOBOL filter: TENT } }";
+  const auto renderer =
+      make_tile_renderer(parse_scene(settings + kSphere), {}, frame_of(64, 64), 1);
+  const auto unseen = renderer->unseen(kSamples);
+  ASSERT_TRUE(unseen);
+  const PixelRect& seen = unseen->seen;
+  ASSERT_FALSE(seen.empty());
+  int outside = 0;
+  for (int y = 0; y < 64; y += 3) {
+    for (int x = 0; x < 64; x += 3) {
+      if (seen.contains({x, y, x + 1, y + 1})) continue;
+      ++outside;
+      const TilePixels pixel = render_rect(*renderer, {x, y, x + 1, y + 1}, kSamples);
+      ASSERT_EQ(pixel.values, unseen->one_pixel.values);
+      ASSERT_EQ(pixel.counters, unseen->one_pixel.counters);
+    }
+  }
+  EXPECT_GT(outside, 100);
+  // A background that differs from pixel to pixel is traced, or looked up.
+  EXPECT_FALSE(
+      make_tile_renderer(parse_scene(kMixed), {}, frame_of(8, 8), 1)->unseen(kSamples).has_value());
+}
+
 TEST(TileRenderer, an_empty_scene_is_black) {
   EXPECT_EQ(render_text("", 2, 1).values, std::vector<float>(6, 0.0f));
 }
