@@ -50,9 +50,9 @@ TriangleMesh mesh_of_scene(const v1::Scene& scene, const BlobStore& blobs) {
     append(read_mesh({.kind = shape.path.c_str()}, shape.shape->mesh(), blobs, materials),
            instance.world_from_object, whole);
   }
-  if (left_out > 0) spdlog::warn("{} shapes that are no meshes: left out", left_out);
   drop_degenerate(whole);
   if (whole.triangles.empty()) throw scene_error("the scene has no triangles to trace");
+  if (left_out > 0) spdlog::warn("{} shapes that are no meshes: left out", left_out);
   return whole;
 }
 

@@ -53,6 +53,11 @@ WALLS = [
      "the coordinator neither traces nor knows the worker's code"),
     (["coordinator/store"], ["renderer/accel", "renderer/scene", "scenes", "worker", "cli"],
      "a store keeps tiles and knows nothing of what traces them"),
+    (["coordinator/web"], ["client", "worker", "cli", "bench", "scenes", "renderer/accel",
+                           "renderer/scene", "renderer/render"],
+     "the page shows what the coordinator tells of itself"),
+    (["coordinator/tev"], ["client", "worker", "cli", "bench", "scenes", "renderer/accel",
+                           "renderer/scene", "renderer/render"], "the viewer is shown pixels"),
     (["worker"], ["client", "coordinator", "cli", "bench", "scenes", "renderer/image"],
      "the worker knows neither the coordinator's code nor files"),
 ]

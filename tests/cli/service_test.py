@@ -100,8 +100,10 @@ class Kills(ServiceTest):
                 self.store = self.folder / f"farm{seed}"
                 service, workers = self.serve(), [self.worker(), self.worker()]
                 job = self.submit()
+                kept = 0
                 for _ in range(1 + seed % 3):
-                    time.sleep(chance.uniform(0.02, 0.4) * SLOWER)
+                    goal = min(TILES, kept + chance.randrange(1, TILES // 3))
+                    wait_until(lambda: self.status(job)["tiles"]["done"] >= goal, f"{goal} tiles are done")
                     service.send_signal(signal.SIGKILL)
                     service.communicate()
                     kept = self.kept_tiles()
