@@ -1,10 +1,6 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <zmq.hpp>
-
-#include "base/owned_descriptor.h"
 
 namespace tessera {
 
@@ -26,9 +22,8 @@ class AcceptGuard {
   void turn_away();
 
   zmq::socket_t events_;
-  OwnedDescriptor spare_;  ///< is given up for as long as it takes to turn somebody away
-  int listener_ = -1;      ///< the socket's own
-  uint64_t turned_away_ = 0;
+  int listener_ = -1;  ///< the socket's own
+  bool told_ = false;
 };
 
 }  // namespace tessera

@@ -9,6 +9,7 @@
 
 #include "base/descriptors.h"
 #include "base/error.h"
+#include "base/monotonic.h"
 #include "proto/transport/endpoint.h"
 #include "proto/transport/handshake_monitor.h"
 #include "proto/transport/zmq_sockets.h"
@@ -20,6 +21,7 @@ namespace {
 // Of what is kept for a connection that takes nothing. Nothing depends on delivery.
 constexpr size_t kMaxKept = 1024, kMaxKeptBytes = size_t{256} << 20;
 constexpr int kReconnectMs = 50, kReconnectMaxMs = 5000;
+constexpr std::chrono::seconds kRevivePause{1};
 
 class ZmqClient final : public ClientTransport {
  public:
@@ -32,18 +34,21 @@ class ZmqClient final : public ClientTransport {
     control_.kept.clear();
     control_.kept_bytes = 0;
     open(control_, endpoint_, Channel::control);
+    // Opened again with the next connect_bulk(): it may be as dead as the other one was.
+    close(bulk_);
+    bulk_endpoint_.clear();
   }
 
   void connect_bulk(const std::string& text) override {
-    if (text == bulk_endpoint_) return;
-    bulk_endpoint_ = text;
     // "tcp://:PORT" is at the host that control was reached by.
     constexpr std::string_view kSameHost = "tcp://:";
     const std::string full =
         text.starts_with(kSameHost) && endpoint_.tcp
             ? fmt::format("tcp://{}:{}", endpoint_.host, text.substr(kSameHost.size()))
             : text;
-    open(bulk_, parse_endpoint(full), Channel::bulk);
+    if (full == bulk_endpoint_) return;
+    bulk_endpoint_ = full;
+    open(bulk_, parse_endpoint(bulk_endpoint_), Channel::bulk);
   }
 
   void wait(std::chrono::milliseconds timeout) override {
@@ -57,7 +62,10 @@ class ZmqClient final : public ClientTransport {
     }
     poll_sockets(std::span(items).first(count), timeout);
     wake_.clear();
-    if (monitor_) monitor_->read();
+    for (Line* line : {&control_, &bulk_}) {
+      if (line->monitor) line->monitor->read();
+    }
+    revive_bulk();
     flush(control_);
     flush(bulk_);
   }
@@ -90,7 +98,7 @@ class ZmqClient final : public ClientTransport {
   }
 
   std::optional<ConnectionTrouble> trouble() const override {
-    return monitor_ ? monitor_->trouble() : std::nullopt;
+    return control_.monitor ? control_.monitor->trouble() : std::nullopt;
   }
 
   void wake() override { wake_.wake(); }
@@ -100,10 +108,28 @@ class ZmqClient final : public ClientTransport {
     zmq::socket_t socket;
     std::deque<zmq::message_t> kept;  ///< until the connection takes them
     size_t kept_bytes = 0;
+    std::optional<HandshakeMonitor> monitor;  ///< over TCP
+    Time opened{};
   };
 
+  static void close(Line& line) {
+    if (!line.socket) return;
+    line.socket.set(zmq::sockopt::linger, 0);
+    line.monitor.reset();
+    line.socket.close();
+  }
+
+  /// libzmq tries no more once it was refused; the coordinator may have changed its mind since. The
+  /// control line is opened again by who misses its messages.
+  void revive_bulk() {
+    if (!bulk_.monitor || !bulk_.monitor->trouble()) return;
+    if (monotonic_now() - bulk_.opened < kRevivePause) return;
+    open(bulk_, parse_endpoint(bulk_endpoint_), Channel::bulk);
+  }
+
   void open(Line& line, const Endpoint& endpoint, Channel channel) {
-    if (line.socket) line.socket.set(zmq::sockopt::linger, 0);
+    close(line);
+    line.opened = monotonic_now();
     line.socket = zmq::socket_t(context_, zmq::socket_type::dealer);
     configure(line.socket, channel);
     line.socket.set(zmq::sockopt::immediate, 1);
@@ -111,7 +137,7 @@ class ZmqClient final : public ClientTransport {
     line.socket.set(zmq::sockopt::reconnect_ivl_max, kReconnectMaxMs);
     if (endpoint.host.starts_with("[")) line.socket.set(zmq::sockopt::ipv6, 1);
     if (keys_) protect(line.socket, *keys_);
-    if (&line == &control_ && endpoint.tcp) monitor_.emplace(context_, line.socket);
+    if (endpoint.tcp) line.monitor.emplace(context_, line.socket);
     // A signal may come at any moment; who is told to end by one shall do so in order.
     while (zmq_connect(line.socket.handle(), endpoint.str().c_str()) != 0) {
       const zmq::error_t error;
@@ -149,7 +175,6 @@ class ZmqClient final : public ClientTransport {
   std::optional<ClientKeys> keys_;
   std::string bulk_endpoint_;
   Line control_, bulk_;
-  std::optional<HandshakeMonitor> monitor_;  ///< of control_, over TCP
   WakeUp wake_;
 };
 

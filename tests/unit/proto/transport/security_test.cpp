@@ -151,8 +151,12 @@ TEST_F(Security, AKeyTakenOffTheListIsShutOutAtOnce) {
   const auto received = receive(viewer.get(), 1);
   ASSERT_EQ(received.size(), 1u);
   EXPECT_EQ(received[0].sender.name, "wall");
-  // Listed again, it comes in again.
+  // Listed again, it comes in again: bulk by itself, control when it is asked to.
   server_->set_allowed(list());
+  worker->send(Channel::bulk, bytes_of("back"));
+  const auto back = receive(worker.get(), 1, 2000);
+  ASSERT_EQ(back.size(), 1u);
+  EXPECT_EQ(back[0].channel, Channel::bulk);
   worker->reconnect();
   worker->send(Channel::control, bytes_of("back"));
   EXPECT_FALSE(receive(worker.get(), 1).empty());
