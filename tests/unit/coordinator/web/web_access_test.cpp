@@ -93,6 +93,7 @@ TEST(WebAccess, SaysWhatIsWrongWithAFile) {
               ::testing::HasSubstr("tokens:2: role 'king'; expected viewer or submitter"));
   EXPECT_THAT(complaint("# nothing\n"), ::testing::HasSubstr("has no token"));
   EXPECT_THAT(complaint("long-enough-token-1 viewer\n", 0644), ::testing::HasSubstr("mode 0600"));
+  EXPECT_EQ(complaint("long-enough-token-1 viewer\n", 0440), "none");
   EXPECT_THROW(WebAccess::read("/nowhere/tokens"), Error);
 }
 
