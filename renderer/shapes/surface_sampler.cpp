@@ -142,7 +142,7 @@ class RectangleSampler final : public AreaSampler {
  private:
   /// Far away, all of it is seen alike, and its small solid angle loses digits.
   bool is_near(const Point3& from) const {
-    constexpr double kFar = 16;
+    constexpr double kFar = 2;
     return is_square_ && length_squared(center() - from) < kFar * area_;
   }
   void choose(const Vec2& u, SurfaceSample& sample) const override {
