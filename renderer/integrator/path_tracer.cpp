@@ -16,11 +16,11 @@ namespace {
 /// Bounces that no roulette ends.
 constexpr uint32_t kSafeDepth = 2;
 
-/// The numbers that one vertex of a path draws.
+/// The numbers that one vertex of a path draws; what it does not ask for is not worked out.
 class VertexNumbers {
  public:
-  VertexNumbers(const Sampler& sampler, const SampleKey& key, uint32_t vertex)
-      : sampler_(sampler), key_(key), first_(kFirst + kPairs * vertex) {}
+  VertexNumbers(const SampleStream& stream, uint32_t vertex)
+      : stream_(stream), first_(kFirst + kPairs * vertex) {}
   Vec2 on_light() const { return pair(0); }
   Vec2 direction() const { return pair(1); }
   /// x: which way to scatter, y: whether to go on.
@@ -30,12 +30,9 @@ class VertexNumbers {
 
  private:
   static constexpr uint32_t kFirst = 1u << 20, kPairs = 4;
-  Vec2 pair(uint32_t use) const {
-    return sampler_.pair(key_.x, key_.y, key_.sample, static_cast<SampleUse>(first_ + use));
-  }
+  Vec2 pair(uint32_t use) const { return stream_.pair(static_cast<SampleUse>(first_ + use)); }
 
-  const Sampler& sampler_;
-  const SampleKey& key_;
+  const SampleStream& stream_;
   uint32_t first_;
 };
 
@@ -52,7 +49,8 @@ class PathTracer final : public Integrator {
   Color radiance(const Ray& camera_ray, const SampleKey& key, TraceState& state) const override {
     ++state.counters.rays_primary;
     Path path{.ray = camera_ray};
-    while (follow(path, key, state)) {
+    const SampleStream stream = scene_->sampler->stream(key.x, key.y, key.sample);
+    while (follow(path, stream, state)) {
     }
     return path.sum;
   }
@@ -72,7 +70,7 @@ class PathTracer final : public Integrator {
   };
 
   /// Adds what the path's next surface sends along it; false where the path ends.
-  bool follow(Path& path, const SampleKey& key, TraceState& state) const {
+  bool follow(Path& path, const SampleStream& stream, TraceState& state) const {
     Hit hit;
     if (!scene_->surfaces ||
         !scene_->surfaces->closest_hit(path.ray, hit, state.counters.traversal)) {
@@ -86,7 +84,7 @@ class PathTracer final : public Integrator {
     if constexpr (kRich) {
       look_up_textures(*scene_, path.ray, cone_width(*scene_, path.path_length), point);
     }
-    const VertexNumbers numbers(*scene_->sampler, key, path.vertex++);
+    const VertexNumbers numbers(stream, path.vertex++);
     if constexpr (kPasses) {
       path.medium = medium_before(path.medium, point);
       if (!is_black(path.medium)) {
@@ -96,8 +94,7 @@ class PathTracer final : public Integrator {
     }
     if (scene_->fog.kind != FogKind::none) enter_fog(path);
     add_emission(path, point);
-    if (path.depth >= scene_->settings.max_depth ||
-        point.material->model == MaterialModel::unlit) {
+    if (path.depth >= scene_->settings.max_depth || point.material->model == MaterialModel::unlit) {
       return false;
     }
     const Scatter scatter({.material = *point.material,
@@ -111,7 +108,8 @@ class PathTracer final : public Integrator {
     return bounce(path, point, scatter, origins, numbers, state);
   }
 
-  /// Whether the path goes on through the surface as if it were not there, by the share that is not.
+  /// Whether the path goes on through the surface as if it were not there, by the share that is
+  /// not.
   bool passes_straight(Path& path, const SurfacePoint& point, double t,
                        const VertexNumbers& numbers, TraceState& state) const {
     const Coverage coverage = straight_coverage(point);
@@ -148,11 +146,13 @@ class PathTracer final : public Integrator {
     Color sum = kBlack;
     const double width = cone_width(*scene_, path.path_length);
     if (!scene_->area_lights.empty()) {
-      const AreaLights::Pick pick = scene_->area_lights.pick(numbers.pick().x);
+      const AreaLights::Pick pick = scene_->area_lights.size() > 1
+                                        ? scene_->area_lights.pick(numbers.pick().x)
+                                        : AreaLights::Pick{};
       const AreaLight& light = scene_->area_lights[pick.index];
       SurfaceSample there;
-      const double density = light.sampler->sample(point.surface.point, numbers.on_light(), there) *
-                             pick.probability;
+      const double density =
+          light.sampler->sample(point.surface.point, numbers.on_light(), there) * pick.probability;
       sum += from_area_light(light, there, density, point, scatter, origins, path, width, state);
     }
     scene_->for_each_light(point.surface.instance, [&](uint32_t index) {
@@ -192,8 +192,8 @@ class PathTracer final : public Integrator {
       ++state.counters.shadow_rays_skipped;
       return kBlack;
     }
-    const Color visible = point_visibility<kRich>(*scene_, point, origins, path.medium, there,
-                                                  width, state.counters);
+    const Color visible =
+        point_visibility<kRich>(*scene_, point, origins, path.medium, there, width, state.counters);
     if (is_black(visible)) return kBlack;
     const double weight = power_heuristic(density, value.density);
     return shine * value.share * visible * (weight / density);
@@ -201,7 +201,8 @@ class PathTracer final : public Integrator {
 
   bool bounce(Path& path, const SurfacePoint& point, const Scatter& scatter, RayOrigins& origins,
               const VertexNumbers& numbers, TraceState& state) const {
-    const Vec2 choice = numbers.choice();
+    const bool may_end = path.depth >= kSafeDepth;
+    const Vec2 choice = Scatter::kHasChoice || may_end ? numbers.choice() : Vec2{};
     BsdfSample sample;
     if (!scatter.sample(choice.x, numbers.direction(), sample)) return false;
     path.throughput = path.throughput * sample.weight;
@@ -209,7 +210,7 @@ class PathTracer final : public Integrator {
     // What lies ahead is as bright whatever the medium makes of radiance.
     const double worth = max_component(path.throughput) / path.radiance_scale;
     if (!(worth > 0)) return false;
-    if (path.depth >= kSafeDepth) {
+    if (may_end) {
       const double survival = std::min(worth, 0.95);
       if (choice.y >= survival) {
         ++state.counters.roulette_ends;

@@ -14,7 +14,7 @@ namespace tessera {
 struct AreaLight {
   std::shared_ptr<const SurfaceSampler> sampler;
   uint32_t instance = 0;
-  uint32_t material = 0;          ///< LocalSurface::material of its points
+  uint32_t material = 0;                ///< LocalSurface::material of its points
   Color front = kBlack, back = kBlack;  ///< radiance towards either side
 };
 

@@ -209,8 +209,7 @@ BsdfValue Bsdf::evaluate_local(const Vec3& wi) const {
       const Ggx ggx(alpha_);
       const double d = ggx.distribution(half);
       const double kept = is_black(mean_fresnel_) ? 1 : 1 - glass_;
-      value.share +=
-          facet_fresnel(cosine) * (kept * d * ggx.shadowing(wi, wo_) / (4 * wo_.z));
+      value.share += facet_fresnel(cosine) * (kept * d * ggx.shadowing(wi, wo_) / (4 * wo_.z));
       value.density += p_facets_ * d * ggx.masking(wo_) / (4 * wo_.z);
     }
     if (coat_ > 0) value.share = value.share * (coat_passes(wi.z) * coat_passes(wo_.z));
@@ -250,7 +249,8 @@ BsdfValue Bsdf::evaluate_glass(const Vec3& wi) const {
   const double denominator = i + o / eta_;
   const double jacobian = std::abs(i) / (denominator * denominator);
   // Radiance is denser beyond by eta^2.
-  const double share = glass_ * passes * (1 - fresnel) * d * g * o * jacobian / (wo_.z * eta_ * eta_);
+  const double share =
+      glass_ * passes * (1 - fresnel) * d * g * o * jacobian / (wo_.z * eta_ * eta_);
   return {tint_ * share, p_glass_ * (1 - fresnel) * visible * jacobian};
 }
 

@@ -27,18 +27,19 @@ struct BsdfValue {
 
 /// A direction to go on in.
 struct BsdfSample {
-  Vec3 wi;                   ///< unit, from the surface
-  Color weight;              ///< BSDF * |cosine| / density
-  double density = 0;        ///< of all ways to choose it; not read where `is_mirror`
-  double radiance_scale = 1; ///< what of `weight` only says that radiance is denser in a medium
-  bool is_mirror = false;    ///< there was no other way to go
-  bool is_beyond = false;    ///< it leaves on the other side than the viewer's
+  Vec3 wi;                    ///< unit, from the surface
+  Color weight;               ///< BSDF * |cosine| / density
+  double density = 0;         ///< of all ways to choose it; not read where `is_mirror`
+  double radiance_scale = 1;  ///< what of `weight` only says that radiance is denser in a medium
+  bool is_mirror = false;     ///< there was no other way to go
+  bool is_beyond = false;     ///< it leaves on the other side than the viewer's
 };
 
 /// Evenly scattering surfaces: the classic material without highlight, mirror or glass, which most
 /// surfaces of most scenes are.
 class LambertBsdf {
  public:
+  static constexpr bool kHasChoice = false;  ///< whether sample() reads `choice`
   explicit LambertBsdf(const BsdfPoint& point)
       : albedo_(point.diffuse), normal_(point.normal), facet_(point.geometric_normal) {}
   bool is_smooth() const { return true; }
@@ -69,6 +70,7 @@ class LambertBsdf {
 /// A value of one point; lives while its BsdfPoint's material does.
 class Bsdf {
  public:
+  static constexpr bool kHasChoice = true;
   explicit Bsdf(const BsdfPoint& point);
 
   /// Whether evaluate() can be anything but black.

@@ -10,8 +10,8 @@
 #include "renderer/shapes/box.h"
 #include "renderer/shapes/convex_polygon.h"
 #include "renderer/shapes/disc.h"
-#include "renderer/shapes/spherical_rectangle.h"
 #include "renderer/shapes/sphere.h"
+#include "renderer/shapes/spherical_rectangle.h"
 
 namespace tessera {
 
@@ -232,8 +232,7 @@ std::unique_ptr<const SurfaceSampler> make_surface_sampler(const Shape& shape,
   }
   if (const auto* rectangle = dynamic_cast<const Rectangle*>(&shape)) {
     return std::make_unique<RectangleSampler>(
-        to_world(rectangle->corner()), to_world(rectangle->edge_u()),
-        to_world(rectangle->edge_v()),
+        to_world(rectangle->corner()), to_world(rectangle->edge_u()), to_world(rectangle->edge_v()),
         turned(cross(rectangle->edge_u(), rectangle->edge_v())));
   }
   auto triangles = std::make_unique<TriangleSampler>(flip_normals != mirrors(world_from_object));
