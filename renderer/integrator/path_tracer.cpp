@@ -14,7 +14,7 @@ namespace tessera {
 namespace {
 
 /// Bounces that no roulette ends.
-constexpr uint32_t kSafeDepth = 2;
+constexpr uint32_t kSafeDepth = 3;
 
 /// The numbers that one vertex of a path draws; what it does not ask for is not worked out.
 class VertexNumbers {
@@ -211,7 +211,7 @@ class PathTracer final : public Integrator {
     const double worth = max_component(path.throughput) / path.radiance_scale;
     if (!(worth > 0)) return false;
     if (may_end) {
-      const double survival = std::min(worth, 0.95);
+      const double survival = std::min(std::sqrt(worth), 0.95);
       if (choice.y >= survival) {
         ++state.counters.roulette_ends;
         return false;
