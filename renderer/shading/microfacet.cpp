@@ -13,7 +13,13 @@ namespace {
 
 constexpr int kAlbedoSteps = 32;
 
-/// facet_albedo() at steps of the square root of alpha and of the cosine, linear between.
+double cosine_at(int step) {
+  const double x = static_cast<double>(step) / kAlbedoSteps;
+  return x * x;
+}
+
+/// facet_albedo() at steps of the square roots of alpha and of the cosine; between them linear in
+/// the first and the cosine itself.
 struct AlbedoTable {
   std::array<std::array<FacetAlbedo, kAlbedoSteps + 1>, kAlbedoSteps + 1> at;
   std::array<FacetAlbedo, kAlbedoSteps + 1> mean;
@@ -21,37 +27,42 @@ struct AlbedoTable {
   AlbedoTable() {
     for (int a = 0; a <= kAlbedoSteps; ++a) {
       for (int c = 0; c <= kAlbedoSteps; ++c) {
-        at[a][c] =
-            integrate(static_cast<double>(a) / kAlbedoSteps, static_cast<double>(c) / kAlbedoSteps);
+        at[a][c] = integrate(static_cast<double>(a) / kAlbedoSteps, cosine_at(c));
       }
       // 2 * the integral of cosine * what lies linearly between the steps.
       FacetAlbedo sum{0, 0};
       for (int c = 0; c < kAlbedoSteps; ++c) {
-        const double h = 1.0 / kAlbedoSteps, x = c * h;
-        const double low = h * (x / 2 + h / 6), high = h * (x / 2 + h / 3);
-        sum.scale += 2 * (low * at[a][c].scale + high * at[a][c + 1].scale);
-        sum.bias += 2 * (low * at[a][c].bias + high * at[a][c + 1].bias);
+        const double from = cosine_at(c), to = cosine_at(c + 1), third = (to - from) / 3;
+        const double low = third * (2 * from + to), high = third * (from + 2 * to);
+        sum.scale += (low * at[a][c].scale + high * at[a][c + 1].scale);
+        sum.bias += (low * at[a][c].bias + high * at[a][c + 1].bias);
       }
       mean[a] = sum;
     }
   }
 
   static FacetAlbedo integrate(double root_alpha, double cosine) {
-    constexpr int kSide = 16;
+    constexpr int kAround = 8, kOut = 32;
     const Ggx ggx(std::max(root_alpha * root_alpha, 1e-4));
     const double c = std::max(cosine, 1e-3);
     const Vec3 wo{std::sqrt(1 - c * c), 0, c};
     FacetAlbedo sum{0, 0};
-    for (int i = 0; i < kSide * kSide; ++i) {
-      const Vec3 h = ggx.sample_visible(wo, {(i % kSide + 0.5) / kSide, (i / kSide + 0.5) / kSide});
+    double weights = 0;
+    for (int i = 0; i < kAround * kOut; ++i) {
+      // Both sides of the plane of wo are alike. Few facets stand steep, and these lose the most:
+      // the steps grow finer towards both ends.
+      const double v = (i / kAround + 0.5) / kOut, part = 6 * v * (1 - v);
+      const Vec3 h =
+          ggx.sample_visible(wo, {(i % kAround + 0.5) / (2 * kAround), v * v * (3 - 2 * v)});
       const Vec3 wi = h * (2 * dot(wo, h)) - wo;
+      weights += part;
       if (wi.z <= 0) continue;
-      const double weight = ggx.shadowing(wi, wo) / ggx.masking(wo);
+      const double kept = part * ggx.shadowing(wi, wo) / ggx.masking(wo);
       const double grazing = fresnel_schlick(kBlack, dot(wo, h)).r;
-      sum.scale += weight * (1 - grazing);
-      sum.bias += weight * grazing;
+      sum.scale += kept * (1 - grazing);
+      sum.bias += kept * grazing;
     }
-    return {sum.scale / (kSide * kSide), sum.bias / (kSide * kSide)};
+    return {sum.scale / weights, sum.bias / weights};
   }
 };
 
@@ -64,16 +75,22 @@ FacetAlbedo mix(const FacetAlbedo& a, const FacetAlbedo& b, double t) {
   return {a.scale + (b.scale - a.scale) * t, a.bias + (b.bias - a.bias) * t};
 }
 
-/// The step at or below `x` in [0, 1], and how far it is to the next one.
+/// A step, and how far from it to the next one.
 struct Step {
-  explicit Step(double x) {
-    const double scaled = std::clamp(x, 0.0, 1.0) * kAlbedoSteps;
-    index = std::min(static_cast<int>(scaled), kAlbedoSteps - 1);
-    rest = scaled - index;
-  }
   int index;
   double rest;
 };
+/// At or below `x` in [0, 1].
+Step step_at(double x) {
+  const double scaled = std::clamp(x, 0.0, 1.0) * kAlbedoSteps;
+  const int index = std::min(static_cast<int>(scaled), kAlbedoSteps - 1);
+  return {index, scaled - index};
+}
+Step step_at_cosine(double cosine) {
+  const int index = step_at(std::sqrt(std::max(cosine, 0.0))).index;
+  const double from = cosine_at(index), to = cosine_at(index + 1);
+  return {index, std::clamp((cosine - from) / (to - from), 0.0, 1.0)};
+}
 
 }  // namespace
 
@@ -101,7 +118,7 @@ double Ggx::visible_density(const Vec3& wo, const Vec3& h) const {
 
 FacetAlbedo facet_albedo(double alpha, double cosine) {
   const AlbedoTable& table = albedo_table();
-  const Step a(std::sqrt(alpha)), c(cosine);
+  const Step a = step_at(std::sqrt(alpha)), c = step_at_cosine(cosine);
   const auto along = [&](int row) {
     return mix(table.at[row][c.index], table.at[row][c.index + 1], c.rest);
   };
@@ -110,7 +127,7 @@ FacetAlbedo facet_albedo(double alpha, double cosine) {
 
 FacetAlbedo mean_facet_albedo(double alpha) {
   const AlbedoTable& table = albedo_table();
-  const Step a(std::sqrt(alpha));
+  const Step a = step_at(std::sqrt(alpha));
   return mix(table.mean[a.index], table.mean[a.index + 1], a.rest);
 }
 

@@ -52,7 +52,7 @@ class SphereSampler final : public SurfaceSampler {
   double sample(const Point3& from, const Vec2& u, SurfaceSample& sample) const override {
     const Vec3 way = center_ - from;
     const double squared = length_squared(way);
-    if (squared <= radius_ * radius_) {  // from inside, evenly
+    if (!is_outside(squared)) {  // evenly
       place(direction_at(1 - 2 * u.x, u.y), sample);
       return by_area(area(), from, sample.point, sample.normal);
     }
@@ -69,13 +69,15 @@ class SphereSampler final : public SurfaceSampler {
   }
   double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
     const double squared = length_squared(center_ - from);
-    if (squared <= radius_ * radius_) return by_area(area(), from, there, normal);
+    if (!is_outside(squared)) return by_area(area(), from, there, normal);
     return 1 / (2 * portable::kPi * one_minus_cosine(radius_ * radius_ / squared));
   }
   double area() const override { return 4 * portable::kPi * radius_ * radius_; }
   Point3 center() const override { return center_; }
 
  private:
+  /// Clearly: on the sphere itself, rounding would decide which half of it is seen.
+  bool is_outside(double squared) const { return squared > radius_ * radius_ * (1 + 0x1p-20); }
   static double one_minus_cosine(double sin2) { return sin2 / (1 + std::sqrt(1 - sin2)); }
   void place(const Vec3& out, SurfaceSample& sample) const {
     sample.point = center_ + out * radius_;
