@@ -91,18 +91,21 @@ class SceneBuilder {
   }
 
  private:
-  /// Whitted's, but where nothing shines except surfaces, which to it is no light.
+  /// Whitted's, but where surfaces are all that shines, which light nothing there, and others
+  /// would show their light.
   void choose_integrator(const CameraChoice& choice) {
     RenderSettings& settings = scene_->settings;
     if (settings.integrator == IntegratorKind::automatic) {
       const bool has_lights =
           !graph_.lights.empty() || choice.headlight || !is_black(settings.ambient);
-      const auto& materials = materials_.materials();
-      const bool shines =
-          std::any_of(materials.begin(), materials.end(), [](const Material& material) {
-            return material.model != MaterialModel::unlit && !is_black(material.emission);
-          });
-      settings.integrator = !has_lights && shines ? IntegratorKind::path : IntegratorKind::whitted;
+      bool shines = false, scatters = false;
+      for (const Material& material : materials_.materials()) {
+        if (material.model == MaterialModel::unlit) continue;
+        shines |= !is_black(material.emission);
+        scatters |= material.scatters();
+      }
+      settings.integrator =
+          shines && scatters && !has_lights ? IntegratorKind::path : IntegratorKind::whitted;
     }
     constexpr uint32_t kPathDepth = 64;
     if (settings.integrator == IntegratorKind::path &&

@@ -22,7 +22,8 @@ struct Estimate {
 
 /// The middle of the picture, by the camera at (0, 0, 10) that looks along -z.
 Estimate estimate(const std::string& scene, const std::string& integrator = "") {
-  const std::string text = scene + "settings { sampling { pattern: CENTER } integrator { kind: 'path' " +
+  const std::string text = scene +
+                           "settings { sampling { pattern: CENTER } integrator { kind: 'path' " +
                            integrator + " } }";
   double sum = 0, squares = 0;
   for (uint32_t seed = 1; seed <= kSeeds; ++seed) {
@@ -69,9 +70,10 @@ TEST(ClosedForms, DiscFacingAndAside) {
   };
   expect_estimate(wall(kPi * 2 * R * R / (R * R + h * h)), estimate(disc(0)));
   const double a = 3, s = h * h + a * a;
-  expect_estimate(wall(kPi * 2 / 2 *
-                       (1 - (s - R * R) / std::sqrt((s + R * R) * (s + R * R) - 4 * R * R * a * a))),
-                  estimate(disc(a)));
+  expect_estimate(
+      wall(kPi * 2 / 2 *
+           (1 - (s - R * R) / std::sqrt((s + R * R) * (s + R * R) - 4 * R * R * a * a))),
+      estimate(disc(a)));
 }
 
 TEST(ClosedForms, SphereAboveAndAcrossTheHorizon) {
@@ -85,11 +87,11 @@ TEST(ClosedForms, SphereAboveAndAcrossTheHorizon) {
   expect_estimate(wall(kPi * 2 * (1.0 / 9) * std::cos(0.9)), estimate(sphere(3, 0.9)));
   // Its centre 80 degrees off the normal, so that a part is below the wall.
   const double h = 2, c = std::cos(80 * kPi / 180), k = 1 - h * h * c * c;
-  const double e = ((c * std::acos(-c * std::sqrt((h * h - 1) / (1 - c * c))) -
-                     std::sqrt(k * (h * h - 1))) /
-                        (h * h) +
-                    std::atan(std::sqrt(k / (h * h - 1)))) *
-                   2;
+  const double e =
+      ((c * std::acos(-c * std::sqrt((h * h - 1) / (1 - c * c))) - std::sqrt(k * (h * h - 1))) /
+           (h * h) +
+       std::atan(std::sqrt(k / (h * h - 1)))) *
+      2;
   expect_estimate(wall(e), estimate(sphere(2, 80 * kPi / 180)));
 }
 
@@ -101,22 +103,23 @@ TEST(ClosedForms, RectangleByAreaAndBySolidAngleAndAsTriangles) {
                      (a / std::sqrt(1 + a * a) * std::atan(b / std::sqrt(1 + a * a)) +
                       b / std::sqrt(1 + b * b) * std::atan(a / std::sqrt(1 + b * b)));
     const std::string z = " z: " + number(h);
-    const std::string rectangle = "rectangle { corner {" + z + " } edge_u { y: 1 } edge_v { x: 2 } }";
+    const std::string rectangle =
+        "rectangle { corner {" + z + " } edge_u { y: 1 } edge_v { x: 2 } }";
     const std::string mesh = "mesh { inline_positions: [0, 0, " + number(h) + ", 2, 0, " +
                              number(h) + ", 2, 1, " + number(h) + ", 0, 1, " + number(h) +
                              "] inline_triangles: [0, 2, 1, 0, 3, 2] }";
     // The camera would be in the far one's way.
-    const std::string from = h > 10 ? "cameras { world_from_camera { steps { look_at { eye { x: -1 y: -1 z: 5 } "
-                                      "target { } } } } } "
-                                    : "";
+    const std::string from =
+        h > 10 ? "cameras { world_from_camera { steps { look_at { eye { x: -1 y: -1 z: 5 } "
+                 "target { } } } } } "
+               : "";
     expect_estimate(wall(e), estimate(from + kLampAndWall + node(rectangle, "lamp")));
     expect_estimate(wall(e), estimate(from + kLampAndWall + node(mesh, "lamp")));
   }
 }
 
 TEST(ClosedForms, FurnaceToAnyDepth) {
-  const std::string furnace =
-      material("glow", 0.7, 0.3) + node("sphere { radius: 50 }", "glow");
+  const std::string furnace = material("glow", 0.7, 0.3) + node("sphere { radius: 50 }", "glow");
   expect_estimate(1.0, estimate(furnace, "max_depth: 200"));
   for (const int n : {0, 1, 2, 7}) {
     expect_estimate(0.3 * (1 - std::pow(0.7, n + 1)) / 0.3,
@@ -160,14 +163,16 @@ TEST(ClosedForms, ClearAndTintedSlab) {
 TEST(ClosedForms, WhiteSurfacesOfEveryKindReflectAllTheyGet) {
   const std::string white = "{ value { r: 1 g: 1 b: 1 } }";
   for (const std::string& kind :
-       {std::string("classic { diffuse ") + white + " }", "physical { base_color " + white + " metallic { value: 1 } roughness { value: .3 } }",
+       {std::string("classic { diffuse ") + white + " }",
+        "physical { base_color " + white + " metallic { value: 1 } roughness { value: .3 } }",
         "physical { base_color " + white + " metallic { value: 1 } roughness { value: 1 } }",
         "physical { base_color " + white + " metallic { value: 0 } roughness { value: .5 } }",
         "physical { base_color " + white + " metallic { value: 0 } roughness { value: 0 } }",
         std::string("dielectric { }"), std::string("dielectric { thin: true }")}) {
     SCOPED_TRACE(kind);
-    const std::string scene = "background { solid { r: 1 g: 1 b: 1 } } materials { name: 'm' " + kind +
-                              " } " + node("sphere { center { x: .4 z: 2 } radius: 1 }", "m");
+    const std::string scene = "background { solid { r: 1 g: 1 b: 1 } } materials { name: 'm' " +
+                              kind + " } " +
+                              node("sphere { center { x: .4 z: 2 } radius: 1 }", "m");
     const Estimate found = estimate(scene, "max_depth: 200");
     EXPECT_NEAR(found.mean, 1, 0.005);
   }

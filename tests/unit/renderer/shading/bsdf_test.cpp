@@ -115,7 +115,8 @@ TEST(Bsdf, SamplesFollowTheDensityThatItTells) {
       for (int row = 0; row < kRows * kFine; ++row) {
         for (int column = 0; column < kColumns * kFine; ++column) {
           const double z = 2 * (row + 0.5) / (kRows * kFine) - 1;
-          const double phi = 2 * kPi * (column + 0.5) / (kColumns * kFine), r = std::sqrt(1 - z * z);
+          const double phi = 2 * kPi * (column + 0.5) / (kColumns * kFine),
+                       r = std::sqrt(1 - z * z);
           const double p = bsdf.evaluate({r * std::cos(phi), r * std::sin(phi), z}).density *
                            (4 * kPi / (kRows * kColumns * kFine * kFine));
           expected[(row / kFine) * kColumns + column / kFine] += p * kCount;
@@ -160,7 +161,8 @@ TEST(Bsdf, SamplesFollowTheDensityThatItTells) {
         ++freedom;
       }
       if (pooled_expected >= 20) {
-        chi2 += (pooled_found - pooled_expected) * (pooled_found - pooled_expected) / pooled_expected;
+        chi2 +=
+            (pooled_found - pooled_expected) * (pooled_found - pooled_expected) / pooled_expected;
         ++freedom;
       }
       // Wilson and Hilferty: about normal; 4.5 is a false alarm in 300,000.
@@ -181,10 +183,10 @@ TEST(Bsdf, GivesBackNoMoreThanItGets) {
 }
 
 TEST(Bsdf, WhiteOnesGiveBackAllTheyGet) {
-  for (Case c : {physical("metal", 1, 0.3), physical("rougher metal", 1, 0.6),
-                 physical("rough metal", 1, 1), physical("plastic", 0, 0.4),
-                 physical("varnish", 0, 0), classic("lambert", kWhite, kBlack),
-                 glass("glass", 0, false), glass("glass from inside", 0, true)}) {
+  for (Case c :
+       {physical("metal", 1, 0.3), physical("rougher metal", 1, 0.6), physical("rough metal", 1, 1),
+        physical("plastic", 0, 0.4), physical("varnish", 0, 0), classic("lambert", kWhite, kBlack),
+        glass("glass", 0, false), glass("glass from inside", 0, true)}) {
     c.material.diffuse = kWhite;
     for (const double degrees : {0.0, 30.0, 60.0, 80.0}) {
       SCOPED_TRACE(c.name + " at " + std::to_string(degrees));
