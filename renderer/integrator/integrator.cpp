@@ -1,5 +1,6 @@
 #include "renderer/integrator/integrator.h"
 
+#include "renderer/integrator/path_tracer.h"
 #include "renderer/integrator/views.h"
 #include "renderer/integrator/whitted.h"
 
@@ -16,6 +17,7 @@ void TraceCounters::add_to(CounterMap& map) const {
   map["shadow_rays_skipped"] += shadow_rays_skipped;
   map["samples"] += samples;
   map["samples_skipped"] += samples_skipped;
+  if (roulette_ends > 0) map["roulette_ends"] += roulette_ends;
   if (paths_cut > 0) map["paths_cut"] += paths_cut;  // told only when it happened
   map["nan_samples"] += nan_samples;
 }
@@ -26,6 +28,9 @@ std::unique_ptr<const Integrator> make_integrator(std::shared_ptr<const Scene> s
       return make_normals_view(std::move(scene));
     case IntegratorKind::depth:
       return make_depth_view(std::move(scene));
+    case IntegratorKind::path:
+      return make_path_tracer(std::move(scene));
+    case IntegratorKind::automatic:  // chosen when the scene was built
     case IntegratorKind::whitted:
       break;
   }

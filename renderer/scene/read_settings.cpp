@@ -18,9 +18,11 @@ namespace {
 const Where kSettings{.kind = "settings"};
 
 IntegratorKind integrator_kind(const std::string& name) {
+  if (name == "whitted") return IntegratorKind::whitted;
+  if (name == "path") return IntegratorKind::path;
   if (name == "normals") return IntegratorKind::normals;
   if (name == "depth") return IntegratorKind::depth;
-  return IntegratorKind::whitted;
+  return IntegratorKind::automatic;
 }
 
 /// The first number that there is, held against 1 to `most`.
@@ -100,7 +102,7 @@ SamplerSettings read_sampling(const v1::Sampling& in, const v1::FrameSettings& f
 }  // namespace
 
 const std::vector<std::string>& integrator_names() {
-  static const std::vector<std::string> names{"auto", "whitted", "normals", "depth"};
+  static const std::vector<std::string> names{"auto", "whitted", "path", "normals", "depth"};
   return names;
 }
 

@@ -13,7 +13,7 @@
 namespace tessera {
 
 /// What traces a frame.
-enum class IntegratorKind { whitted, normals, depth };
+enum class IntegratorKind { automatic, whitted, path, normals, depth };
 
 /// The names of --integrator; the first is the default.
 const std::vector<std::string>& integrator_names();
