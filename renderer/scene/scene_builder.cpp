@@ -213,15 +213,24 @@ class SceneBuilder {
   }
 
   bool shows_normals(const Material& material) const {
-    const IntegratorKind view = scene_->settings.integrator;
-    if (view == IntegratorKind::depth) return material.inputs != kNoMaterialInputs;
-    return view == IntegratorKind::normals || material.uses_shading_normal();
+    switch (scene_->settings.view) {
+      case View::normals:
+        return true;
+      case View::depth:
+      case View::albedo:
+      case View::ids:
+        return material.inputs != kNoMaterialInputs;
+      case View::none:
+      case View::cost:
+        break;
+    }
+    return material.uses_shading_normal();
   }
   bool shows_colors(const Material& material) const {
-    const IntegratorKind kind = scene_->settings.integrator;
-    return kind == IntegratorKind::whitted || kind == IntegratorKind::path
-               ? material.uses_vertex_color()
-               : material.inputs != kNoMaterialInputs;
+    const View view = scene_->settings.view;
+    return view == View::normals || view == View::depth || view == View::ids
+               ? material.inputs != kNoMaterialInputs
+               : material.uses_vertex_color();
   }
 
   void classify(ShapeMaterials& entry) const {

@@ -27,6 +27,23 @@ int looks_per_cell(const Background& background) {
   return std::clamp(static_cast<int>((widest + kColumns - 1) / kColumns), 1, 16);
 }
 
+/// The mean of what is seen in each cell, rows from +z.
+std::vector<double> look_around(const Background& background) {
+  const int looks = looks_per_cell(background);
+  std::vector<double> seen;
+  for (int cell = 0; cell < kRows * kColumns; ++cell) {
+    double mean = 0;
+    for (int i = 0; i < looks * looks; ++i) {
+      const Vec3 d = direction_in(cell / kColumns + (i / looks + 0.5) / looks,
+                                  cell % kColumns + (i % looks + 0.5) / looks);
+      const Color c = background.radiance({}, d, {});
+      mean += std::max(0.0, c.r + c.g + c.b) / (looks * looks);
+    }
+    seen.push_back(mean);
+  }
+  return seen;
+}
+
 /// The number of the step that `u` of the whole falls into; `rest` is how far into it.
 size_t choose(std::span<const double> sums, double u, double& rest) {
   const double at = u * sums.back();
@@ -48,16 +65,18 @@ EnvironmentSampler::EnvironmentSampler(const Background& background) {
     const Color sun = daylight_->sun_at_center() * (1 - plain.transparency);
     sun_ = (sun.r + sun.g + sun.b) / (Sky::sun_density() * kCellAngle);
   }
-  const int looks = looks_per_cell(plain);
+  const std::vector<double> seen = look_around(plain);
+  const auto at = [&](int row, int column) {
+    return seen[static_cast<size_t>(std::clamp(row, 0, kRows - 1) * kColumns +
+                                    (column + kColumns) % kColumns)];
+  };
   for (int row = 0; row < kRows; ++row) {
     double sum = 0;
     for (int column = 0; column < kColumns; ++column) {
-      for (int i = 0; i < looks * looks; ++i) {
-        const Color c = plain.radiance(
-            {}, direction_in(row + (i / looks + 0.5) / looks, column + (i % looks + 0.5) / looks),
-            {});
-        sum += std::max(0.0, c.r + c.g + c.b) / (looks * looks);
-      }
+      // With some of its neighbours' light, for a bright spot may reach over the edge.
+      double around = 0;
+      for (int i = 0; i < 9; ++i) around += at(row + i / 3 - 1, column + i % 3 - 1) / 9;
+      sum += 0.75 * at(row, column) + 0.25 * around;
       cells_.push_back(sum);
     }
     total_ += sum;
