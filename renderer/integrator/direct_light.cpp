@@ -88,6 +88,23 @@ Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins
 }
 
 template <bool kRich>
+Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& ray,
+                     const Color& medium, double width, TraceCounters& counters) {
+  ++counters.rays_shadow;
+  if (scene.opaque_occluders && scene.opaque_occluders->any_hit(ray, counters.traversal)) {
+    return kBlack;
+  }
+  const bool begins_beyond = dot(point.geometric_normal, ray.direction) < 0;
+  const Color inside = begins_beyond ? medium_beyond(medium, point) : medium;
+  if (scene.clear_occluders) {
+    return clear_transmittance<kRich, false>(scene, ray, inside, width, counters);
+  }
+  // What comes from beyond all surfaces has no way through a medium.
+  return std::isfinite(ray.t_max) ? through_medium(inside, ray.t_max * length(ray.direction))
+                                  : kWhite;
+}
+
+template <bool kRich>
 Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Color& medium, const SurfaceSample& there, double width,
                        TraceCounters& counters) {
@@ -99,15 +116,7 @@ Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins
   Ray ray = origins.spawn(-back);
   ray.direction = there.point + side * lift - ray.origin;
   ray.t_max = 1;
-  ++counters.rays_shadow;
-  if (scene.opaque_occluders && scene.opaque_occluders->any_hit(ray, counters.traversal)) {
-    return kBlack;
-  }
-  if (!scene.clear_occluders && is_black(medium)) return kWhite;
-  const bool begins_beyond = dot(point.geometric_normal, ray.direction) < 0;
-  const Color inside = begins_beyond ? medium_beyond(medium, point) : medium;
-  if (!scene.clear_occluders) return through_medium(inside, length(back));
-  return clear_transmittance<kRich, false>(scene, ray, inside, width, counters);
+  return ray_visibility<kRich>(scene, point, ray, medium, width, counters);
 }
 
 Color surface_diffuse(const SurfacePoint& point) {
@@ -188,6 +197,10 @@ template Color light_visibility<false>(const Scene&, const SurfacePoint&, RayOri
                                        const Light&, const LightSample&, double, TraceCounters&);
 template Color light_visibility<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
                                       const Light&, const LightSample&, double, TraceCounters&);
+template Color ray_visibility<false>(const Scene&, const SurfacePoint&, const Ray&, const Color&,
+                                     double, TraceCounters&);
+template Color ray_visibility<true>(const Scene&, const SurfacePoint&, const Ray&, const Color&,
+                                    double, TraceCounters&);
 template Color point_visibility<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
                                        const SurfaceSample&, double, TraceCounters&);
 template Color point_visibility<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,

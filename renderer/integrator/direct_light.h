@@ -25,6 +25,11 @@ Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins
                        const Color& medium, const SurfaceSample& there, double width,
                        TraceCounters& counters);
 
+/// The same of light from the background along `ray`, which leaves the point.
+template <bool kRich>
+Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& ray,
+                     const Color& medium, double width, TraceCounters& counters);
+
 /// The width, in metres, of what one sample stands for at the end of a path.
 inline double cone_width(const Scene& scene, double path_length) {
   return scene.cone.at_eye + scene.cone.spread * path_length;

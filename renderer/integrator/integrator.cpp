@@ -23,18 +23,12 @@ void TraceCounters::add_to(CounterMap& map) const {
 }
 
 std::unique_ptr<const Integrator> make_integrator(std::shared_ptr<const Scene> scene) {
-  switch (scene->settings.integrator) {
-    case IntegratorKind::normals:
-      return make_normals_view(std::move(scene));
-    case IntegratorKind::depth:
-      return make_depth_view(std::move(scene));
-    case IntegratorKind::path:
-      return make_path_tracer(std::move(scene));
-    case IntegratorKind::automatic:  // chosen when the scene was built
-    case IntegratorKind::whitted:
-      break;
-  }
-  return make_whitted(std::move(scene));
+  const RenderSettings& settings = scene->settings;
+  if (auto view = make_surface_view(scene, settings.view)) return view;
+  auto integrator =
+      settings.integrator == IntegratorKind::path ? make_path_tracer(scene) : make_whitted(scene);
+  if (settings.view == View::cost) return make_cost_view(std::move(integrator));
+  return integrator;
 }
 
 }  // namespace tessera

@@ -65,6 +65,7 @@ class PathTracer final : public Integrator {
     double density = 0;         ///< of the ray's direction; 0: there was no other way to go
     double radiance_scale = 1;  ///< of the throughput, what media of other density make of it
     Point3 from{};              ///< where it scattered last
+    Vec3 from_normal{};         ///< the geometric one there
     uint32_t depth = 0;         ///< bounces so far
     uint32_t vertex = 0;        ///< surfaces met so far
   };
@@ -74,7 +75,7 @@ class PathTracer final : public Integrator {
     Hit hit;
     if (!scene_->surfaces ||
         !scene_->surfaces->closest_hit(path.ray, hit, state.counters.traversal)) {
-      path.sum += path.throughput * background(path.ray);
+      add_background(path);
       return false;
     }
     ++state.counters.hits;
@@ -129,12 +130,22 @@ class PathTracer final : public Integrator {
     path.throughput = path.throughput * clearness;
   }
 
+  void add_background(Path& path) const {
+    const Color shine = background(path.ray);
+    double weight = 1;
+    if (path.density > 0 && scene_->environment) {
+      weight = power_heuristic(path.density, environment_share(*scene_) *
+                                                 scene_->environment->density(path.ray.direction));
+    }
+    path.sum += path.throughput * shine * weight;
+  }
+
   void add_emission(Path& path, const SurfacePoint& point) const {
     const Color shine = emission(point);
     if (is_black(shine)) return;
     double weight = 1;
     if (path.density > 0) {
-      const double other = light_density(*scene_, point, path.from);
+      const double other = light_density(*scene_, point, path.from, path.from_normal);
       weight = power_heuristic(path.density, other);
     }
     path.sum += path.throughput * shine * weight;
@@ -145,15 +156,26 @@ class PathTracer final : public Integrator {
                         TraceState& state) const {
     Color sum = kBlack;
     const double width = cone_width(*scene_, path.path_length);
-    if (!scene_->area_lights.empty()) {
-      const AreaLights::Pick pick = scene_->area_lights.size() > 1
-                                        ? scene_->area_lights.pick(numbers.pick().x)
-                                        : AreaLights::Pick{};
-      const AreaLight& light = scene_->area_lights[pick.index];
-      SurfaceSample there;
-      const double density =
-          light.sampler->sample(point.surface.point, numbers.on_light(), there) * pick.probability;
-      sum += from_area_light(light, there, density, point, scatter, origins, path, width, state);
+    const double to_sky = environment_share(*scene_);
+    if (to_sky > 0 || !scene_->area_lights.empty()) {
+      // One number picks twice.
+      double u =
+          to_sky < 1 && (to_sky > 0 || scene_->area_lights.size() > 1) ? numbers.pick().x : 0;
+      if (u < to_sky) {
+        EnvironmentSampler::Sample there = scene_->environment->sample(numbers.on_light());
+        there.density *= to_sky;
+        sum += from_environment(there, point, scatter, origins, path, width, state);
+      } else {
+        u = (u - to_sky) / (1 - to_sky);
+        const LightTree::Pick pick =
+            scene_->area_lights.tree().pick(point.surface.point, point.geometric_normal, u);
+        const AreaLight& light = scene_->area_lights[pick.index];
+        SurfaceSample there;
+        const double density =
+            light.sampler->sample(point.surface.point, numbers.on_light(), there) *
+            pick.probability * (1 - to_sky);
+        sum += from_area_light(light, there, density, point, scatter, origins, path, width, state);
+      }
     }
     scene_->for_each_light(point.surface.instance, [&](uint32_t index) {
       const Light& light = scene_->lights[index];
@@ -176,6 +198,23 @@ class PathTracer final : public Integrator {
       sum += arriving * visible;
     });
     path.sum += path.throughput * sum;
+  }
+
+  Color from_environment(const EnvironmentSampler::Sample& there, const SurfacePoint& point,
+                         const Scatter& scatter, RayOrigins& origins, const Path& path,
+                         double width, TraceState& state) const {
+    if (!(there.density > 0)) return kBlack;
+    const BsdfValue value = scatter.evaluate(there.wi);
+    if (is_black(value.share)) {
+      ++state.counters.shadow_rays_skipped;
+      return kBlack;
+    }
+    const Ray ray = origins.spawn(there.wi);
+    const Color visible =
+        ray_visibility<kRich>(*scene_, point, ray, path.medium, width, state.counters);
+    if (is_black(visible)) return kBlack;
+    return background(ray) * value.share * visible *
+           (power_heuristic(there.density, value.density) / there.density);
   }
 
   Color from_area_light(const AreaLight& light, const SurfaceSample& there, double density,
@@ -224,6 +263,7 @@ class PathTracer final : public Integrator {
     ++(sample.is_beyond ? state.counters.rays_refraction : state.counters.rays_reflection);
     path.ray = origins.spawn(sample.wi);
     path.from = point.surface.point;
+    path.from_normal = point.geometric_normal;
     path.density = sample.is_mirror ? 0 : sample.density;
     path.view_distance = 0;
     ++path.depth;

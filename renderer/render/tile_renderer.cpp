@@ -21,8 +21,8 @@ bool is_representable(const Color& c) {
 
 /// Whether nothing tells the samples of a pixel apart: all at its centre, and nothing drawn by lot.
 bool all_coincide(const Scene& scene) {
-  return scene.settings.sampler.pattern == SamplePattern::center &&
-         scene.settings.integrator != IntegratorKind::path && scene.camera->lens_samples() == 0 &&
+  return scene.settings.sampler.pattern == SamplePattern::center && !scene.settings.draws_lots() &&
+         scene.camera->lens_samples() == 0 &&
          std::none_of(scene.materials.begin(), scene.materials.end(),
                       [](const Material& material) { return material.grain > 0; });
 }
@@ -47,7 +47,7 @@ class SceneTileRenderer final : public TileRenderer {
     TraceState state;
     // A level of recursion leaves at most two segments waiting.
     state.stack.reserve(scene_->features.secondary &&
-                                scene_->settings.integrator != IntegratorKind::path
+                                scene_->settings.integrator == IntegratorKind::whitted
                             ? 2 * scene_->settings.max_depth + 3
                             : 0);
     uint64_t unseen_pixels = 0;

@@ -5,22 +5,14 @@
 
 namespace tessera {
 
-void AreaLights::add(AreaLight light) {
-  const Color both = light.front + light.back;
-  const double power = (both.r + both.g + both.b) * light.sampler->area();
-  sums_.push_back((sums_.empty() ? 0 : sums_.back()) + power);
-  lights_.push_back(std::move(light));
-}
-
-AreaLights::Pick AreaLights::pick(double u) const {
-  if (lights_.size() == 1) return {};
-  const auto found = std::upper_bound(sums_.begin(), sums_.end() - 1, u * sums_.back());
-  const auto index = static_cast<uint32_t>(found - sums_.begin());
-  return {index, probability(index)};
-}
-
-double AreaLights::probability(uint32_t index) const {
-  return (sums_[index] - (index > 0 ? sums_[index - 1] : 0)) / sums_.back();
+AreaLights::AreaLights(std::vector<AreaLight> lights) : lights_(std::move(lights)) {
+  std::vector<LightTree::Light> in_tree;
+  for (const AreaLight& light : lights_) {
+    const Color both = light.front + light.back;
+    in_tree.push_back(
+        {light.sampler->bounds(), (both.r + both.g + both.b) * light.sampler->area()});
+  }
+  tree_ = LightTree(in_tree);
 }
 
 std::optional<uint32_t> AreaLights::find(uint32_t instance, uint32_t material) const {

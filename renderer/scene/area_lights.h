@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "renderer/math/color.h"
+#include "renderer/scene/light_tree.h"
 #include "renderer/shapes/surface_sampler.h"
 
 namespace tessera {
@@ -18,29 +19,25 @@ struct AreaLight {
   Color front = kBlack, back = kBlack;  ///< radiance towards either side
 };
 
-/// Picks lights by their power. Surfaces that cannot be chosen from (endless, of a shape without a
-/// sampler, textured light) are in no set: paths find them by themselves. Immutable once built.
+/// The lights that have an extent. Surfaces that cannot be chosen from (endless, of a shape without
+/// a sampler, textured light) are not among them: paths find them by themselves. Immutable once
+/// built; thread-safe.
 class AreaLights {
  public:
-  /// In ascending order of instance.
-  void add(AreaLight light);
+  AreaLights() = default;
+  /// `lights` in ascending order of instance and material.
+  explicit AreaLights(std::vector<AreaLight> lights);
   bool empty() const { return lights_.empty(); }
   size_t size() const { return lights_.size(); }
   const AreaLight& operator[](uint32_t index) const { return lights_[index]; }
-
-  struct Pick {
-    uint32_t index = 0;
-    double probability = 1;
-  };
-  /// The one that `u`, uniform in [0, 1), chooses; not of an empty set.
-  Pick pick(double u) const;
-  double probability(uint32_t index) const;
+  /// How one is picked.
+  const LightTree& tree() const { return tree_; }
   /// The light that a surface is.
   std::optional<uint32_t> find(uint32_t instance, uint32_t material) const;
 
  private:
   std::vector<AreaLight> lights_;
-  std::vector<double> sums_;  ///< of powers up to and with each
+  LightTree tree_;
 };
 
 }  // namespace tessera

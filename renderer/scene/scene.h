@@ -14,6 +14,7 @@
 #include "renderer/scene/area_lights.h"
 #include "renderer/scene/read_settings.h"
 #include "renderer/shading/background.h"
+#include "renderer/shading/environment_sampler.h"
 #include "renderer/shading/light.h"
 #include "renderer/shading/material.h"
 #include "renderer/shading/material_inputs.h"
@@ -56,7 +57,9 @@ struct Scene {
   std::vector<uint32_t> global_lights;               ///< ascending indices into lights
   std::vector<std::vector<uint32_t>> scoped_lights;  ///< the others of each scope, ascending
 
-  AreaLights area_lights;  ///< for the integrator that looks at them: path
+  // For the path integrator.
+  AreaLights area_lights;
+  std::shared_ptr<const EnvironmentSampler> environment;  ///< null: directions spread evenly do
 
   std::shared_ptr<const Accelerator> surfaces;  ///< every instance
   /// What throws shadows: instances that let nothing through, and the others. Null: there are none.

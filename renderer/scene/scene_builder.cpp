@@ -83,7 +83,10 @@ class SceneBuilder {
     add_instances();
     add_camera(choice);
     add_lights(choice);
-    if (settings.integrator == IntegratorKind::path) add_area_lights();
+    if (settings.integrator == IntegratorKind::path) {
+      add_area_lights();
+      scene_->environment = make_environment_sampler(scene_->background);
+    }
     build_accelerators();
     scene_->seen = seen_rect(*scene_);
     count();
@@ -98,7 +101,9 @@ class SceneBuilder {
     if (settings.integrator == IntegratorKind::automatic) {
       const bool has_lights =
           !graph_.lights.empty() || choice.headlight || !is_black(settings.ambient);
-      bool shines = false, scatters = false;
+      const BackgroundKind background = scene_->background.kind;
+      bool shines = background == BackgroundKind::sun_and_sky || scene_->background.picture;
+      bool scatters = false;
       for (const Material& material : materials_.materials()) {
         if (material.model == MaterialModel::unlit) continue;
         shines |= !is_black(material.emission);
@@ -208,15 +213,24 @@ class SceneBuilder {
   }
 
   bool shows_normals(const Material& material) const {
-    const IntegratorKind view = scene_->settings.integrator;
-    if (view == IntegratorKind::depth) return material.inputs != kNoMaterialInputs;
-    return view == IntegratorKind::normals || material.uses_shading_normal();
+    switch (scene_->settings.view) {
+      case View::normals:
+        return true;
+      case View::depth:
+      case View::albedo:
+      case View::ids:
+        return material.inputs != kNoMaterialInputs;
+      case View::none:
+      case View::cost:
+        break;
+    }
+    return material.uses_shading_normal();
   }
   bool shows_colors(const Material& material) const {
-    const IntegratorKind kind = scene_->settings.integrator;
-    return kind == IntegratorKind::whitted || kind == IntegratorKind::path
-               ? material.uses_vertex_color()
-               : material.inputs != kNoMaterialInputs;
+    const View view = scene_->settings.view;
+    return view == View::normals || view == View::depth || view == View::ids
+               ? material.inputs != kNoMaterialInputs
+               : material.uses_vertex_color();
   }
 
   void classify(ShapeMaterials& entry) const {
@@ -290,6 +304,7 @@ class SceneBuilder {
 
   /// The surfaces that shine the same everywhere. Others are found by paths alone.
   void add_area_lights() {
+    std::vector<AreaLight> lights;
     for (uint32_t i = 0; i < scene_->instances.size(); ++i) {
       const BuiltShape& built = shapes_[instance_shapes_[i]];
       for (uint32_t slot = 0; slot < scene_->shading[i].material_count; ++slot) {
@@ -304,9 +319,10 @@ class SceneBuilder {
         }
         if (is_black(light.front) && is_black(light.back)) continue;
         light.sampler = make_sampler(scene_->instances[i], built, slot);
-        if (light.sampler) scene_->area_lights.add(std::move(light));
+        if (light.sampler) lights.push_back(std::move(light));
       }
     }
+    scene_->area_lights = AreaLights(std::move(lights));
     scene_->counters["area_lights"] = scene_->area_lights.size();
   }
 
@@ -349,6 +365,8 @@ class SceneBuilder {
     });
   }
 
+  bool has_path_lights() const { return !scene_->area_lights.empty() || scene_->environment; }
+
   void build_accelerators() {
     const std::vector<Instance>& instances = scene_->instances;
     if (instances.empty()) return;
@@ -357,9 +375,8 @@ class SceneBuilder {
       return make_instance_accelerator(std::move(of), source_.accelerator, source_.threads);
     };
     scene_->surfaces = make(instances);
-    if (scene_->area_lights.empty() &&
-        std::none_of(scene_->lights.begin(), scene_->lights.end(),
-                     [](const Light& light) { return light.casts_shadow; })) {
+    if (!has_path_lights() && std::none_of(scene_->lights.begin(), scene_->lights.end(),
+                                           [](const Light& light) { return light.casts_shadow; })) {
       return;
     }
     std::vector<Instance> opaque, clear;
@@ -367,7 +384,7 @@ class SceneBuilder {
     for (size_t i = 0; i < instances.size(); ++i) {
       if (!instances[i].casts_shadow) continue;
       has_casters = true;
-      if (scene_->area_lights.empty() && shades_nothing(instances[i])) {
+      if (!has_path_lights() && shades_nothing(instances[i])) {
         ++scene_->counters["planes_without_shadow"];
         continue;
       }

@@ -120,6 +120,10 @@ inline Color transmission_tint(const Material& material) {
   return material.model == MaterialModel::physical ? material.diffuse : kWhite;
 }
 
+/// About the share of light from everywhere that leaves again, as other tools write it: the colour
+/// of what scatters evenly, of a metal, white for clear glass.
+Color albedo(const Material& material, const Color& diffuse);
+
 /// The share of light from everywhere that leaves again in every direction.
 Color ambient_share(const Material& material, const Color& diffuse);
 

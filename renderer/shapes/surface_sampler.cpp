@@ -73,7 +73,10 @@ class SphereSampler final : public SurfaceSampler {
     return 1 / (2 * portable::kPi * one_minus_cosine(radius_ * radius_ / squared));
   }
   double area() const override { return 4 * portable::kPi * radius_ * radius_; }
-  Point3 center() const override { return center_; }
+  Bounds3 bounds() const override {
+    const Vec3 r{radius_, radius_, radius_};
+    return {center_ - r, center_ + r};
+  }
 
  private:
   /// Clearly: on the sphere itself, rounding would decide which half of it is seen.
@@ -97,7 +100,10 @@ class DiscSampler final : public AreaSampler {
   double area() const override {
     return portable::kPi * length(cross(a_, b_)) * (1 - inner_ * inner_);
   }
-  Point3 center() const override { return center_; }
+  Bounds3 bounds() const override {
+    const Vec3 r = abs(a_) + abs(b_);
+    return {center_ - r, center_ + r};
+  }
 
  private:
   void choose(const Vec2& u, SurfaceSample& sample) const override {
@@ -139,9 +145,14 @@ class RectangleSampler final : public AreaSampler {
     return angle > 0 ? 1 / angle : 0;
   }
   double area() const override { return area_; }
-  Point3 center() const override { return corner_ + (a_ + b_) * 0.5; }
+  Bounds3 bounds() const override {
+    Bounds3 box;
+    for (const Point3& p : {corner_, corner_ + a_, corner_ + b_, corner_ + a_ + b_}) box.extend(p);
+    return box;
+  }
 
  private:
+  Point3 center() const { return corner_ + (a_ + b_) * 0.5; }
   /// Far away, all of it is seen alike, and its small solid angle loses digits.
   bool is_near(const Point3& from) const {
     constexpr double kFar = 2;
@@ -170,11 +181,11 @@ class TriangleSampler final : public AreaSampler {
     if (!(area > 0)) return;
     triangles_.push_back({a, b, c});
     sums_.push_back(this->area() + area);
-    weighted_ = weighted_ + ((a - Point3{}) + (b - Point3{}) + (c - Point3{})) * (area / 3);
+    for (const Point3& p : {a, b, c}) bounds_.extend(p);
   }
   bool empty() const { return triangles_.empty(); }
   double area() const override { return sums_.empty() ? 0 : sums_.back(); }
-  Point3 center() const override { return Point3{} + weighted_ / area(); }
+  Bounds3 bounds() const override { return bounds_; }
 
  private:
   void choose(const Vec2& u, SurfaceSample& sample) const override {
@@ -194,7 +205,7 @@ class TriangleSampler final : public AreaSampler {
   bool flip_;
   std::vector<std::array<Point3, 3>> triangles_;
   std::vector<double> sums_;  ///< of areas up to and with each
-  Vec3 weighted_;
+  Bounds3 bounds_;
 };
 
 bool mirrors(const Transform& transform) { return transform.matrix().determinant() < 0; }

@@ -27,8 +27,8 @@ class SurfaceSampler {
   virtual double sample(const Point3& from, const Vec2& u, SurfaceSample& sample) const = 0;
   /// The density with which sample() chooses `there`, a point of the surface with its normal.
   virtual double density(const Point3& from, const Point3& there, const Vec3& normal) const = 0;
-  virtual double area() const = 0;  ///< square metres, > 0
-  virtual Point3 center() const = 0;
+  virtual double area() const = 0;     ///< square metres, > 0
+  virtual Bounds3 bounds() const = 0;  ///< about, rounding apart
 };
 
 /// For a shape as it stands in the world: spheres that stay spheres by the cone in which they are
