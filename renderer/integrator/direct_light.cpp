@@ -65,6 +65,7 @@ Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ra
     ray = spawn_ray(point.surface, ray.direction);
     ray.t_max = t_max;
   }
+  if (!is_black(left)) ++counters.paths_cut;
   return left;
 }
 
@@ -122,20 +123,12 @@ Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins
   return ray_visibility<kRich>(scene, point, ray, medium, width, counters);
 }
 
-Color surface_diffuse(const SurfacePoint& point) {
-  const Material& material = *point.material;
-  if (!point.surface.has_vertex_color) return material.diffuse;
-  return material.vertex_color_replaces_diffuse ? point.surface.vertex_color
-                                                : material.diffuse * point.surface.vertex_color;
-}
-
 template <bool kShadows, bool kRich>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& wo,
                      const Color& medium, double path_length, TraceCounters& counters) {
   const Material& material = *point.material;
   if (material.model == MaterialModel::unlit) {
-    return point.surface.has_vertex_color ? material.emission * point.surface.vertex_color
-                                          : material.emission;
+    return emission(point);
   }
   // A refracting surface sends the share that it lets through elsewhere (scene.proto, REFRACT).
   const double kept =

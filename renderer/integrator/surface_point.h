@@ -47,4 +47,9 @@ struct Coverage {
 };
 Coverage straight_coverage(const SurfacePoint& point);
 
+/// The material's diffuse colour with the vertex colour.
+Color surface_diffuse(const SurfacePoint& point);
+/// The radiance that the surface itself sends to the viewer.
+Color emission(const SurfacePoint& point);
+
 }  // namespace tessera

@@ -112,10 +112,6 @@ Vec3 Ggx::sample_visible(const Vec3& wo, const Vec2& u) const {
   return normalize(Vec3{h.x * alpha_, h.y * alpha_, std::max(h.z, 0.0)});
 }
 
-double Ggx::visible_density(const Vec3& wo, const Vec3& h) const {
-  return masking(wo) * std::max(0.0, dot(wo, h)) * distribution(h) / wo.z;
-}
-
 FacetAlbedo facet_albedo(double alpha, double cosine) {
   const AlbedoTable& table = albedo_table();
   const Step a = step_at(std::sqrt(alpha)), c = step_at_cosine(cosine);

@@ -110,6 +110,18 @@ TEST(ClosedForms, RectangleByAreaAndBySolidAngleAndAsTriangles) {
   }
 }
 
+TEST(ClosedForms, WhatStopsPathsStopsTheirLight) {
+  // A card that is said to cast no shadow: paths meet it all the same, so that light from surfaces
+  // must not go through it either, or the two ways of sampling would not add up.
+  const auto scene = [](const char* flag) {
+    return kLampAndWall + material("card", 0.3) +
+           node("disc { center { z: 4 } normal { z: -1 } radius: 2 }", "lamp") + "nodes { " + flag +
+           " shape { materials: 'card' rectangle { corner { x: .1 y: -3 z: 1 } "
+           "edge_u { y: 6 } edge_v { x: 3 } } } } ";
+  };
+  EXPECT_EQ(estimate(scene("casts_no_shadow: true")).mean, estimate(scene("")).mean);
+}
+
 TEST(ClosedForms, FurnaceToAnyDepth) {
   const std::string furnace = material("glow", 0.7, 0.3) + node("sphere { radius: 50 }", "glow");
   expect_estimate(1.0, estimate(furnace, "max_depth: 200"));
