@@ -49,11 +49,11 @@ struct AlbedoTable {
     FacetAlbedo sum{0, 0};
     double weights = 0;
     for (int i = 0; i < kAround * kOut; ++i) {
+      const int step = i / kAround, around = i % kAround;
       // Both sides of the plane of wo are alike. Few facets stand steep, and these lose the most:
       // the steps grow finer towards both ends.
-      const double v = (i / kAround + 0.5) / kOut, part = 6 * v * (1 - v);
-      const Vec3 h =
-          ggx.sample_visible(wo, {(i % kAround + 0.5) / (2 * kAround), v * v * (3 - 2 * v)});
+      const double v = (step + 0.5) / kOut, part = 6 * v * (1 - v);
+      const Vec3 h = ggx.sample_visible(wo, {(around + 0.5) / (2 * kAround), v * v * (3 - 2 * v)});
       const Vec3 wi = h * (2 * dot(wo, h)) - wo;
       weights += part;
       if (wi.z <= 0) continue;
