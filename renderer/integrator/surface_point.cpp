@@ -106,13 +106,6 @@ Coverage straight_coverage(const SurfacePoint& point) {
   return {1 - covered, covered};
 }
 
-Color surface_diffuse(const SurfacePoint& point) {
-  const Material& material = *point.material;
-  if (!point.surface.has_vertex_color) return material.diffuse;
-  return material.vertex_color_replaces_diffuse ? point.surface.vertex_color
-                                                : material.diffuse * point.surface.vertex_color;
-}
-
 Color emission(const SurfacePoint& point) {
   const Material& material = *point.material;
   if (material.model != MaterialModel::unlit || !point.surface.has_vertex_color) {
