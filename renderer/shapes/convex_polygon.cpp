@@ -144,6 +144,9 @@ Bounds3 Rectangle::bounds() const {
 
 bool Rectangle::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
   ++counters.primitive_tests;
+  // First what is cheap: most that are asked lie beyond a hit, or behind.
+  PlaneCrossing at;
+  if (!cross_plane(corner_, normal_, ray, hit, at)) return false;
   const TriangleRay frame(ray);
   if (!frame.valid()) return false;
   const ProjectedVertex p00 = project(frame, corner_);
@@ -154,8 +157,7 @@ bool Rectangle::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counter
   const double top = edge_function(p11, p01), left = edge_function(p01, p00);
   EdgeSides sides;
   for (const double edge : {bottom, right, top, left}) sides.add(edge);
-  PlaneCrossing at;
-  if (!sides.inside() || !cross_plane(corner_, normal_, ray, hit, at)) return false;
+  if (!sides.inside()) return false;
   const auto share = [](double a, double b) { return a + b != 0 ? a / (a + b) : 0; };
   hit = {at.t, share(left, right), share(bottom, top), hit.instance, 0};
   return true;
