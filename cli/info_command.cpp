@@ -101,8 +101,10 @@ nlohmann::json bounds_json(const Bounds3& box) {
 
 std::string bounds_text(const Bounds3& box) {
   if (is_empty(box)) return "nothing is to be seen";
-  return fmt::format("({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})", box.min.x, box.min.y,
-                     box.min.z, box.max.x, box.max.y, box.max.z);
+  // Bounds are rounded outward: what is the least number beside 0 was 0.
+  const auto text = [](double v) { return fmt::format("{:.6g}", std::abs(v) < 1e-300 ? 0.0 : v); };
+  return fmt::format("({}, {}, {}) to ({}, {}, {})", text(box.min.x), text(box.min.y),
+                     text(box.min.z), text(box.max.x), text(box.max.y), text(box.max.z));
 }
 
 void print_json(const SceneInfo& info) {

@@ -86,7 +86,7 @@ size_t TileScheduler::abandon_checks(Time now) {
     return 0;
   }
   if (!uncheckable_since_) uncheckable_since_ = now;
-  if (now - *uncheckable_since_ < options_.lease) return 0;
+  if (now - *uncheckable_since_ < options_.settle) return 0;
   const size_t count = waiting_checks_.size();
   unverified_ += count;
   for (const uint32_t tile : waiting_checks_) checks_.erase(tile);

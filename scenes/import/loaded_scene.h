@@ -58,7 +58,7 @@ struct ReadOptions {
   /// X3D 3.3, and multiplies it from 4.0 on.
   X3dTexture x3d_texture = X3dTexture::by_version;
   double x3d_weld = 0;         ///< points this near share the normals that are made, in X3D's units
-  bool x3d_strict = false;     ///< a picture or an Inline that is missing is an error
+  bool x3d_strict = false;     ///< a picture or an Inline that is missing or wrong is an error
   bool x3d_two_sided = false;  ///< back faces are seen whatever `solid` says
   TextureDecoder decode_texture{};             ///< none: textures keep the names of their files
   TextureBytesDecoder decode_texture_bytes{};  ///< of pictures inside the scene's file

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """A farm with keys: who is let in, who is not, and that whoever knocks in vain does no harm."""
+import contextlib
 import os
 import pathlib
 import re
@@ -160,7 +161,10 @@ class KeyedFarm(TesseraTest):
     @staticmethod
     def ports_of(process):
         """Where it listens."""
-        inodes = {os.readlink(f) for f in pathlib.Path(f"/proc/{process.pid}/fd").iterdir() if f.is_symlink()}
+        inodes = set()
+        for descriptor in pathlib.Path(f"/proc/{process.pid}/fd").iterdir():
+            with contextlib.suppress(FileNotFoundError):  # closed since it was listed
+                inodes.add(os.readlink(descriptor))
         lines = [line.split() for line in pathlib.Path("/proc/net/tcp").read_text().splitlines()[1:]]
         return sorted(int(f[1].split(":")[1], 16) for f in lines
                       if f[3] == "0A" and f"socket:[{f[9]}]" in inodes)

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
+#include "base/error.h"
 #include "base/file.h"
 #include "scenes/formats/x3d/x3d_translator.h"
 
@@ -34,14 +36,14 @@ void X3dTranslator::add_inline(const X3dNode& node, const v1::Transform& path, v
   if (urls.empty()) return;
   const X3dFiles::Found found =
       files.has_folder() ? files.find(urls, folder_) : X3dFiles::Found{"", "no folder is known"};
-  if (found.file.empty()) {
+  const auto leave_out = [&](const std::string& reason) {
     if (build_.options.x3d_strict)
-      throw document_.error(node.offset, fmt::format("Inline of '{}': {}", urls[0], found.reason),
-                            "a file that is there");
+      throw document_.error(node.offset, fmt::format("Inline of '{}': {}", urls[0], reason),
+                            "a file that can be read");
     warnings_.add(fmt::format("line {}: Inline of '{}' is left out: {}",
-                              document_.place(node.offset).line, urls[0], found.reason));
-    return;
-  }
+                              document_.place(node.offset).line, urls[0], reason));
+  };
+  if (found.file.empty()) return leave_out(found.reason);
   if (std::find(files.open.begin(), files.open.end(), found.file) != files.open.end())
     throw document_.error(node.offset,
                           fmt::format("Inline of '{}', of which it is a part", urls[0]),
@@ -64,7 +66,15 @@ void X3dTranslator::add_inline(const X3dNode& node, const v1::Transform& path, v
     return;
   }
   const std::string full = files.full(found.file);
-  const auto document = X3dDocument::parse(read_input_file(full, X3dDocument::kMaxBytes), full);
+  std::optional<X3dDocument> parsed;
+  try {
+    parsed = X3dDocument::parse(read_input_file(full, X3dDocument::kMaxBytes), full);
+  } catch (const Error& error) {  // as one that is missing
+    files.objects.erase(found.file);
+    out.clear_instance_of();
+    return leave_out(error.what());
+  }
+  const X3dDocument& document = *parsed;
   files.open.push_back(found.file);
   v1::Object object;
   object.set_name(name);

@@ -321,6 +321,26 @@ TEST_F(X3dFilesTest, WhatCannotBeInlinedIsLeftOutWithAReason) {
                      "line 6: Inline of 'no.x3d' is left out: there is no such file\n");
 }
 
+TEST_F(X3dFilesTest, WhatCannotBeReadIsLeftOutAsWhatIsMissing) {
+  std::ofstream(folder_ / "old.wrl") << "#VRML V1.0 ascii\nCube { }";
+  std::ofstream(folder_ / "broken.x3dv") << "#X3D V3.3 utf8\nShape { geometry Box {";
+  const std::string main = write("main.x3dv",
+                                 "Inline { url \"old.wrl\" }\nInline { url \"broken.x3dv\" }\n"
+                                 "Shape { geometry Sphere { } }");
+  const LoadedScene loaded = read_x3d(main, {});
+  ASSERT_EQ(loaded.warnings.size(), 2u);
+  const auto tells = [&](size_t warning, const char* what) {
+    return loaded.warnings[warning].find(what) != std::string::npos;
+  };
+  EXPECT_TRUE(tells(0, "line 2: Inline of 'old.wrl' is left out: ")) << loaded.warnings[0];
+  EXPECT_TRUE(tells(0, "old.wrl:1:1: VRML 1.0")) << loaded.warnings[0];
+  EXPECT_TRUE(tells(1, "broken.x3dv:")) << loaded.warnings[1];
+  EXPECT_EQ(loaded.scene.objects_size(), 0);
+  ReadOptions strict;
+  strict.x3d_strict = true;
+  EXPECT_THROW(read_x3d(main, strict), Error);
+}
+
 TEST_F(X3dFilesTest, FilesAreNoPartOfThemselves) {
   const std::string self = write("self.x3dv", "Inline { url \"self.x3dv\" }");
   EXPECT_EQ(error_reading(self),
