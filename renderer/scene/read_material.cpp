@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "renderer/scene/read_shading.h"
 
@@ -151,6 +152,14 @@ void read_conductor(Fields& fields, const v1::Conductor& in, Material& out) {
   const Where& where = fields.where();
   out.model = MaterialModel::conductor;
   out.diffuse = kBlack;
+  // Beyond, it is a mirror whose Fresnel factor leaves the range of numbers.
+  constexpr Range kIndex{.min = 0, .max = 1e6};
+  for (const auto& [channel, eta, k] :
+       {std::tuple("r", in.eta().r(), in.k().r()), std::tuple("g", in.eta().g(), in.k().g()),
+        std::tuple("b", in.eta().b(), in.k().b())}) {
+    checked(where, fmt::format("eta.{}", channel), eta, kIndex);
+    checked(where, fmt::format("k.{}", channel), k, kIndex);
+  }
   out.eta = checked(where, "eta", in.eta());
   out.k = checked(where, "k", in.k());
   fields.read("roughness", in.roughness(), 0, kUnitRange, Target::roughness, out.roughness);
