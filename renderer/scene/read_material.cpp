@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <tuple>
+#include <utility>
 
 #include "renderer/scene/read_shading.h"
 
@@ -152,16 +152,16 @@ void read_conductor(Fields& fields, const v1::Conductor& in, Material& out) {
   const Where& where = fields.where();
   out.model = MaterialModel::conductor;
   out.diffuse = kBlack;
-  // Beyond, it is a mirror whose Fresnel factor leaves the range of numbers.
-  constexpr Range kIndex{.min = 0, .max = 1e6};
-  for (const auto& [channel, eta, k] :
-       {std::tuple("r", in.eta().r(), in.k().r()), std::tuple("g", in.eta().g(), in.k().g()),
-        std::tuple("b", in.eta().b(), in.k().b())}) {
-    checked(where, fmt::format("eta.{}", channel), eta, kIndex);
-    checked(where, fmt::format("k.{}", channel), k, kIndex);
-  }
   out.eta = checked(where, "eta", in.eta());
   out.k = checked(where, "k", in.k());
+  // Beyond, it is a mirror whose Fresnel factor leaves the range of numbers.
+  constexpr double kMost = 1e6;
+  for (const auto& [name, color] : {std::pair("eta", out.eta), std::pair("k", out.k)}) {
+    if (max_component(color) > kMost) {
+      fail_value(where, name, fmt::format("{}", max_component(color)),
+                 fmt::format("at most {}", kMost));
+    }
+  }
   fields.read("roughness", in.roughness(), 0, kUnitRange, Target::roughness, out.roughness);
 }
 
