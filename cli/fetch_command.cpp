@@ -142,7 +142,7 @@ class Fetch {
       say("{}  {}x{}, {} of {} tiles, {} kept from before\n", place.string(), film.width(),
           film.height(), report.tiles_done, report.tiles_total, report.tiles_restored);
     }
-    std::fflush(stdout);
+    flush_output();
   }
 
   const FetchOptions& options_;

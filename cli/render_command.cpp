@@ -305,17 +305,27 @@ class RenderRun {
       const std::string text = statistics_json(statistics).dump(2) + "\n";
       if (stats_to_standard_output(options_)) {
         say("{}", text);
-        std::fflush(stdout);
+        flush_output();
       } else {
         write_output_file(path_for(*options_.stats, frame), text);
       }
     }
     if (options_.trace && result.report.trace)
       write_trace(statistics, path_for(*options_.trace, frame));
+    tell_lost_samples(result.report);
     if (failure) throw *failure;
     if (!options_.quiet && !stats_to_standard_output(options_)) {
       print_end(result, statistics, frame);
     }
+  }
+
+  static void tell_lost_samples(const JobReport& report) {
+    const auto lost = report.counters.find("nan_samples");
+    if (lost == report.counters.end() || lost->second == 0) return;
+    say_warning(fmt::format(
+        "{} had no colour that a pixel can hold and count as black; expected light and colours "
+        "whose products stay below 1e38",
+        counted(lost->second, "sample")));
   }
 
   /// The timeline of the workers, and of this process around it.
@@ -342,7 +352,7 @@ class RenderRun {
           result.film.height(), counted(report.tiles_done, "tile"),
           counted(report.workers_seen, "worker"), retries, duration_text(statistics.seconds.total));
     }
-    std::fflush(stdout);
+    flush_output();
   }
 
   const RenderOptions& options_;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <string>
 #include <string_view>
@@ -21,6 +22,13 @@ void say(std::FILE* stream, fmt::format_string<Values...> format, Values&&... va
 template <typename... Values>
 void say(fmt::format_string<Values...> format, Values&&... values) {
   say(stdout, format, std::forward<Values>(values)...);
+}
+
+/// Hands on what was said; the first error of standard output is what this returns ever after.
+inline int flush_output() {
+  static int error = 0;
+  if (std::fflush(stdout) != 0 && error == 0) error = errno;
+  return error;
 }
 
 /// One line on standard error that may hold what a file says: for a terminal, made printable.

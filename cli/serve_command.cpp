@@ -115,7 +115,7 @@ ExitCode serve(const ServeOptions& options) {
         if (tev) tev->look(coordinator, now);
       },
       kBetweenLooks);
-  std::fflush(stdout);
+  flush_output();
   notify_service_manager("READY=1");
   // What is traced while no store keeps it is lost in any case.
   loop.serve(interrupted(), options.store.empty() ? Time{0} : kDrain, [&] {

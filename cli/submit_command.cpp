@@ -103,7 +103,7 @@ ExitCode submit(const SubmitOptions& options) {
                 printable(status.failure()));
   }
   say("{}\n", status.job());
-  std::fflush(stdout);
+  flush_output();
   if (options.render.quiet) return ExitCode::done;
   const v1::PixelRect& crop = status.crop();
   say(stderr, "job {}: {}, {} of {}x{} pixels; sent {} of {}, {} bytes\n", status.job(),

@@ -9,6 +9,7 @@
 
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
+#include "cli/say.h"
 
 namespace {
 
@@ -39,9 +40,9 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);
   tessera::ExitCode code = tessera::run_command_line(argc, argv);
   // A reader that has seen enough is no failure; a disk that is full is one.
-  if (std::fflush(stdout) != 0 && errno != EPIPE && errno != EBADF &&
-      code == tessera::ExitCode::done) {
-    std::fprintf(stderr, "tessera: standard output cannot be written: %s\n", std::strerror(errno));
+  const int error = tessera::flush_output();
+  if (error != 0 && error != EPIPE && error != EBADF && code == tessera::ExitCode::done) {
+    std::fprintf(stderr, "tessera: standard output cannot be written: %s\n", std::strerror(error));
     code = tessera::ExitCode::render_failed;
   }
   return static_cast<int>(code);

@@ -111,8 +111,15 @@ class LocalFarm : public TracingFarm {
 
 class InProcessFarm : public TracingFarm {
  public:
+  /// A thread of this process is never gone, however long it waits for a core.
+  static CoordinatorOptions in_process_options(int threads) {
+    CoordinatorOptions options = coordinator_options(threads);
+    options.lost_after = options.suspect_after = std::chrono::hours(24);
+    return options;
+  }
+
   explicit InProcessFarm(int threads)
-      : loop_(network_.server(), coordinator_options(threads)),
+      : loop_(network_.server(), in_process_options(threads)),
         worker_([this, threads, client = network_.client()] {
           WorkerOptions options;
           options.threads = threads;

@@ -33,6 +33,8 @@ class WorkerDesk {
   void on_peer_gone(const PeerId& peer, Time now);
   void on_process_ended(pid_t process, bool crashed, const std::string& how, Time now);
   void on_tick(Time now);
+  /// As WorkerRegistry::forgive().
+  void forgive(Time silence) { workers_.forgive(silence); }
   /// Tells workers what has begun and ended.
   void follow(const JobTable::Changes& changes, Time now);
   /// Gives tiles to whoever has room.

@@ -172,6 +172,10 @@ WorkerRegistry::Silence WorkerRegistry::check(Time now) {
   return silence;
 }
 
+void WorkerRegistry::forgive(Time silence) {
+  for (auto& [id, worker] : workers_) worker.last_heard += silence;
+}
+
 std::vector<WorkerRecord*> WorkerRegistry::present() {
   std::vector<WorkerRecord*> result;
   for (auto& [id, worker] : workers_) {

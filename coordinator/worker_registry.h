@@ -77,6 +77,8 @@ class WorkerRegistry {
     std::vector<WorkerRecord*> lost;      ///< to be given to lose()
   };
   Silence check(Time now);
+  /// So much of everybody's silence does not count: the coordinator itself did not listen.
+  void forgive(Time silence);
   /// Those not lost.
   std::vector<WorkerRecord*> present();
   int present_count() const;

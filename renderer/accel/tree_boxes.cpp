@@ -9,6 +9,8 @@
 #include "base/error.h"
 #include "renderer/accel/binning.h"
 
+#include "renderer/shapes/solid.h"
+
 namespace tessera {
 
 std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh) {
@@ -190,7 +192,12 @@ bool can_be_held(const Instance& instance, const Bounds3& b) {
   constexpr double kLimit = 1e38;
   for (int a = 0; a < 3; ++a)
     if (!(b.min[a] > -kLimit && b.max[a] < kLimit)) return false;
-  return condition_of(instance) <= 0x1p26;
+  if (condition_of(instance) > 0x1p26) return false;
+  // A curved solid that is as thin as what rounds off its size may be hit beside its box.
+  const Vec3 size = b.diagonal();
+  const double most = max_component(size), least = std::min(size.x, std::min(size.y, size.z));
+  constexpr double kThin = 0x1p-36;
+  return least >= kThin * most || dynamic_cast<const Solid*>(instance.shape.get()) == nullptr;
 }
 
 AcceleratorStatistics statistics_of(const WideTree& tree, size_t primitives, size_t references) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "renderer/scene/read_shading.h"
 
@@ -153,6 +154,14 @@ void read_conductor(Fields& fields, const v1::Conductor& in, Material& out) {
   out.diffuse = kBlack;
   out.eta = checked(where, "eta", in.eta());
   out.k = checked(where, "k", in.k());
+  // Beyond, it is a mirror whose Fresnel factor leaves the range of numbers.
+  constexpr double kMost = 1e6;
+  for (const auto& [name, color] : {std::pair("eta", out.eta), std::pair("k", out.k)}) {
+    if (max_component(color) > kMost) {
+      fail_value(where, name, fmt::format("{}", max_component(color)),
+                 fmt::format("at most {}", kMost));
+    }
+  }
   fields.read("roughness", in.roughness(), 0, kUnitRange, Target::roughness, out.roughness);
 }
 

@@ -123,7 +123,9 @@ void Bsdf::set_conductor(const Material& material) {
 
 void Bsdf::set_glass(const Material& material, double share, double roughness) {
   glass_ = share;
-  glass_alpha_ = thin_ ? 0 : alpha_of(roughness);
+  // What bends nothing has no facets to be seen.
+  const bool bends = std::abs(eta_ - 1) > 1e-4;
+  glass_alpha_ = thin_ || !bends ? 0 : alpha_of(roughness);
   tint_ = transmission_tint(material);
 }
 

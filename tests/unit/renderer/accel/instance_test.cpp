@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/shapes/box.h"
+#include "renderer/shapes/frustum.h"
 #include "renderer/shapes/plane.h"
 #include "renderer/shapes/sphere.h"
 
@@ -121,6 +124,38 @@ TEST(MakeAccelerator, NamesGoBothWays) {
                           AcceleratorKind::nonuniform_octree, AcceleratorKind::linear})
     EXPECT_EQ(parse_accelerator(accelerator_name(kind)), kind);
   EXPECT_EQ(parse_accelerator("kd-tree"), std::nullopt);
+}
+
+TEST(Instances, ThinSolidsAreHitByAllKindsAlike) {
+  // A frustum and a squashed ball, as thin as rounding (found by an attack).
+  const auto cone = std::make_shared<Cone>(1.1, 1e-30, 1.8);
+  const auto ball = std::make_shared<Sphere>(Point3{}, 1);
+  const auto other = std::make_shared<Sphere>(Point3{0.2, 0.3, -0.1}, 0.4);
+  const std::vector<Instance> instances{
+      {.shape = cone},
+      {.shape = ball, .world_from_object = Transform(scaling({1, 1, 1e-150}))},
+      {.shape = other}};
+  const auto truth = make_instance_accelerator(instances, AcceleratorKind::linear, 1);
+  std::mt19937_64 engine(31);
+  const auto between = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
+  };
+  for (const AcceleratorKind kind : {AcceleratorKind::bvh, AcceleratorKind::octree}) {
+    const auto tree = make_instance_accelerator(instances, kind, 1);
+    TraversalCounters counters;
+    for (int i = 0; i < 20000; ++i) {
+      Ray ray;
+      ray.origin = {between(-3, 3), between(-3, 3), between(-3, 3)};
+      if (i % 3 == 0) ray.origin.y = 0;
+      if (i % 3 == 1) ray.origin.z = 0;
+      ray.direction = Point3{between(-1, 1), between(-1, 1), between(-1, 1)} - ray.origin;
+      Hit expected, found;
+      ASSERT_EQ(truth->closest_hit(ray, expected, counters),
+                tree->closest_hit(ray, found, counters));
+      ASSERT_EQ(expected, found);
+      ASSERT_EQ(truth->any_hit(ray, counters), tree->any_hit(ray, counters));
+    }
+  }
 }
 
 }  // namespace

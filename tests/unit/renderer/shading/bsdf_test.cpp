@@ -221,6 +221,12 @@ TEST(Bsdf, IsTheSameFromEitherEnd) {
   }
 }
 
+TEST(Bsdf, RoughGlassThatBendsNothingIsNotSeen) {
+  Case c = glass("air", 0.3, false);
+  c.material.refractive_index = 1;
+  EXPECT_NEAR(albedo(bsdf_of(c, at_angle(40))).g, 1, 1e-9);
+}
+
 TEST(Bsdf, RadianceIsDenserInGlass) {
   for (const bool from_inside : {false, true}) {
     const Case c = glass("glass", 0, from_inside);
