@@ -176,6 +176,11 @@ void WorkerSession::on_welcome(const v1::Welcome& welcome, Time now) {
   welcome_ = welcome;
   if (welcomed_) return;
   welcomed_ = true;
+  // A coordinator that has just started may not have had a blob yet: who is told again tries again.
+  for (auto it = jobs_.begin(); it != jobs_.end();) {
+    const uint64_t id = (it++)->first;
+    if (jobs_.at(id).bad()) forget_job(id);
+  }
   hello_pause_ = kFirstHelloPause;
   next_heartbeat_ = now + milliseconds(welcome.heartbeat_ms());
   if (!welcome.bulk_endpoint().empty()) actions_.push_back(ConnectBulk{welcome.bulk_endpoint()});

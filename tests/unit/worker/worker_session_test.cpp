@@ -234,6 +234,23 @@ TEST_F(WorkerSessionTest, GoesOnForACoordinatorOnTheSameStore) {
   EXPECT_THAT(sent(v1::Envelope::kSceneReady), SizeIs(1)) << "nothing is built again";
 }
 
+TEST_F(WorkerSessionTest, AsksANewCoordinatorForABlobThatItDidNotHaveYet) {
+  welcome(1);
+  start(1);
+  const auto asked = sent(v1::Envelope::kBlobRequest);
+  ASSERT_THAT(asked, SizeIs(1));
+  // The bulk line is back before the coordinator has taken up its jobs.
+  session.on_message(Channel::bulk, answer_blob_request(asked[0].blob_request(), nullptr), {});
+  EXPECT_THAT(sent(v1::Envelope::kSceneFailed), SizeIs(1));
+  v1::Envelope request;
+  request.mutable_hello_request();
+  session.on_message(Channel::control, request, {});
+  welcome(2);
+  start(1);
+  serve_blobs();
+  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
+}
+
 TEST_F(WorkerSessionTest, TracesTilesOfSeveralJobsAtATime) {
   make_ready(7);
   start(8, {}, 99);
