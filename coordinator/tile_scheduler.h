@@ -80,6 +80,8 @@ class TileScheduler {
   void join(WorkerId worker, uint32_t threads = 1);
   /// It may no more; what it held is pending again.
   SchedulerEvents leave(WorkerId worker, LossCause cause, Time now);
+  /// What it holds, in the order in which it was given that.
+  std::vector<Lease> leases_of(WorkerId worker) const;
   /// A suspect gets no work, and others get copies of what it holds, before all else.
   void set_suspect(WorkerId worker, bool suspect);
 

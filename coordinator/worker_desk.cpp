@@ -327,6 +327,10 @@ void WorkerDesk::lose(WorkerRecord& worker, LossCause cause, const std::string& 
   if (cause != LossCause::left) ++counters_.workers_lost;
   for (ActiveJob* job : jobs_.running()) {
     job->note_lost_worker();
+    for (const Lease& lease : job->scheduler().leases_of(worker.id)) {
+      job->note_span(FrameTrace::Kind::lost, worker.id, worker.name(), lease.tile, lease.issued,
+                     now);
+    }
     act(*job, job->scheduler().leave(worker.id, cause, now), now);
   }
 }

@@ -105,6 +105,25 @@ TEST_F(CoordinatorTest, ALocalProcessThatEndedIsNoticedAtOnce) {
   EXPECT_EQ(heard(v1::Envelope::kAssign).size(), 6u) << "what the dead one held";
 }
 
+TEST_F(CoordinatorTest, ATimelineHasWhatWasLostWithAWorker) {
+  const uint64_t id = coordinator.submit(job(16), {});
+  say("p", hello(1));
+  say("q", hello(2));
+  ready("p", id);
+  coordinator.on_peer_gone("p", seconds(1));
+  ready("q", id, seconds(1));
+  say("q", band(heard(v1::Envelope::kAssign).back().assign(), 1), seconds(2));
+  const auto result = coordinator.take_result(id);
+  ASSERT_TRUE(result);
+  std::vector<FrameTrace::Span> lost;
+  for (const auto& span : result->report.trace->spans) {
+    if (span.kind == FrameTrace::Kind::lost) lost.push_back(span);
+  }
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(lost[0].worker, 1u);
+  EXPECT_EQ(lost[0].end - lost[0].begin, 1.0);
+}
+
 TEST_F(CoordinatorTest, TellsTheJobAgainToAWorkerThatMissedIt) {
   const uint64_t id = coordinator.submit(job(), {});
   say("p", hello(1));
