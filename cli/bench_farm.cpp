@@ -146,10 +146,10 @@ class FarWorkers {
  public:
   FarWorkers(const std::string& endpoint, int count) {
     for (int i = 0; i < count; ++i) {
-      pids_.push_back(start_process(
-          kThisProgram,
-          {kThisProgram, "worker", "--connect", endpoint, "--threads", "1", "--quiet"},
-          {.discards_output = true}));
+      pids_.push_back(start_process(kThisProgram,
+                                    {kThisProgram, "worker", "--connect", endpoint, "--threads",
+                                     "1", "--quiet", "--parent", std::to_string(getpid())},
+                                    {.discards_output = true}));
     }
   }
   ~FarWorkers() {

@@ -52,7 +52,10 @@ Json event_of(const FrameTrace::Span& span, int process, size_t row) {
   }
   const bool wasted = span.kind == FrameTrace::Kind::wasted;
   const bool lost = span.kind == FrameTrace::Kind::lost;
-  Json json = event(fmt::format("tile {}", span.tile), lost ? "lost" : wasted ? "wasted" : "tile",
+  Json json = event(fmt::format("tile {}", span.tile),
+                    lost     ? "lost"
+                    : wasted ? "wasted"
+                             : "tile",
                     process, row, span.begin, span.end);
   const PixelRect& rect = span.rect;
   json["args"] = {{"rect", fmt::format("{},{},{},{}", rect.x0, rect.y0, rect.x1, rect.y1)},

@@ -18,7 +18,8 @@
 namespace tessera {
 
 /// What the web server answers: the page, /api/v1, /metrics, /healthz and /readyz. Used by one
-/// thread, the server's, but for set_access(); what is made for one is kept for all that ask for the same.
+/// thread, the server's, but for set_access(); what is made for one is kept for all that ask for
+/// the same.
 class WebApi {
  public:
   struct Parts {

@@ -42,8 +42,8 @@ TEST(ChromeTrace, HasAProcessForEachWorkerAndRowsWithoutOverlap) {
   }
   EXPECT_EQ(processes.size(), 3u);
   EXPECT_EQ(processes[2], "host:1 \"odd\"");
-  EXPECT_EQ(kinds,
-            (std::map<std::string, int>{{"phase", 1}, {"scene", 1}, {"tile", 3}, {"wasted", 1}, {"lost", 1}}));
+  EXPECT_EQ(kinds, (std::map<std::string, int>{
+                       {"phase", 1}, {"scene", 1}, {"tile", 3}, {"wasted", 1}, {"lost", 1}}));
   EXPECT_EQ(until.size(), 4u) << "ours, two rows of the first worker, one of the second";
   EXPECT_EQ((until[{2, 0}]), 3'500'000) << "microseconds, from the first phase on";
 }
