@@ -56,13 +56,23 @@ ServerSecurity read_security(const ServeOptions& options) {
 }
 
 /// Takes up the list of keys as it is now. A wrong one changes nothing.
-void reload(RenderLoop& loop, const ServeOptions& options) {
+void read_keys_again(RenderLoop& loop, const ServeOptions& options) {
   try {
     AllowList allowed = read_allow_list(options.allow, "--allow");
     spdlog::info("the list of keys has been read again: {}", counted(allowed.size(), "key"));
     loop.set_allowed(std::move(allowed));
   } catch (const Error& error) {
     spdlog::error("the list of keys stays as it was: {}", error.what());
+  }
+}
+
+/// The same of the page's tokens.
+void read_tokens_again(FarmPage& page) {
+  try {
+    page.read_tokens_again();
+    spdlog::info("the page's tokens have been read again");
+  } catch (const Error& error) {
+    spdlog::error("the page's tokens stay as they were: {}", error.what());
   }
 }
 
@@ -103,7 +113,8 @@ ExitCode serve(const ServeOptions& options) {
   if (!options.tev.empty()) tev.emplace(options.tev);
   std::shared_ptr<JobStore> store;
   if (!options.store.empty()) store = std::make_shared<SqliteJobStore>(options.store);
-  if (security.keys) catch_hangups();
+  const bool has_keys = security.keys.has_value();
+  if (has_keys || !options.http_token.empty()) catch_hangups();
   provide_descriptors();
   RenderLoop loop(bind_server(options.endpoint, std::move(security)), coordinator_options(options),
                   std::move(store));
@@ -119,7 +130,9 @@ ExitCode serve(const ServeOptions& options) {
   notify_service_manager("READY=1");
   // What is traced while no store keeps it is lost in any case.
   loop.serve(interrupted(), options.store.empty() ? Time{0} : kDrain, [&] {
-    if (take_hangup()) reload(loop, options);
+    if (!take_hangup()) return;
+    if (has_keys) read_keys_again(loop, options);
+    if (!options.http_token.empty()) read_tokens_again(*page);
   });
   notify_service_manager("STOPPING=1");
   loop.bid_farewell("the coordinator was told to end");
@@ -133,8 +146,8 @@ void add_serve_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("serve", "Coordinate a farm: take jobs, hand out tiles");
   command->footer(
       "Runs until Ctrl-C or SIGTERM. Without keys, only this machine is let in; 'tessera help\n"
-      "keygen' tells how to have some. SIGHUP reads the list of keys again, and whoever is not on\n"
-      "it any more is shut out.\n"
+      "keygen' tells how to have some. SIGHUP reads the list of keys and the page's tokens again,\n"
+      "and whoever is not listed any more is shut out.\n"
       "With --store, jobs and finished tiles outlive it, however it ends: start it again with the\n"
       "same folder and the jobs go on. Told to end, it waits up to 10 s for tiles being traced; a\n"
       "second signal ends it at once.\n"

@@ -61,7 +61,9 @@ v1::JobStatus FarmClient::submit(const SubmittedJob& job) {
   v1::Envelope question;
   *question.mutable_submit_job() = job.request;
   v1::JobStatus result;
+  TroublePatience trouble(patience_, monotonic_now());
   converse(question, [&](Channel, const v1::Envelope& message) {
+    trouble.check(transport_, endpoint_, true, monotonic_now());
     if (message.has_blob_request()) {
       const auto digest = Digest::parse(message.blob_request().digest());
       const v1::Envelope answer =
@@ -135,6 +137,7 @@ Film FarmClient::fetch_film(const v1::JobStatus& status) {
   fetch.want(*digest, size);
   BlobStore store;
   last_heard_ = monotonic_now();
+  TroublePatience trouble(patience_, last_heard_);
   while (!fetch.finished()) {
     for (v1::BlobRequest& request : fetch.requests(monotonic_now())) {
       v1::Envelope message;
@@ -155,6 +158,7 @@ Film FarmClient::fetch_film(const v1::JobStatus& status) {
     }
     check_let_in(transport_, endpoint_);
     if (stop_) throw Error(ExitCode::interrupted, "interrupted");
+    trouble.check(transport_, endpoint_, true, monotonic_now());
     if (monotonic_now() - last_heard_ > patience_) {
       throw render_error(fmt::format("no word from the coordinator at {}", endpoint_));
     }

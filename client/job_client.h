@@ -27,6 +27,10 @@ class JobClient {
   std::vector<std::pair<Channel, v1::Envelope>> take_outgoing();
   /// Where to send bulk messages, once it is known.
   const std::string& bulk_endpoint() const { return status_.bulk_endpoint(); }
+  /// Whether it sends its scene or fetches its picture.
+  bool moves_blobs() const {
+    return status_.state() == v1::JobStatus::FETCHING || status_.state() == v1::JobStatus::ENDED;
+  }
   /// Ends it as interrupted: at once if the coordinator has not answered yet, else when it agrees,
   /// or soon.
   void cancel(Time now);

@@ -25,4 +25,15 @@ std::string known_trouble(const ClientTransport& transport) {
   return trouble ? ": " + trouble->why : "";
 }
 
+void TroublePatience::check(const ClientTransport& transport, const std::string& endpoint,
+                            bool needed, Time now) {
+  const auto trouble = transport.trouble();
+  if (!needed || !trouble) {
+    last_fine_ = now;
+  } else if (now - last_fine_ > patience_) {
+    throw render_error(
+        fmt::format("no connection to the coordinator at {}: {}", endpoint, trouble->why));
+  }
+}
+
 }  // namespace tessera

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "base/monotonic.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/transport/transport.h"
 
@@ -13,5 +14,17 @@ void check_not_refused(const v1::Envelope& message, const std::string& endpoint)
 void check_let_in(const ClientTransport& transport, const std::string& endpoint);
 /// ": why" for what is wrong with the connection, as far as that is known.
 std::string known_trouble(const ClientTransport& transport);
+
+/// For a line that is away while the other one talks, so that nobody is silent.
+class TroublePatience {
+ public:
+  TroublePatience(Time patience, Time now) : patience_(patience), last_fine_(now) {}
+  /// `needed`: something is waited for now that the connection as it is may never bring. Throws
+  /// render_error where that has been so for all the patience.
+  void check(const ClientTransport& transport, const std::string& endpoint, bool needed, Time now);
+
+ private:
+  Time patience_, last_fine_;
+};
 
 }  // namespace tessera

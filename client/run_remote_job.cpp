@@ -24,6 +24,7 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
                          const std::atomic<bool>& stop, Time patience) {
   check_job(job);
   JobClient client(job, draw_submission(), monotonic_now());
+  TroublePatience trouble(patience, monotonic_now());
   Time next_progress{};
   while (true) {
     if (!client.bulk_endpoint().empty()) transport.connect_bulk(client.bulk_endpoint());
@@ -41,6 +42,7 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
     }
     const Time now = monotonic_now();
     check_let_in(transport, endpoint);
+    trouble.check(transport, endpoint, client.moves_blobs(), now);
     if (stop) client.cancel(now);
     if (now >= client.next_deadline()) client.on_tick(now);
     if (progress && now >= next_progress) {

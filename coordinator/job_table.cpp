@@ -56,7 +56,17 @@ void JobTable::add(std::unique_ptr<FarmJob> job) {
 }
 
 v1::JobStatus JobTable::status(const FarmJob& job, uint32_t frame, Time now) const {
-  return status_of(job, frame, store_trouble(), now);
+  v1::JobStatus status = status_of(job, frame, store_trouble(), now);
+  const bool unsaved = std::any_of(unsaved_.begin(), unsaved_.end(),
+                                   [&job](const auto& end) { return end.first == job.id(); });
+  // Nobody is told of an end that a coordinator after this one would not know of.
+  if (!unsaved || !job.request().detached() || job.kept().cancelled()) return status;
+  if (status.state() == v1::JobStatus::ENDED) status.set_state(v1::JobStatus::RUNNING);
+  status.clear_end();
+  status.clear_how();
+  status.clear_exit_code();
+  status.set_failure(store_trouble());
+  return status;
 }
 
 void JobTable::describe(FarmSnapshot& snapshot, Time now) const {

@@ -370,7 +370,21 @@ SchedulerEvents TileScheduler::expire(Time now) {
   }
   for (const LeaseId id : ended) {
     const Lease lease = drop(id);
-    if (lease.started) blame(lease.tile, lease.worker, now, events);
+    if (lease.started) {
+      blame(lease.tile, lease.worker, now, events);
+    } else {
+      events.stalled.push_back(lease);
+    }
+  }
+  return events;
+}
+
+SchedulerEvents TileScheduler::stall(const Lease& lease, Time now) {
+  SchedulerEvents events;
+  if (lease.check && checks_.contains(lease.tile)) {
+    blame(lease.tile, lease.worker, now, events);
+  } else {
+    events.blamed.push_back(lease.worker);
   }
   return events;
 }

@@ -51,6 +51,7 @@ struct SchedulerEvents {
   std::optional<Lease> recalled{};  ///< given to another, unless its worker has begun with it
   std::vector<uint32_t> given_up;   ///< tiles that failed too often
   std::vector<WorkerId> blamed;     ///< workers that failed a tile, once for each
+  std::vector<Lease> stalled;       ///< ended before their worker had begun with them
   std::optional<Time> took{};       ///< what completed, from its assignment on
 };
 
@@ -79,6 +80,8 @@ class TileScheduler {
   void join(WorkerId worker, uint32_t threads = 1);
   /// It may no more; what it held is pending again.
   SchedulerEvents leave(WorkerId worker, LossCause cause, Time now);
+  /// What it holds, in the order in which it was given that.
+  std::vector<Lease> leases_of(WorkerId worker) const;
   /// A suspect gets no work, and others get copies of what it holds, before all else.
   void set_suspect(WorkerId worker, bool suspect);
 
@@ -127,6 +130,9 @@ class TileScheduler {
   size_t abandon_checks(Time now);
   /// Ends the leases that had no progress for too long.
   SchedulerEvents expire(Time now);
+  /// One of expire()'s `stalled`, whose worker did nothing else either: it is blamed, the tile is
+  /// not. A check that stalls too often is given up.
+  SchedulerEvents stall(const Lease& lease, Time now);
 
   /// Whether this worker was ever given that lease.
   bool issued(LeaseId lease, WorkerId worker) const;

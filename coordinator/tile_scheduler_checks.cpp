@@ -38,6 +38,14 @@ SchedulerEvents TileScheduler::dispute(uint32_t index, WorkerId one, WorkerId ot
   return events;
 }
 
+std::vector<Lease> TileScheduler::leases_of(WorkerId worker) const {
+  std::vector<Lease> leases;
+  const auto holder = holders_.find(worker);
+  if (holder == holders_.end()) return leases;
+  for (const LeaseId id : holder->second.leases) leases.push_back(live_.at(id));
+  return leases;
+}
+
 void TileScheduler::forget_dispute(uint32_t index) {
   tiles_[index].disputed_by.clear();
   std::erase(disputed_, index);

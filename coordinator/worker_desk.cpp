@@ -122,6 +122,7 @@ void WorkerDesk::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbe
   for (const auto& entry : heartbeat.progress()) {
     held[entry.job()].push_back({entry.lease(), entry.work_done(), entry.started()});
   }
+  note_work(worker, heartbeat, now);
   worker.foreign = 0;
   worker.leaves = heartbeat.leaves();
   for (ActiveJob* job : jobs_.running()) {
@@ -198,6 +199,7 @@ void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBan
     spdlog::warn("worker {} sent a damaged band of tile {}", worker.name(), tile);
     return act(job, scheduler.fail(band.lease(), worker.id, now), now);
   }
+  worker.got_on = now;
   job.report().bytes_results += band.pixels().size();
   counters_.bytes_results += band.pixels().size();
   worker.bytes_results += band.pixels().size();
@@ -325,6 +327,10 @@ void WorkerDesk::lose(WorkerRecord& worker, LossCause cause, const std::string& 
   if (cause != LossCause::left) ++counters_.workers_lost;
   for (ActiveJob* job : jobs_.running()) {
     job->note_lost_worker();
+    for (const Lease& lease : job->scheduler().leases_of(worker.id)) {
+      job->note_span(FrameTrace::Kind::lost, worker.id, worker.name(), lease.tile, lease.issued,
+                     now);
+    }
     act(*job, job->scheduler().leave(worker.id, cause, now), now);
   }
 }
@@ -369,6 +375,7 @@ void WorkerDesk::on_tick(Time now) {
       if (const WorkerRecord* worker = workers_.by_id(id)) note_stuck(*worker);
     }
     act(*job, events, now);
+    note_stalls(*job, events.stalled, now);
     fail_undecided(*job, now);
     if (const size_t count = job->scheduler().abandon_checks(now)) {
       spdlog::warn("{} could not be verified: there is no second worker", counted(count, "tile"));

@@ -65,6 +65,9 @@ class WorkerDesk {
   std::string name_of(WorkerId id);
 
   void look_at_jobs(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now);
+  static void note_work(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now);
+  /// Blames those whose threads hang in what they hold no longer.
+  void note_stalls(ActiveJob& job, const std::vector<Lease>& stalled, Time now);
   void tell(WorkerRecord& worker, const ActiveJob& job, Time now);
   void fill(WorkerRecord& worker, Time now);
   /// Those that had room when there was nothing for them.

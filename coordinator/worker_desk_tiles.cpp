@@ -1,5 +1,6 @@
 // Who gets which tile: the other half of WorkerDesk.
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "base/log.h"
@@ -123,6 +124,32 @@ void WorkerDesk::follow(const JobTable::Changes& changes, Time now) {
     for (ActiveJob* job : changes.begun) job->note_worker(worker->id);
   }
   fill(now);
+}
+
+void WorkerDesk::note_work(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now) {
+  uint64_t work = 0;
+  for (const auto& entry : heartbeat.progress())
+    work += entry.work_done() + (entry.started() ? 1 : 0);
+  const bool builds = std::any_of(heartbeat.jobs().begin(), heartbeat.jobs().end(),
+                                  [](const auto& job) { return !job.ready(); });
+  if (builds || work != worker.work_told) worker.got_on = now;
+  worker.work_told = work;
+}
+
+void WorkerDesk::note_stalls(ActiveJob& job, const std::vector<Lease>& stalled, Time now) {
+  std::set<WorkerId> blamed;
+  for (const Lease& lease : stalled) {
+    const WorkerRecord* worker = workers_.by_id(lease.worker);
+    // Else it is busy with another job's tiles.
+    if (!worker || now - worker->got_on < options_.lease) continue;
+    SchedulerEvents events = job.scheduler().stall(lease, now);
+    if (blamed.insert(lease.worker).second) {
+      note_stuck(*worker);
+    } else {
+      events.blamed.clear();
+    }
+    act(job, events, now);
+  }
 }
 
 void WorkerDesk::act(ActiveJob& job, const SchedulerEvents& events, Time now) {

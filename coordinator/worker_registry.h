@@ -37,6 +37,8 @@ struct WorkerRecord {
   double tile_seconds = 0;            ///< from assignment to completion, sum over those
   uint64_t bytes_results = 0;         ///< of pixels, as they came
   uint64_t resident_bytes = 0;        ///< as it said last
+  uint64_t work_told = 0;             ///< on what it holds, by its last heartbeat
+  Time got_on{};                      ///< when it was last seen to trace or build
   bool leaves = false;                ///< it takes no more tiles
   size_t foreign = 0;                 ///< tiles that keep it busy though they are no longer its own
 

@@ -16,6 +16,7 @@ struct FrameTrace {
     scene,   ///< fetched and built the scene
     tile,    ///< from the assignment of a tile to its completion
     wasted,  ///< the same of a tile that another completed first
+    lost,    ///< of one that its worker took with it when it was lost
   };
   struct Span {
     uint64_t worker = 0;

@@ -12,6 +12,8 @@ constexpr Time kFirstHelloPause = std::chrono::seconds(1);
 constexpr Time kLongestHelloPause = std::chrono::seconds(8);
 // Assignments beyond what was offered: the coordinator has lost count, and will find out.
 constexpr size_t kCreditSlack = 4;
+// So often a coordinator may say that it has not a blob of the job that it told of.
+constexpr int kMostMissed = 3;
 
 Time milliseconds(uint32_t count) {
   return std::chrono::milliseconds(std::clamp<uint32_t>(count, 10, 3600'000));
@@ -95,6 +97,7 @@ void WorkerSession::forget_job(uint64_t job) {
 
 void WorkerSession::forget_jobs() {
   while (!jobs_.empty()) forget_job(jobs_.begin()->first);
+  missed_.clear();
 }
 
 // -------------------------------------------------------------------------------------- messages
@@ -125,6 +128,7 @@ void WorkerSession::on_message(Channel channel, const v1::Envelope& message, Tim
     case v1::Envelope::kCancelTile:
       return on_cancel_tile(message.cancel_tile());
     case v1::Envelope::kCancelJob:
+      missed_.erase(message.cancel_job().job());
       return forget_job(message.cancel_job().job());
     case v1::Envelope::kShutdown:
       actions_.push_back(Quit{ExitCode::done, printable(message.shutdown().reason())});
@@ -140,10 +144,22 @@ void WorkerSession::on_message(Channel channel, const v1::Envelope& message, Tim
 
 void WorkerSession::on_bulk(const v1::Envelope& message, Time now) {
   if (message.has_blob_chunk()) on_chunk(message.blob_chunk());
+  if (message.has_blob_missing()) on_missing(message.blob_missing());
   for (auto& [id, job] : jobs_) {
-    if (message.has_blob_missing()) job.fetch.on_missing(message.blob_missing());
     if (message.has_blob_place()) on_place(job, message.blob_place());
     fetch_more(job, now);
+  }
+}
+
+void WorkerSession::on_missing(const v1::BlobMissing& missing) {
+  for (auto it = jobs_.begin(); it != jobs_.end();) {
+    const uint64_t id = it->first;
+    Job& job = (it++)->second;
+    if (!job.fetches()) continue;
+    job.fetch.on_missing(missing);
+    // A coordinator that has just started had not taken up that job, or the question is an old one:
+    // a job that is forgotten is told again.
+    if (!job.fetch.failure().empty() && ++missed_[id] < kMostMissed) forget_job(id);
   }
 }
 
@@ -285,6 +301,7 @@ void WorkerSession::on_built(BuildOutcome outcome, Time) {
     return scene_failed(job, outcome.failure, static_cast<ExitCode>(outcome.exit_code));
   }
   job.renderer = std::move(outcome.renderer);
+  missed_.erase(outcome.job);
   cache_.keep(job.start, job.renderer);
   job.build_seconds = outcome.seconds;
   send_ready(job);

@@ -103,6 +103,7 @@ class WorkerSession {
   void on_welcome(const v1::Welcome& welcome, Time now);
   void on_bulk(const v1::Envelope& message, Time now);
   void on_chunk(const v1::BlobChunk& chunk);
+  void on_missing(const v1::BlobMissing& missing);
   void on_place(Job& job, const v1::BlobPlace& place);
   void on_job_start(const v1::JobStart& start, Time now);
   void on_assign(const v1::Assign& assign);
@@ -130,6 +131,7 @@ class WorkerSession {
   Time last_heard_, next_hello_, next_heartbeat_{};
   Time hello_pause_;
   std::map<uint64_t, Job> jobs_;
+  std::map<uint64_t, int> missed_;  ///< how often a blob of that job was not to be had
   SceneCache cache_;
   using LeaseOfJob = std::pair<uint64_t, uint64_t>;
   std::map<LeaseOfJob, std::shared_ptr<TraceRun>> runs_;  ///< by job and lease; what it holds

@@ -51,11 +51,15 @@ Json event_of(const FrameTrace::Span& span, int process, size_t row) {
     return event("scene", "scene", process, row, span.begin, span.end);
   }
   const bool wasted = span.kind == FrameTrace::Kind::wasted;
-  Json json = event(fmt::format("tile {}", span.tile), wasted ? "wasted" : "tile", process, row,
-                    span.begin, span.end);
+  const bool lost = span.kind == FrameTrace::Kind::lost;
+  Json json = event(fmt::format("tile {}", span.tile),
+                    lost     ? "lost"
+                    : wasted ? "wasted"
+                             : "tile",
+                    process, row, span.begin, span.end);
   const PixelRect& rect = span.rect;
   json["args"] = {{"rect", fmt::format("{},{},{},{}", rect.x0, rect.y0, rect.x1, rect.y1)},
-                  {"wasted", wasted}};
+                  {"wasted", wasted || lost}};
   return json;
 }
 

@@ -30,6 +30,7 @@ WebAccess access_for(const FarmPage::Options& options) {
 
 FarmPage::FarmPage(const Options& options)
     : monitor_(std::make_shared<FarmMonitor>()),
+      token_file_(options.token_file),
       api_(std::make_unique<WebApi>(
           WebApi::Parts{monitor_, LogRing::attach(), access_for(options), options.stopping})),
       server_(std::make_unique<WebServer>(
@@ -40,6 +41,8 @@ FarmPage::FarmPage(const Options& options)
 FarmPage::~FarmPage() = default;
 
 void FarmPage::look(Coordinator& coordinator, Time now) { monitor_->look(coordinator, now); }
+
+void FarmPage::read_tokens_again() { api_->set_access(WebAccess::read(token_file_)); }
 
 std::string FarmPage::address() const { return server_->address(); }
 

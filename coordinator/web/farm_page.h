@@ -31,11 +31,15 @@ class FarmPage {
 
   /// Shows the farm: to be called often on the coordinator's thread.
   void look(Coordinator& coordinator, Time now);
+  /// Takes up the tokens as their file has them now. Throws usage_error, and changes nothing, where
+  /// that is wrong.
+  void read_tokens_again();
   /// "127.0.0.1:8080"
   std::string address() const;
 
  private:
   std::shared_ptr<FarmMonitor> monitor_;
+  std::filesystem::path token_file_;
   std::unique_ptr<WebApi> api_;
   std::unique_ptr<WebServer> server_;
 };

@@ -127,6 +127,11 @@ WebApi::Body WebApi::shared(const std::string& name, std::shared_ptr<const void>
   return body;
 }
 
+void WebApi::set_access(WebAccess access) {
+  const std::lock_guard lock(access_mutex_);
+  parts_.access = std::move(access);
+}
+
 void WebApi::handle(const HttpRequest& request, const HttpReply& reply) {
   ++counts_.requests;
   const bool reads = request.method == "GET" || request.method == "HEAD";
@@ -143,7 +148,10 @@ void WebApi::handle(const HttpRequest& request, const HttpReply& reply) {
     }
   }
   const auto needed = reads ? WebAccess::Role::viewer : WebAccess::Role::submitter;
-  if (auto refused = parts_.access.refuse(request, needed)) return tell(reply, std::move(*refused));
+  std::unique_lock lock(access_mutex_);
+  auto refused = parts_.access.refuse(request, needed);
+  lock.unlock();
+  if (refused) return tell(reply, std::move(*refused));
   if (!parts_.monitor->farm()) return tell(reply, http_error(503, "the coordinator is starting"));
   if (reads && request.path == "/metrics") return tell(reply, metrics());
   if (request.path.starts_with(kApi)) return handle_api(request, reply);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,7 +18,8 @@
 namespace tessera {
 
 /// What the web server answers: the page, /api/v1, /metrics, /healthz and /readyz. Used by one
-/// thread, the server's; what is made for one is kept for all that ask for the same.
+/// thread, the server's, but for set_access(); what is made for one is kept for all that ask for
+/// the same.
 class WebApi {
  public:
   struct Parts {
@@ -29,6 +31,8 @@ class WebApi {
   explicit WebApi(Parts parts) : parts_(std::move(parts)) {}
 
   void handle(const HttpRequest& request, const HttpReply& reply);
+  /// Who may see the page from now on. The one function for other threads.
+  void set_access(WebAccess access);
   const WebCounts& counts() const { return counts_; }
 
  private:
@@ -56,6 +60,7 @@ class WebApi {
   template <typename Make>
   Body shared(const std::string& name, std::shared_ptr<const void> of, Make make);
 
+  std::mutex access_mutex_;  ///< of parts_.access
   Parts parts_;
   WebCounts counts_;
   std::map<std::string, Made> made_;  ///< by what it is, and of which frame

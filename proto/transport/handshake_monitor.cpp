@@ -11,8 +11,9 @@
 namespace tessera {
 namespace {
 
-constexpr int kEvents = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
-                        ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
+constexpr int kEvents = ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED |
+                        ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                        ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
 
 std::optional<ConnectionTrouble> trouble_of(int event, uint32_t value) {
   switch (event) {
@@ -53,6 +54,8 @@ void HandshakeMonitor::read() {
     if (parts[0].size() < sizeof event + sizeof value) continue;
     std::memcpy(&event, parts[0].data(), sizeof event);
     std::memcpy(&value, parts[0].data<char>() + sizeof event, sizeof value);
+    connected_ = event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED;
+    if (event == ZMQ_EVENT_DISCONNECTED) continue;
     auto trouble = trouble_of(event, value);
     // Who refuses may hang up before the other side has read why: what is certain stays.
     const bool is_vague = trouble && !trouble->refused;

@@ -17,10 +17,13 @@ class HandshakeMonitor {
   /// Takes notice of what has happened since. Does not block.
   void read();
   const std::optional<ConnectionTrouble>& trouble() const { return trouble_; }
+  /// Whether the other side is there, and agreed to talk.
+  bool connected() const { return connected_; }
 
  private:
   zmq::socket_t events_;
   std::optional<ConnectionTrouble> trouble_;
+  bool connected_ = false;
 };
 
 }  // namespace tessera

@@ -22,6 +22,9 @@ namespace {
 constexpr size_t kMaxKept = 1024, kMaxKeptBytes = size_t{256} << 20;
 constexpr int kReconnectMs = 50, kReconnectMaxMs = 5000;
 constexpr std::chrono::seconds kRevivePause{1};
+/// So long the bulk line may be away before it is trouble: a coordinator that is started anew is
+/// not.
+constexpr std::chrono::seconds kBulkPatience{3};
 
 class ZmqClient final : public ClientTransport {
  public:
@@ -48,6 +51,7 @@ class ZmqClient final : public ClientTransport {
             : text;
     if (full == bulk_endpoint_) return;
     bulk_endpoint_ = full;
+    bulk_there_ = monotonic_now();
     open(bulk_, parse_endpoint(bulk_endpoint_), Channel::bulk);
   }
 
@@ -65,6 +69,7 @@ class ZmqClient final : public ClientTransport {
     for (Line* line : {&control_, &bulk_}) {
       if (line->monitor) line->monitor->read();
     }
+    if (!bulk_.monitor || bulk_.monitor->connected()) bulk_there_ = monotonic_now();
     revive_bulk();
     flush(control_);
     flush(bulk_);
@@ -98,7 +103,11 @@ class ZmqClient final : public ClientTransport {
   }
 
   std::optional<ConnectionTrouble> trouble() const override {
-    return control_.monitor ? control_.monitor->trouble() : std::nullopt;
+    if (control_.monitor && control_.monitor->trouble()) return control_.monitor->trouble();
+    if (!bulk_.monitor || monotonic_now() - bulk_there_ < kBulkPatience) return std::nullopt;
+    // Never refused: the other line is there, and this one is tried for ever.
+    return ConnectionTrouble{
+        fmt::format("scenes and pictures go by {}, which does not answer", bulk_endpoint_), false};
   }
 
   void wake() override { wake_.wake(); }
@@ -175,6 +184,7 @@ class ZmqClient final : public ClientTransport {
   std::optional<ClientKeys> keys_;
   std::string bulk_endpoint_;
   Line control_, bulk_;
+  Time bulk_there_{};  ///< when it was last connected, or had no need to be
   WakeUp wake_;
 };
 

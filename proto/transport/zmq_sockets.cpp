@@ -14,7 +14,8 @@ namespace {
 constexpr int kHighWater = 256;
 constexpr int kLingerMs = 500;
 constexpr int kHandshakeMs = 5000;
-constexpr int kZmtpHeartbeatMs = 2000, kZmtpTimeoutMs = 10000;
+// Only whole messages count as a sign of life: on a slow line a chunk of a blob takes long.
+constexpr int kZmtpHeartbeatMs = 2000, kZmtpTimeoutMs = 10000, kZmtpBulkTimeoutMs = 20000;
 
 }  // namespace
 
@@ -39,7 +40,8 @@ void configure(zmq::socket_t& socket, Channel channel) {
   socket.set(zmq::sockopt::rcvhwm, kHighWater);
   socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
   socket.set(zmq::sockopt::heartbeat_ivl, kZmtpHeartbeatMs);
-  socket.set(zmq::sockopt::heartbeat_timeout, kZmtpTimeoutMs);
+  socket.set(zmq::sockopt::heartbeat_timeout,
+             channel == Channel::control ? kZmtpTimeoutMs : kZmtpBulkTimeoutMs);
   socket.set(zmq::sockopt::tcp_keepalive, 1);
 }
 

@@ -11,7 +11,8 @@ namespace tessera {
 namespace {
 
 constexpr size_t kWindow = 8;
-constexpr Time kAskAgainAfter = std::chrono::seconds(2);
+constexpr Time kAskAgainAfter = std::chrono::seconds(2),
+               kAskAgainAtLatest = std::chrono::minutes(1);
 constexpr int kMaxCorrupt = 3;
 /// Of address space; what no chunk has come for takes no memory.
 constexpr uint64_t kMostReserved = uint64_t{256} << 20;
@@ -44,6 +45,9 @@ v1::Envelope answer_blob_request(const v1::BlobRequest& request, const BlobData&
   chunk.set_data(blob->data() + request.offset(), length);
   return answer;
 }
+
+BlobFetch::BlobFetch(uint64_t submission, bool by_place)
+    : submission_(submission), by_place_(by_place), ask_again_after_(kAskAgainAfter) {}
 
 BlobFetch::Part* BlobFetch::add(const Digest& digest, uint64_t size) {
   if (size > kMaxBlobBytes) {
@@ -94,15 +98,19 @@ std::optional<uint64_t> BlobFetch::on_place(const v1::BlobPlace& place) {
 std::vector<v1::BlobRequest> BlobFetch::requests(Time now) {
   std::vector<v1::BlobRequest> result;
   if (!failure_.empty()) return result;
+  if (answered_) {
+    ask_again_after_ = std::clamp(2 * (now - *answered_), kAskAgainAfter, kAskAgainAtLatest);
+    answered_.reset();
+  }
   for (auto& [chunk, asked] : in_flight_) {
-    if (now - asked < kAskAgainAfter) continue;
-    asked = now;
+    if (now - asked.last < ask_again_after_) continue;
+    asked.last = now;
     result.push_back(request(chunk.first, chunk.second));
   }
   while (in_flight_.size() < kWindow && !unasked_.empty()) {
     const Digest digest = unasked_.front();
     Part& part = parts_.at(digest);
-    in_flight_.emplace(std::pair(digest, part.asked), now);
+    in_flight_.emplace(std::pair(digest, part.asked), Asked{now, now});
     result.push_back(request(digest, part.asked));
     if (++part.asked == chunk_count(part.size) || part.by_place) unasked_.pop_front();
   }
@@ -136,6 +144,7 @@ bool BlobFetch::on_chunk(const v1::BlobChunk& chunk, BlobStore& store) {
     note_damage(it);
     return false;
   }
+  answered_ = std::min(answered_.value_or(asked->second.first), asked->second.first);
   in_flight_.erase(asked);
   if (std::exchange(part.by_place, false) && part.asked < chunk_count(part.size)) {
     unasked_.push_front(it->first);
@@ -184,7 +193,7 @@ void BlobFetch::on_missing(const v1::BlobMissing& missing) {
 std::optional<Time> BlobFetch::next_deadline() const {
   std::optional<Time> next;
   for (const auto& [chunk, asked] : in_flight_) {
-    if (!next || asked + kAskAgainAfter < *next) next = asked + kAskAgainAfter;
+    if (!next || asked.last + ask_again_after_ < *next) next = asked.last + ask_again_after_;
   }
   return next;
 }

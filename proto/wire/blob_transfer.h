@@ -22,13 +22,13 @@ inline constexpr uint64_t kMaxBlobBytes = uint64_t{16} << 30;
 v1::Envelope answer_blob_request(const v1::BlobRequest& request, const BlobData& blob);
 
 /// Pulls blobs in chunks from a side that keeps no state for it: asks for a few at a time, asks
-/// again for what did not come, and verifies each blob before it counts.
+/// again for what did not come, later the longer chunks take, and verifies each blob before it
+/// counts.
 class BlobFetch {
  public:
   /// `submission` goes into every request, for the other side to repeat in its answers. `by_place`:
   /// first asks whether the other side shares the blob on this machine.
-  explicit BlobFetch(uint64_t submission = 0, bool by_place = false)
-      : submission_(submission), by_place_(by_place) {}
+  explicit BlobFetch(uint64_t submission = 0, bool by_place = false);
 
   /// Adds a blob to fetch. Once is enough; a size above kMaxBlobBytes is a failure.
   void want(const Digest& digest, uint64_t size);
@@ -51,6 +51,9 @@ class BlobFetch {
   std::optional<Time> next_deadline() const;
 
  private:
+  struct Asked {
+    Time first{}, last{};
+  };
   struct Part {
     uint64_t size = 0;
     std::vector<std::byte> data;  ///< grows as chunks come, so that a size alone costs nothing
@@ -71,7 +74,9 @@ class BlobFetch {
   bool by_place_;
   Parts parts_;
   std::deque<Digest> unasked_;  ///< of parts with chunks that were not asked for, in their order
-  std::map<std::pair<Digest, size_t>, Time> in_flight_;  ///< when each was asked for
+  std::map<std::pair<Digest, size_t>, Asked> in_flight_;  ///< when each was asked for
+  std::optional<Time> answered_;  ///< when what has come since requests() was first asked for
+  Time ask_again_after_;          ///< longer where chunks take longer: else they would come twice
   std::string failure_;
 };
 

@@ -10,14 +10,14 @@ FRAME = ["--size", "64x48", "--spp", "1"]
 SIDE = 200
 
 
-def hills():
+def hills(side=SIDE):
     """A mesh of 79,202 triangles, well over a megabyte."""
-    lines = [f"v {i / SIDE} {j / SIDE} {((i * 7919 + j * 104729) % 97) / 2000}"
-             for j in range(SIDE) for i in range(SIDE)]
-    for j in range(SIDE - 1):
-        for i in range(SIDE - 1):
-            a = j * SIDE + i + 1
-            lines += [f"f {a} {a + 1} {a + SIDE}", f"f {a + 1} {a + SIDE + 1} {a + SIDE}"]
+    lines = [f"v {i / side} {j / side} {((i * 7919 + j * 104729) % 97) / 2000}"
+             for j in range(side) for i in range(side)]
+    for j in range(side - 1):
+        for i in range(side - 1):
+            a = j * side + i + 1
+            lines += [f"f {a} {a + 1} {a + side}", f"f {a + 1} {a + side + 1} {a + side}"]
     return "\n".join(lines) + "\n"
 
 

@@ -12,8 +12,12 @@ import threading
 import time
 import unittest
 
+from blob_cache_test import hills
 from service_test import LOAD, TILES, ServiceTest
-from tessera_process import PROGRAM, wait_until
+from tessera_process import PATIENCE, PROGRAM, wait_until
+
+
+BOTH = ("control", "bulk")
 
 
 class Relay:
@@ -28,26 +32,32 @@ class Relay:
         self.largest = 65536  # bytes in one piece
         self.forwarded = 0
         self.connections = 0
-        self.refuse = False
+        self.dropped = []  # lines, in the order in which their connections ended
+        self.refuse = set()  # of "control" and "bulk": the lines that let nobody through
+        self.mute = set()  # of lines whose bytes are swallowed, both ways
+        self.slow = {}  # line -> seconds, each way, beside `delay`
         self.chance = random.Random(seed)
-        self.pairs = {}  # socket -> (other, direction)
+        self.pairs = {}  # socket -> (other, direction, line)
         self.queues = {}  # socket -> [(due, bytes)]
         self.free_at = {}
         self.poller = selectors.DefaultSelector()
         self.listeners = []
-        for number in (port, port + 1):
+        for number, line in ((port, "control"), (port + 1, "bulk")):
             listener = socket.create_server(("127.0.0.2", number))
             listener.setblocking(False)
-            self.poller.register(listener, selectors.EVENT_READ, number)
+            self.poller.register(listener, selectors.EVENT_READ, (number, line))
             self.listeners.append(listener)
-        self.resets, self.ended = 0, False
+        self.resets, self.ended = set(), False
         self.thread = threading.Thread(target=self.run, daemon=True)
         self.thread.start()
 
-    def reset(self):
+    def reset(self, lines=BOTH):
         """Ends all connections, as a firewall would that was started anew."""
-        self.resets += 1
-        wait_until(lambda: self.resets == 0, "the relay has reset its connections")
+        self.resets = set(lines)
+        wait_until(lambda: not self.resets, "the relay has reset its connections")
+
+    def ended_of(self, line):
+        return line in self.dropped
 
     def close(self):
         self.ended = True
@@ -56,12 +66,12 @@ class Relay:
     def run(self):
         while not self.ended:
             if self.resets:
-                for one in list(self.pairs):
+                for one in [one for one, (_, _, line) in self.pairs.items() if line in self.resets]:
                     self.drop(one)
-                self.resets = 0
+                self.resets = set()
             for key, _ in self.poller.select(0.005):
                 if key.data is not None:
-                    self.accept(key.fileobj, key.data)
+                    self.accept(key.fileobj, *key.data)
                 elif key.fileobj in self.pairs:
                     self.read(key.fileobj)
             self.write()
@@ -70,10 +80,10 @@ class Relay:
         for listener in self.listeners:
             listener.close()
 
-    def accept(self, listener, port):
+    def accept(self, listener, port, line):
         near, _ = listener.accept()
         try:
-            if self.refuse:
+            if line in self.refuse:
                 raise OSError
             far = socket.create_connection(("127.0.0.1", port))
         except OSError:
@@ -82,7 +92,7 @@ class Relay:
         self.connections += 1
         for one, other, way in ((near, far, "up"), (far, near, "down")):
             one.setblocking(False)
-            self.pairs[one] = (other, way)
+            self.pairs[one] = (other, way, line)
             self.queues[one] = []
             self.free_at[one] = 0.0
             self.poller.register(one, selectors.EVENT_READ)
@@ -90,7 +100,8 @@ class Relay:
     def drop(self, one):
         if one not in self.pairs:
             return
-        other = self.pairs[one][0]
+        other, _, line = self.pairs[one]
+        self.dropped.append(line)
         for end in (one, other):
             self.poller.unregister(end)
             del self.pairs[end], self.queues[end], self.free_at[end]
@@ -105,11 +116,11 @@ class Relay:
             data = b""
         if not data:
             return self.drop(one)
-        other, way = self.pairs[one]
-        if way in self.swallow:
+        other, way, line = self.pairs[one]
+        if way in self.swallow or line in self.mute:
             return  # the byte stream is broken now: the peers notice when they are heard again
         now = time.monotonic()
-        due = now + self.delay + self.chance.uniform(-self.jitter, self.jitter)
+        due = now + self.delay + self.slow.get(line, 0) + self.chance.uniform(-self.jitter, self.jitter)
         if self.chance.random() < self.stall:
             due += 0.2 + self.delay  # the time until it is sent again
         if self.rate:
@@ -174,6 +185,8 @@ class BadNetwork(ServiceTest):
         self.assertEqual(TILES, self.kept_tiles())
         return log
 
+
+class BothLines(BadNetwork):
     def test_slow_and_lossy(self):
         """Farm test 6: 200 ms +/- 50, what is lost comes later, small pieces, 4 Mbit/s."""
         self.relay.delay, self.relay.jitter, self.relay.stall = 0.2, 0.05, 0.05
@@ -200,14 +213,99 @@ class BadNetwork(ServiceTest):
         before = self.relay.connections
         flaps = 6
         for _ in range(flaps):
-            self.relay.refuse = True
+            self.relay.refuse = set(BOTH)
             self.relay.reset()
             time.sleep(1)
-            self.relay.refuse = False
+            self.relay.refuse = set()
             time.sleep(1)
         # Two channels each, and some tries of a socket that was just reset: no storm.
         self.assertLess(self.relay.connections - before, 2 * 2 * flaps * 6)
         self.finish(service, workers, job)
+
+
+class OneLine(BadNetwork):
+    """Each party has two connections: one of them is cut, refused, muted or delayed while the other
+    one goes on. Nobody may wait for what does not come any more."""
+
+    def setUp(self):
+        super().setUp()
+        # Some megabytes, so that something is on the bulk line whenever it is tampered with.
+        self.scene = self.write("hills.obj", hills(300))
+        self.relay.rate = 3_000_000
+
+    def far(self, *command):
+        return self.start(*command, "--connect", f"tcp://127.0.0.2:{self.port}")
+
+    def log_file(self):
+        log = open(self.folder / "worker.log", "w")
+        self.addCleanup(log.close)
+        return log
+
+    def tamper(self, chance):
+        """One line is not what it was, for a while; what was done."""
+        line, what = chance.choice(BOTH), chance.choice(("cut", "refuse", "mute", "slow"))
+        if what == "refuse":
+            self.relay.refuse = {line}
+        if what == "mute":
+            self.relay.mute = {line}
+        if what == "slow":
+            self.relay.slow = {line: chance.uniform(0.2, 1)}
+        if what in ("cut", "refuse"):
+            self.relay.reset({line})
+        time.sleep(chance.uniform(0, 1.5))
+        self.relay.refuse, self.relay.mute, self.relay.slow = set(), set(), {}
+        if what == "mute":  # the stream lacks bytes now: as good as cut, once somebody notices
+            self.relay.reset({line})
+        return f"{what} {line}"
+
+    def test_one_line_alone_fails_again_and_again(self):
+        """The client, too, is behind the relay: it submits, watches and fetches over such lines."""
+        expected = self.expected()
+        for seed in range(int(os.environ.get("TESSERA_LINE_SEEDS", "3"))):
+            with self.subTest(seed=seed):
+                chance = random.Random(seed)
+                self.store = self.folder / f"farm{seed}"
+                service, workers = self.serve(), [self.far_worker() for _ in range(2)]
+                picture = self.far("render", self.scene, "-o", "far.pfm", "--quiet", "--stats",
+                                   "stats.json", *LOAD, self.spp)
+                done = []
+                while picture.poll() is None and len(done) < 8:
+                    time.sleep(chance.uniform(0, 0.5))
+                    done.append(self.tamper(chance))
+                _, err = picture.communicate(timeout=PATIENCE)
+                self.assertEqual(0, picture.returncode, f"{err}, after {done}")
+                self.assertEqual(expected, (self.folder / "far.pfm").read_bytes(), done)
+                self.assertEqual(0, self.stats()["tiles"]["mismatches"])
+                self.assertEqual(TILES, self.stats()["tiles"]["done"])
+                for worker in workers:
+                    self.assertIsNone(worker.poll(), done)
+                self.stop(service)
+                for worker in workers:
+                    self.assertEqual(0, worker.wait(60), done)
+
+    def test_a_bulk_line_that_is_not_there_is_told_and_waited_for(self):
+        """As where a firewall has but one of the two ports open."""
+        self.relay.refuse = {"bulk"}
+        service = self.serve()
+        worker = self.start("worker", "--connect", f"tcp://127.0.0.2:{self.port}", "--threads", 1,
+                            stderr=self.log_file())
+        job = self.submit()
+        log = self.folder / "worker.log"
+        wait_until(lambda: f":{self.port + 1}, which does not answer" in log.read_text(), "it is told")
+        self.assertEqual(0, self.done(job))
+        self.relay.refuse = set()
+        self.finish(service, [worker], job)
+
+    def test_bulk_that_goes_silent_while_the_scene_comes(self):
+        """Its connection stays, and brings nothing more: nobody tells the worker that."""
+        service, worker = self.serve(), self.far_worker()
+        job = self.submit()
+        before = self.relay.forwarded
+        wait_until(lambda: self.relay.forwarded > before + (1 << 20), "the scene is on its way")
+        self.relay.mute = {"bulk"}
+        wait_until(lambda: self.relay.ended_of("bulk"), "the worker has given that connection up")
+        self.relay.mute = set()
+        self.finish(service, [worker], job)
 
 
 class Netem(ServiceTest):

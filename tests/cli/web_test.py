@@ -7,6 +7,7 @@ import signal
 import socket
 import struct
 import threading
+import time
 import unittest
 import urllib.error
 import urllib.request
@@ -115,6 +116,15 @@ class Api(WebTest):
         order = f"/api/v1/jobs/{job}/pause"
         self.assertEqual(403, self.get(order, token="of-a-viewer-000001", data={})[0])
         self.assertEqual(200, self.get(order, token="of-a-submitter-001", data={})[0])
+        # Another token in its place, without another start; then a file that is wrong.
+        tokens.write_text("of-a-viewer-000003 viewer\n")
+        service.send_signal(signal.SIGHUP)
+        wait_until(lambda: self.get("/metrics", token="of-a-viewer-000003")[0] == 200, "it is let in")
+        self.assertEqual(401, self.get("/metrics", token="of-a-viewer-000001")[0])
+        tokens.write_text("short viewer\n")
+        service.send_signal(signal.SIGHUP)
+        time.sleep(0.3)
+        self.assertEqual(200, self.get("/metrics", token="of-a-viewer-000003")[0])
         self.stop(service)
 
     def test_viewers_that_stall_hold_up_nothing(self):

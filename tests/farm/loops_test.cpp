@@ -6,8 +6,10 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <thread>
 
+#include "client/farm_client.h"
 #include "client/run_remote_job.h"
 #include "coordinator/render_loop.h"
 #include "proto/transport/memory_transport.h"
@@ -266,6 +268,55 @@ TEST(RenderLoop, ATileThatAlwaysFailsIsNamedAndTheRestIsRendered) {
     EXPECT_THAT(result.report.failure, ::testing::HasSubstr("16,32"));
     EXPECT_THAT(result.report.failure, ::testing::HasSubstr("tile is cursed"));
   }
+}
+
+/// A server that tells of a bulk port at which nobody is.
+class Misleading : public ServerTransport {
+ public:
+  explicit Misleading(std::unique_ptr<ServerTransport> real) : real_(std::move(real)) {}
+  std::string endpoint() const override { return real_->endpoint(); }
+  std::string bulk_endpoint() const override { return "tcp://:1"; }
+  void wait(std::chrono::milliseconds timeout) override { real_->wait(timeout); }
+  std::optional<ReceivedMessage> receive() override { return real_->receive(); }
+  SendResult send(Channel channel, const PeerId& peer, MessageBytes bytes) override {
+    return real_->send(channel, peer, std::move(bytes));
+  }
+  void wake() override { real_->wake(); }
+
+ private:
+  std::unique_ptr<ServerTransport> real_;
+};
+
+TEST(RenderLoop, AClientWhoseBulkLineStaysAwayIsToldAndDoesNotWaitForEver) {
+  // The coordinator speaks all the while, by the other line.
+  RenderLoop loop(std::make_unique<Misleading>(bind_server("tcp://127.0.0.1:*")), {});
+  std::atomic<bool> stop{false};
+  std::thread server([&] { loop.serve(stop); });
+  const JobSpec job = make_job(64, 64, 16);
+  constexpr std::chrono::seconds kPatience{2};
+  const auto expect_told = [](const std::function<void()>& act) {
+    try {
+      act();
+      ADD_FAILURE() << "it came through";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::render_failed);
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("tcp://127.0.0.1:1, which does not answer"));
+    }
+  };
+  std::thread submits([&] {
+    const auto transport = connect_client(loop.endpoint());
+    FarmClient client(*transport, loop.endpoint(), kNever, kPatience);
+    SubmittedJob submitted;
+    add_frame(submitted, job);
+    submitted.request.set_submission(draw_submission());
+    expect_told([&] { client.submit(submitted); });
+  });
+  const auto transport = connect_client(loop.endpoint());
+  expect_told(
+      [&] { run_remote_job(*transport, loop.endpoint(), job, nullptr, kNever, kPatience); });
+  submits.join();
+  stop = true;
+  server.join();
 }
 
 TEST(RenderLoop, NobodyAnswersAClient) {

@@ -14,7 +14,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr Time kPatience = seconds(1200);
+constexpr Time kPatience = seconds(3600);
 
 Digest digest_of(const Film& film) { return Digest::of(std::as_bytes(film.values())); }
 

@@ -31,7 +31,11 @@ Module oiio_module() {
     const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
     void* const library = dlopen((folder / "tessera_oiio.so").c_str(), RTLD_NOW | RTLD_LOCAL);
     void* const symbol = library ? dlsym(library, "tessera_answer_image") : nullptr;
-    if (!symbol) fail_image(dlerror());
+    if (!symbol) {
+      fail_image(std::string("the module for this is not there (Debian's package of it is "
+                             "tessera-openimageio): ") +
+                 dlerror());
+    }
     return reinterpret_cast<Module>(symbol);
   }();
   return module;

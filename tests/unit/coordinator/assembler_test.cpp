@@ -238,6 +238,17 @@ TEST(Assembler, AWholeTileAndItsPartsRace) {
   EXPECT_EQ(mismatch->first, 1u);
 }
 
+TEST(Assembler, AllRowsWithoutAllCountersAreNoTile) {
+  Assembler assembler(kCrop, kTiles);
+  const auto parts = parts_of_first_tile();
+  const auto whole = rows_of_first_tile();
+  assembler.add(whole[0], 1);
+  assembler.add(whole[1], 1);
+  EXPECT_FALSE(assembler.add(parts[2], 2).completed_tile) << "a third of its counters is there";
+  EXPECT_TRUE(assembler.add(whole[2], 1).completed_tile);
+  EXPECT_EQ(assembler.counters().at("rays_primary"), 12u);
+}
+
 TEST(Assembler, AWholeTilesRowsDoNotCountForPartsOfIt) {
   Assembler assembler(kCrop, kTiles);
   const auto parts = parts_of_first_tile();

@@ -105,6 +105,25 @@ TEST_F(CoordinatorTest, ALocalProcessThatEndedIsNoticedAtOnce) {
   EXPECT_EQ(heard(v1::Envelope::kAssign).size(), 6u) << "what the dead one held";
 }
 
+TEST_F(CoordinatorTest, ATimelineHasWhatWasLostWithAWorker) {
+  const uint64_t id = coordinator.submit(job(16), {});
+  say("p", hello(1));
+  say("q", hello(2));
+  ready("p", id);
+  coordinator.on_peer_gone("p", seconds(1));
+  ready("q", id, seconds(1));
+  say("q", band(heard(v1::Envelope::kAssign).back().assign(), 1), seconds(2));
+  const auto result = coordinator.take_result(id);
+  ASSERT_TRUE(result);
+  std::vector<FrameTrace::Span> lost;
+  for (const auto& span : result->report.trace->spans) {
+    if (span.kind == FrameTrace::Kind::lost) lost.push_back(span);
+  }
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(lost[0].worker, 1u);
+  EXPECT_EQ(lost[0].end - lost[0].begin, 1.0);
+}
+
 TEST_F(CoordinatorTest, TellsTheJobAgainToAWorkerThatMissedIt) {
   const uint64_t id = coordinator.submit(job(), {});
   say("p", hello(1));
@@ -223,6 +242,45 @@ TEST_F(CoordinatorTest, ThreeFailedTilesSetAWorkerAsideAsLongAsThereIsAnother) {
   say("p", hello(1, 2));
   EXPECT_EQ(heard(v1::Envelope::kReject).size(), 4u);
   EXPECT_EQ(heard(v1::Envelope::kAssign).size(), assigns);
+  EXPECT_EQ(coordinator.progress({}).workers, 1);
+}
+
+TEST_F(CoordinatorTest, AWorkerWhoseThreadsHangInWhatItHoldsNoLongerIsSetAside) {
+  const uint64_t id = coordinator.submit(job(64), {});
+  say("p", hello(1));
+  say("q", hello(2));
+  ready("p", id);
+  bool set_aside = false;
+  // Its heart beats, it lists what it was given, and begins with none of it.
+  for (int second = 1; second <= 60 && !set_aside; ++second) {
+    const Time now = seconds(second);
+    v1::Envelope heartbeat;
+    heartbeat.mutable_heartbeat()->set_session(1);
+    auto& known = *heartbeat.mutable_heartbeat()->add_jobs();
+    known.set_job(id);
+    known.set_ready(true);
+    std::map<uint64_t, bool> held;
+    for (const auto& message : heard(v1::Envelope::kAssign)) held[message.assign().lease()] = true;
+    for (const auto& message : heard(v1::Envelope::kCancelTile))
+      held.erase(message.cancel_tile().lease());
+    // The newest are those that it may hold.
+    size_t listed = 0;
+    for (auto it = held.rbegin(); it != held.rend() && listed < 2; ++it, ++listed) {
+      auto& progress = *heartbeat.mutable_heartbeat()->add_progress();
+      progress.set_job(id);
+      progress.set_lease(it->first);
+    }
+    say("p", heartbeat, now);
+    v1::Envelope other;
+    other.mutable_heartbeat()->set_session(1);
+    say("q", other, now);
+    coordinator.on_tick(now);
+    set_aside = !heard(v1::Envelope::kReject).empty();
+    if (second < 20) {
+      EXPECT_FALSE(set_aside) << "not for the first time";
+    }
+  }
+  EXPECT_TRUE(set_aside);
   EXPECT_EQ(coordinator.progress({}).workers, 1);
 }
 

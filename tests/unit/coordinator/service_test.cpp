@@ -149,6 +149,34 @@ TEST_F(ServiceTest, AJobEndsOnlyOnceAllOfItIsKept) {
   EXPECT_EQ(ask(id).state(), v1::JobStatus::ENDED);
 }
 
+TEST_F(ServiceTest, NobodyIsToldOfAnEndThatIsNotKept) {
+  // The tile is kept, its job's end is not.
+  struct Endless : MemoryJobStore {
+    using MemoryJobStore::MemoryJobStore;
+    void save_end(uint64_t job, const v1::KeptJob::End& end) override {
+      if (full) throw render_error("the store is full");
+      MemoryJobStore::save_end(job, end);
+    }
+    bool full = true;
+  };
+  const auto endless = std::make_shared<Endless>(7);
+  store = endless;
+  restart();
+  const uint64_t id = submit(1, 0, 16);
+  come(1, 1);
+  say("w1", band(assigned().at(0), 1));
+  EXPECT_EQ(store->tile_count(), 1u);
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::RUNNING);
+  EXPECT_FALSE(ask(id).has_end());
+  EXPECT_EQ(ask(id).failure(), "the store is full");
+  endless->full = false;
+  coordinator.on_tick(milliseconds(100));
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::ENDED);
+  restart();
+  coordinator.on_tick({});
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::ENDED);
+}
+
 TEST_F(ServiceTest, ForgettingKeepsWhatOtherJobsNeed) {
   const uint64_t one = submit(1), two = submit(2);
   ask(one, v1::JobQuery::CANCEL);

@@ -234,6 +234,37 @@ TEST_F(WorkerSessionTest, GoesOnForACoordinatorOnTheSameStore) {
   EXPECT_THAT(sent(v1::Envelope::kSceneReady), SizeIs(1)) << "nothing is built again";
 }
 
+TEST_F(WorkerSessionTest, ABlobThatIsMissingOnceOrTwiceMayYetCome) {
+  welcome(1);
+  for (int i = 0; i < 2; ++i) {
+    start(1);
+    const auto asked = sent(v1::Envelope::kBlobRequest);
+    ASSERT_THAT(asked, SizeIs(1));
+    // The line of blobs is back before the coordinator has taken up its jobs.
+    session.on_message(Channel::bulk, answer_blob_request(asked[0].blob_request(), nullptr), {});
+    EXPECT_THAT(sent(v1::Envelope::kSceneFailed), IsEmpty());
+    session.on_tick(seconds(i + 1));
+    EXPECT_EQ(sent(v1::Envelope::kHeartbeat).at(0).heartbeat().jobs_size(), 0)
+        << "so that it is told again";
+  }
+  start(1);
+  serve_blobs();
+  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
+}
+
+TEST_F(WorkerSessionTest, ABlobThatIsNeverThereFailsTheScene) {
+  welcome(1);
+  size_t failed = 0;
+  for (int i = 0; i < 3; ++i) {
+    start(1);
+    const auto asked = sent(v1::Envelope::kBlobRequest);
+    ASSERT_THAT(asked, SizeIs(1));
+    session.on_message(Channel::bulk, answer_blob_request(asked[0].blob_request(), nullptr), {});
+    failed += sent(v1::Envelope::kSceneFailed).size();
+  }
+  EXPECT_EQ(failed, 1u);
+}
+
 TEST_F(WorkerSessionTest, TracesTilesOfSeveralJobsAtATime) {
   make_ready(7);
   start(8, {}, 99);

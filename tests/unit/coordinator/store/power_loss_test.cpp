@@ -154,6 +154,17 @@ class PowerLoss : public testing::Test {
   int cuts_ = 0;
 };
 
+TEST_F(PowerLoss, AnEpochIsNeverUsedTwice) {
+  // Cut as soon as it is open, before any job.
+  const fs::path home = folder_ / "farm";
+  for (int i = 0; i < 3; ++i) {
+    const SqliteJobStore store(home);
+    const SqliteJobStore again(cut(home, 0));
+    EXPECT_EQ(again.farm(), store.farm()) << i;
+    EXPECT_GT(again.epoch(), store.epoch()) << i;
+  }
+}
+
 TEST_F(PowerLoss, JobsAndEpochsAreThereAndTilesAreWholeOrGone) {
   const fs::path home = folder_ / "farm";
   const Digest key = Digest::of("a frame");

@@ -17,6 +17,7 @@ TEST(ChromeTrace, HasAProcessForEachWorkerAndRowsWithoutOverlap) {
                  {7, Kind::tile, 1, {16, 0, 32, 16}, 0.5, 2},
                  {9, Kind::wasted, 1, {16, 0, 32, 16}, 1, 2},
                  {7, Kind::tile, 2, {0, 16, 16, 32}, 1.5, 2.5}};
+  trace.spans.push_back({9, Kind::lost, 7, {}, 2, 2.25});
   trace.left_out = 3;
   const auto json = nlohmann::json::parse(chrome_trace(trace, "job 1", {{"parse", -1, 0}}));
   EXPECT_EQ(json["otherData"]["spans_left_out"], 3);
@@ -41,8 +42,8 @@ TEST(ChromeTrace, HasAProcessForEachWorkerAndRowsWithoutOverlap) {
   }
   EXPECT_EQ(processes.size(), 3u);
   EXPECT_EQ(processes[2], "host:1 \"odd\"");
-  EXPECT_EQ(kinds,
-            (std::map<std::string, int>{{"phase", 1}, {"scene", 1}, {"tile", 3}, {"wasted", 1}}));
+  EXPECT_EQ(kinds, (std::map<std::string, int>{
+                       {"phase", 1}, {"scene", 1}, {"tile", 3}, {"wasted", 1}, {"lost", 1}}));
   EXPECT_EQ(until.size(), 4u) << "ours, two rows of the first worker, one of the second";
   EXPECT_EQ((until[{2, 0}]), 3'500'000) << "microseconds, from the first phase on";
 }

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <deque>
 #include <random>
 
 namespace tessera {
 namespace {
 
+using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 std::vector<std::byte> random_bytes(size_t size) {
@@ -58,6 +60,49 @@ TEST(BlobFetch, AsksForFewAtATimeAndAgainForWhatDoesNotCome) {
   // The same again is not counted twice.
   fetch.on_chunk(chunk, to);
   EXPECT_TRUE(fetch.requests(seconds(2)).empty());
+}
+
+TEST(BlobFetch, ASlowLineBringsChunksHardlyEverTwice) {
+  // One chunk in five seconds, in the order in which they were asked for.
+  constexpr size_t kChunks = 90;
+  constexpr Time kOne = seconds(5);
+  BlobStore from, to;
+  const auto digest = from.put(std::vector<std::byte>(kChunks * kBlobChunkBytes));
+  BlobFetch fetch;
+  fetch.want(digest, kChunks * kBlobChunkBytes);
+  std::deque<v1::BlobRequest> line;
+  size_t sent = 0, longest = 0;
+  Time next = kOne;
+  for (Time now{}; !fetch.finished() && sent < 10 * kChunks; now += milliseconds(500)) {
+    for (auto& request : fetch.requests(now)) line.push_back(std::move(request));
+    longest = std::max(longest, line.size());
+    if (now < next || line.empty()) continue;
+    next = now + kOne;
+    ++sent;
+    fetch.on_chunk(answer_blob_request(line.front(), from.find(digest)).blob_chunk(), to);
+    line.pop_front();
+  }
+  EXPECT_TRUE(fetch.finished());
+  EXPECT_LE(sent, kChunks * 5 / 2) << "some come twice: how slow it is has to be learnt";
+  EXPECT_LE(longest, 32u) << "what waits is bounded";
+}
+
+TEST(BlobFetch, AnOutageIsForgottenWithTheNextChunks) {
+  BlobStore from, to;
+  const auto digest = from.put(random_bytes(30 * kBlobChunkBytes));
+  BlobFetch fetch;
+  fetch.want(digest, 30 * kBlobChunkBytes);
+  const auto answer = [&](const v1::BlobRequest& request) {
+    fetch.on_chunk(answer_blob_request(request, from.find(digest)).blob_chunk(), to);
+  };
+  for (const auto& request : fetch.requests({})) answer(request);
+  for (int i = 0; i < 300; ++i) fetch.requests(seconds(i));
+  const auto late = fetch.requests(seconds(300));
+  ASSERT_FALSE(late.empty()) << "it has not given up asking";
+  for (const auto& request : late) answer(request);
+  for (const auto& request : fetch.requests(seconds(300))) answer(request);
+  EXPECT_FALSE(fetch.requests(seconds(300)).empty());
+  EXPECT_EQ(fetch.next_deadline(), Time(seconds(302)));
 }
 
 TEST(BlobFetch, TakesChunksInAnyOrder) {
