@@ -16,7 +16,9 @@ from tessera_process import PROGRAM, SLOWER, TesseraTest
 ROOT = pathlib.Path(__file__).parents[2]
 GOLDEN = pathlib.Path(__file__).with_name("golden.json")
 NO_SCENES = (".mtl", ".png", ".py")
-SAMPLES = sorted(p.name for p in (ROOT / "scenes/samples").iterdir() if p.suffix not in NO_SCENES)
+WAITING = ("cornell.tessera",)  # for the path tracer; then it is a sample as the others
+SAMPLES = sorted(p.name for p in (ROOT / "scenes/samples").iterdir()
+                 if p.suffix not in NO_SCENES and p.name not in WAITING)
 
 
 def numerics_id():
