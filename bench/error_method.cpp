@@ -32,7 +32,7 @@ bool is_among(const std::string& word, const std::vector<std::string>& names) {
   for (const auto* names : {&kPatterns, &kFilters})
     for (const auto& [name, value] : *names) known.push_back(name);
   known.insert(known.end(), integrator_names().begin(), integrator_names().end());
-  const auto accelerators = available_accelerators();
+  const auto& accelerators = available_accelerators();
   known.insert(known.end(), accelerators.begin(), accelerators.end());
   throw usage_error(fmt::format("'{}' in '{}'; expected words of {} with + between{}", word, text,
                                 fmt::join(known, ", "), suggestion(word, known)));

@@ -14,6 +14,7 @@
 #include "base/parallel.h"
 #include "proto/wire/scene_codec.h"
 #include "proto/wire/version.h"
+#include "renderer/film/film.h"
 #include "renderer/image/image_file.h"
 #include "renderer/render/tile_renderer.h"
 

@@ -249,13 +249,14 @@ std::string many_lights() {
         ".05 }} }} }}\n",
         i, strength * red, strength * green, strength * (1 - .5 * (red + green)), x, y, z);
   }
-  for (int i = 0; i < 25; ++i)
-    text += fmt::format(
-        "nodes {{ shape {{ materials: \"floor\" box {{ min {{ x: {0} z: {1} }} max {{ x: {2} y: "
-        "{3} "
-        "z: {4} }} }} }} }}\n",
-        -4 + 1.6 * (i % 5), -4 + 1.6 * (i / 5), -3.5 + 1.6 * (i % 5), .2 + .1 * (i % 7),
-        -3.5 + 1.6 * (i / 5));
+  for (int row = 0; row < 5; ++row)
+    for (int column = 0; column < 5; ++column)
+      text += fmt::format(
+          "nodes {{ shape {{ materials: \"floor\" box {{ min {{ x: {0} z: {1} }} max {{ x: {2} y: "
+          "{3} "
+          "z: {4} }} }} }} }}\n",
+          -4 + 1.6 * column, -4 + 1.6 * row, -3.5 + 1.6 * column,
+          .2 + .1 * ((5 * row + column) % 7), -3.5 + 1.6 * row);
   return text;
 }
 
