@@ -128,7 +128,7 @@ class SceneBench {
     uint32_t samples = static_cast<uint32_t>(options_.reference_samples);
     if (options_.budget_seconds > 0) {
       const double seconds = kReferenceShare * options_.budget_seconds;
-      while (samples > 256 && 2 * samples * contestant.seconds_a_sample > seconds) samples /= 2;
+      while (samples > 64 && 2 * samples * contestant.seconds_a_sample > seconds) samples /= 2;
     }
     tell(fmt::format("two references of {} samples", samples), 0);
     v1::Scene scene = with_method(scene_.loaded.scene, {"reference"});
@@ -170,7 +170,8 @@ class SceneBench {
     const double left = options_.budget_seconds - elapsed();
     const int wanted = static_cast<int>(std::min<double>(options_.seeds, kRowShare * left / round));
     if (wanted >= kLeastSeeds) return wanted;
-    return kLeastSeeds * round <= left ? std::min(kLeastSeeds, options_.seeds) : 0;
+    const bool is_early = samples <= 2 * options_.least_samples;  // a curve has two points at least
+    return is_early || kLeastSeeds * round <= left ? std::min(kLeastSeeds, options_.seeds) : 0;
   }
 
   double share_done(int samples, double within) const {
