@@ -28,6 +28,7 @@ class SceneBench {
       : scene_(scene), options_(options), start_(monotonic_now()) {
     out_.scene = scene.name;
     out_.about = scene.about;
+    if (options.cpu_time) out_.clock = "processor seconds a picture, over threads";
     out_.width = static_cast<int>(scene.loaded.scene.settings().width());
     out_.height = static_cast<int>(scene.loaded.scene.settings().height());
     mask_ = mask();
@@ -210,6 +211,7 @@ class SceneBench {
       shot.samples = std::min<uint32_t>(shot.samples * kMostTimes, 1u << 20);
     }
     ErrorPicture picture = render(contestant, shot);
+    if (options_.cpu_time) picture.run.wall_seconds = picture.run.cpu_seconds / options_.threads;
     picture.run.mse = mean_square_error(picture.picture, *contestant.truth, mask_);
     row.runs.push_back(picture.run);
     row.not_finite += picture.not_finite;

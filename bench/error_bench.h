@@ -36,6 +36,8 @@ struct ErrorBenchOptions {
   int least_samples = 1, most_samples = 4096;  ///< both powers of two
   int seeds = 32;
   int threads = 1;
+  bool cpu_time = false;      ///< seconds are processor time over threads, for machines with
+                              ///< other work, in place of the wall's
   double budget_seconds = 0;  ///< for a scene, its reference included; 0: none. It makes the last
                               ///< rows fewer and with fewer seeds, never with less than kLeastSeeds
   int reference_samples = 65536;           ///< of each of both, at most; a power of two

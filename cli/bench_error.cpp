@@ -32,7 +32,7 @@ struct Options {
   std::optional<FrameSize> size;
   std::optional<int> least_samples, most_samples, seeds, budget;
   int threads = 0;
-  bool quick = false;
+  bool quick = false, cpu_time = false;
   std::string cache, json_file, csv_file, svg_folder;
 };
 
@@ -162,6 +162,7 @@ ErrorBenchOptions bench_options(const Options& options) {
   out.threads = options.threads > 0
                     ? options.threads
                     : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  out.cpu_time = options.cpu_time;
   out.cache_folder = options.cache.empty() ? usual_cache() : options.cache;
   for (const std::string& file : options.references)
     out.given_reference.push_back(read_picture(file));
@@ -227,6 +228,8 @@ void add_run_options(CLI::App& command, Options& options) {
             std::function([&options](int64_t n) { options.seeds = static_cast<int>(n); }));
   add_whole(command, "--threads", 1, 1024, "Threads that render [all]", options.threads);
   command.add_flag("--quick", options.quick, "--samples 1-64 --seeds 8 --budget 150");
+  command.add_flag("--cpu-time", options.cpu_time,
+                   "Seconds are processor time over threads: for a machine with other work");
   command
       .add_option_function<std::string>(
           "--size",

@@ -53,6 +53,7 @@ struct PeerMark {
 /// What was found in one scene.
 struct SceneErrors {
   std::string scene, about;
+  std::string clock = "seconds a picture";  ///< what ErrorRow::seconds are
   int width = 0, height = 0;
   double reference_error = 0;  ///< 0: the reference has none that we know
   std::string reference;       ///< where it comes from, for readers

@@ -70,6 +70,7 @@ std::string gain_text(const ErrorRow& row) {
 }
 
 std::string slope_text(const ErrorCurve& curve) {
+  if (!(curve.slope_band.low < curve.slope_band.high)) return "-";
   return fmt::format("{:.2f} [{:.2f}, {:.2f}]", curve.slope, curve.slope_band.low,
                      curve.slope_band.high);
 }
@@ -102,7 +103,7 @@ std::string error_table(const SceneErrors& scene) {
           fmt::format("[{:.3g}, {:.3g}]", r.rmse_band.low, r.rmse_band.high), r.bias, r.bias_sigmas,
           r.error.rel_mse, r.error.flip, r.efficiency, gain_text(r),
           r.not_finite > 0 ? fmt::format("  {} not finite", r.not_finite) : "");
-    if (curve.slope_band.low < curve.slope_band.high)
+    if (slope_text(curve) != "-")
       text += fmt::format("{:28} slope of RMSE over samples {}\n", curve.method, slope_text(curve));
   }
   for (const PeerMark& p : scene.peers)
@@ -173,7 +174,7 @@ std::string error_summary(const std::vector<SceneErrors>& scenes) {
 std::string error_svg(const SceneErrors& scene) {
   LogPlot plot{scene.scene + ": error against time",
                size_note(scene),
-               "seconds a picture",
+               scene.clock,
                "root mean square error",
                {},
                {-.5, -.75, -1.5},
@@ -189,7 +190,7 @@ std::string error_svg(const SceneErrors& scene) {
 std::string efficiency_svg(const SceneErrors& scene) {
   LogPlot plot{scene.scene + ": efficiency against time",
                size_note(scene),
-               "seconds a picture",
+               scene.clock,
                "1 / (MSE x seconds)",
                {},
                {},

@@ -35,7 +35,7 @@ ErrorCurve synthetic(const std::string& method, double deviation, double slope, 
 }
 
 SceneErrors two_methods() {
-  SceneErrors scene{"flat & <odd>", "a test", 16, 8, 1e-4, "closed form", {}, {}};
+  SceneErrors scene{"flat & <odd>", "a test", "seconds", 16, 8, 1e-4, "closed form", {}, {}};
   scene.curves = {synthetic("owen", .5, -.75), synthetic("independent", .5, -.5)};
   for (ErrorCurve& curve : scene.curves) curve.scene = scene.scene;
   for (size_t i = 0; i < scene.curves[1].rows.size(); ++i)
