@@ -67,7 +67,7 @@ bool may_shine(const pb::Message& message) {
 bool is_all_black(const RenderOptions& options, const v1::Scene& scene) {
   const v1::IntegratorSettings& integrator = scene.settings().integrator();
   const std::string kind = options.integrator.value_or(integrator.kind());
-  if (kind == "normals" || kind == "depth") return false;
+  if (!kind.empty() && kind != "auto" && kind != "whitted" && kind != "path") return false;
   return is_black(integrator.ambient()) && !shines(scene.background()) &&
          !any_message(scene, may_shine);
 }

@@ -88,7 +88,7 @@ void add_tracing_options(CLI::App& command, RenderOptions& options) {
         options.accelerator = parse_choice("--accel", text, available_accelerators());
       });
   add("--integrator", "KIND",
-      choices(integrator_names(), "; normals and depth show the first surface's"),
+      choices(integrator_names(), "; the last five show what is there instead of light"),
       [&options](const std::string& text) {
         options.integrator = parse_choice("--integrator", text, integrator_names());
       });

@@ -39,7 +39,7 @@ Color through_medium(const Color& medium, double metres) {
 
 /// What transparent occluders, and the `medium` that the ray begins in, leave of the light, from
 /// the point outwards. Light goes straight through them: there are no caustics here.
-template <bool kRich>
+template <bool kRich, bool kThroughGlass = true>
 Color clear_transmittance(const Scene& scene, Ray ray, Color medium, [[maybe_unused]] double width,
                           TraceCounters& counters) {
   Color left = kWhite;
@@ -55,7 +55,7 @@ Color clear_transmittance(const Scene& scene, Ray ray, Color medium, [[maybe_unu
     const Coverage coverage = straight_coverage(point);
     const Material& material = *point.material;
     Color through = kWhite * coverage.through;
-    if (material.transmission == Transmission::refract && coverage.covered > 0) {
+    if (kThroughGlass && material.transmission == Transmission::refract && coverage.covered > 0) {
       through += transmission_tint(material) * (coverage.covered * material.transparency);
     }
     left = left * through;
@@ -68,11 +68,12 @@ Color clear_transmittance(const Scene& scene, Ray ray, Color medium, [[maybe_unu
   return left;
 }
 
-/// `medium` is that on the viewer's side of the point.
+}  // namespace
+
 template <bool kRich>
-Color visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
-                 const Color& medium, const Light& light, const LightSample& sample, double width,
-                 TraceCounters& counters) {
+Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
+                       const Color& medium, const Light& light, const LightSample& sample,
+                       double width, TraceCounters& counters) {
   const Ray ray = shadow_ray(point, origins, light, sample);
   ++counters.rays_shadow;
   if (scene.opaque_occluders && scene.opaque_occluders->any_hit(ray, counters.traversal)) {
@@ -86,14 +87,44 @@ Color visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& orig
   return kWhite - light.shadow_intensity * (kWhite - visible);
 }
 
-Color diffuse_color(const SurfacePoint& point) {
+template <bool kRich>
+Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& ray,
+                     const Color& medium, double width, TraceCounters& counters) {
+  ++counters.rays_shadow;
+  if (scene.opaque_occluders && scene.opaque_occluders->any_hit(ray, counters.traversal)) {
+    return kBlack;
+  }
+  const bool begins_beyond = dot(point.geometric_normal, ray.direction) < 0;
+  const Color inside = begins_beyond ? medium_beyond(medium, point) : medium;
+  if (scene.clear_occluders) {
+    return clear_transmittance<kRich, false>(scene, ray, inside, width, counters);
+  }
+  // What comes from beyond all surfaces has no way through a medium.
+  return std::isfinite(ray.t_max) ? through_medium(inside, ray.t_max * length(ray.direction))
+                                  : kWhite;
+}
+
+template <bool kRich>
+Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
+                       const Color& medium, const SurfaceSample& there, double width,
+                       TraceCounters& counters) {
+  // The stretch ends before the light's own surface, as it begins after that of the point.
+  const Vec3 back = point.surface.point - there.point;
+  const Vec3 side = dot(back, there.normal) < 0 ? -there.normal : there.normal;
+  constexpr double kRoundings = 0x1p-48;
+  const double lift = dot(abs(side), there.point_error) + kRoundings * length(back);
+  Ray ray = origins.spawn(-back);
+  ray.direction = there.point + side * lift - ray.origin;
+  ray.t_max = 1;
+  return ray_visibility<kRich>(scene, point, ray, medium, width, counters);
+}
+
+Color surface_diffuse(const SurfacePoint& point) {
   const Material& material = *point.material;
   if (!point.surface.has_vertex_color) return material.diffuse;
   return material.vertex_color_replaces_diffuse ? point.surface.vertex_color
                                                 : material.diffuse * point.surface.vertex_color;
 }
-
-}  // namespace
 
 template <bool kShadows, bool kRich>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& wo,
@@ -106,7 +137,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
   // A refracting surface sends the share that it lets through elsewhere (scene.proto, REFRACT).
   const double kept =
       material.transmission == Transmission::refract ? 1 - material.transparency : 1.0;
-  const Color diffuse = diffuse_color(point);
+  const Color diffuse = surface_diffuse(point);
   const Color kept_diffuse = diffuse * kept;
   Color ambient = scene.settings.ambient;
   Color sum = material.emission;
@@ -141,8 +172,8 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
         return;
       }
       if (light.casts_shadow)
-        arriving = arriving * visibility<kRich>(scene, point, origins, medium, light, sample,
-                                                cone_width(scene, path_length), counters);
+        arriving = arriving * light_visibility<kRich>(scene, point, origins, medium, light, sample,
+                                                      cone_width(scene, path_length), counters);
     }
     sum += arriving * share;
   });
@@ -161,5 +192,18 @@ template Color local_radiance<true, false>(const Scene&, const SurfacePoint&, co
                                            const Color&, double, TraceCounters&);
 template Color local_radiance<true, true>(const Scene&, const SurfacePoint&, const Vec3&,
                                           const Color&, double, TraceCounters&);
+
+template Color light_visibility<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
+                                       const Light&, const LightSample&, double, TraceCounters&);
+template Color light_visibility<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
+                                      const Light&, const LightSample&, double, TraceCounters&);
+template Color ray_visibility<false>(const Scene&, const SurfacePoint&, const Ray&, const Color&,
+                                     double, TraceCounters&);
+template Color ray_visibility<true>(const Scene&, const SurfacePoint&, const Ray&, const Color&,
+                                    double, TraceCounters&);
+template Color point_visibility<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
+                                       const SurfaceSample&, double, TraceCounters&);
+template Color point_visibility<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
+                                      const SurfaceSample&, double, TraceCounters&);
 
 }  // namespace tessera

@@ -12,6 +12,24 @@ template <bool kShadows, bool kRich>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& wo,
                      const Color& medium, double path_length, TraceCounters& counters);
 
+/// The share of a light's light that shadows leave of it, and its material's diffuse colour with
+/// the vertex colours.
+template <bool kRich>
+Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
+                       const Color& medium, const Light& light, const LightSample& sample,
+                       double width, TraceCounters& counters);
+Color surface_diffuse(const SurfacePoint& point);
+/// The share of light from a point of a surface that arrives. What refracts lets nothing through.
+template <bool kRich>
+Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
+                       const Color& medium, const SurfaceSample& there, double width,
+                       TraceCounters& counters);
+
+/// The same of light from the background along `ray`, which leaves the point.
+template <bool kRich>
+Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& ray,
+                     const Color& medium, double width, TraceCounters& counters);
+
 /// The width, in metres, of what one sample stands for at the end of a path.
 inline double cone_width(const Scene& scene, double path_length) {
   return scene.cone.at_eye + scene.cone.spread * path_length;

@@ -1,5 +1,6 @@
 #include "renderer/integrator/integrator.h"
 
+#include "renderer/integrator/path_tracer.h"
 #include "renderer/integrator/views.h"
 #include "renderer/integrator/whitted.h"
 
@@ -16,20 +17,18 @@ void TraceCounters::add_to(CounterMap& map) const {
   map["shadow_rays_skipped"] += shadow_rays_skipped;
   map["samples"] += samples;
   map["samples_skipped"] += samples_skipped;
+  if (roulette_ends > 0) map["roulette_ends"] += roulette_ends;
   if (paths_cut > 0) map["paths_cut"] += paths_cut;  // told only when it happened
   map["nan_samples"] += nan_samples;
 }
 
 std::unique_ptr<const Integrator> make_integrator(std::shared_ptr<const Scene> scene) {
-  switch (scene->settings.integrator) {
-    case IntegratorKind::normals:
-      return make_normals_view(std::move(scene));
-    case IntegratorKind::depth:
-      return make_depth_view(std::move(scene));
-    case IntegratorKind::whitted:
-      break;
-  }
-  return make_whitted(std::move(scene));
+  const RenderSettings& settings = scene->settings;
+  if (auto view = make_surface_view(scene, settings.view)) return view;
+  auto integrator =
+      settings.integrator == IntegratorKind::path ? make_path_tracer(scene) : make_whitted(scene);
+  if (settings.view == View::cost) return make_cost_view(std::move(integrator));
+  return integrator;
 }
 
 }  // namespace tessera

@@ -29,13 +29,15 @@ void use_first_surface(const Scene& scene, Ray ray, TraceState& state, const Use
   }
 }
 
-class NormalsView final : public Integrator {
+/// Shows of the first surface what `Show` makes of it.
+template <typename Show>
+class FirstSurfaceView final : public Integrator {
  public:
-  explicit NormalsView(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
+  explicit FirstSurfaceView(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
   Color radiance(const Ray& ray, const SampleKey&, TraceState& state) const override {
     Color color = kBlack;
-    use_first_surface(*scene_, ray, state, [&](const SurfacePoint& point, double) {
-      color = Color{point.normal.x + 1, point.normal.y + 1, point.normal.z + 1} * 0.5;
+    use_first_surface(*scene_, ray, state, [&](const SurfacePoint& point, double distance) {
+      color = Show()(point, distance);
     });
     return color;
   }
@@ -45,29 +47,72 @@ class NormalsView final : public Integrator {
   std::shared_ptr<const Scene> scene_;
 };
 
-class DepthView final : public Integrator {
+struct ShowNormal {
+  Color operator()(const SurfacePoint& point, double) const {
+    return Color{point.normal.x + 1, point.normal.y + 1, point.normal.z + 1} * 0.5;
+  }
+};
+
+struct ShowDepth {
+  Color operator()(const SurfacePoint&, double distance) const { return kWhite * distance; }
+};
+
+struct ShowAlbedo {
+  Color operator()(const SurfacePoint& point, double) const {
+    return albedo(*point.material, surface_diffuse(point));
+  }
+};
+
+/// Colours that tell neighbours apart, by a hash of the number (SplitMix64's finalizer).
+struct ShowId {
+  Color operator()(const SurfacePoint& point, double) const {
+    uint64_t v =
+        (uint64_t{point.surface.instance} << 32 | point.surface.material) + 0x9e3779b97f4a7c15u;
+    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
+    v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
+    v ^= v >> 31;
+    const auto level = [&](int shift) { return 0.1 + 0.9 * ((v >> shift) & 0xff) / 255.0; };
+    return {level(0), level(8), level(16)};
+  }
+};
+
+/// The work of another integrator instead of what it sees.
+class CostView final : public Integrator {
  public:
-  explicit DepthView(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
-  Color radiance(const Ray& ray, const SampleKey&, TraceState& state) const override {
-    Color color = kBlack;
-    use_first_surface(*scene_, ray, state,
-                      [&](const SurfacePoint&, double distance) { color = kWhite * distance; });
-    return color;
+  explicit CostView(std::unique_ptr<const Integrator> inner) : inner_(std::move(inner)) {}
+  Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const override {
+    const TraversalCounters& counters = state.counters.traversal;
+    const uint64_t before = counters.node_visits + counters.primitive_tests;
+    inner_->radiance(ray, key, state);
+    return kWhite * static_cast<double>(counters.node_visits + counters.primitive_tests - before);
   }
   Color background(const Ray&) const override { return kBlack; }
 
  private:
-  std::shared_ptr<const Scene> scene_;
+  std::unique_ptr<const Integrator> inner_;
 };
 
 }  // namespace
 
-std::unique_ptr<const Integrator> make_normals_view(std::shared_ptr<const Scene> scene) {
-  return std::make_unique<NormalsView>(std::move(scene));
+std::unique_ptr<const Integrator> make_surface_view(std::shared_ptr<const Scene> scene, View view) {
+  switch (view) {
+    case View::normals:
+      return std::make_unique<FirstSurfaceView<ShowNormal>>(std::move(scene));
+    case View::depth:
+      return std::make_unique<FirstSurfaceView<ShowDepth>>(std::move(scene));
+    case View::albedo:
+      return std::make_unique<FirstSurfaceView<ShowAlbedo>>(std::move(scene));
+    case View::ids:
+      return std::make_unique<FirstSurfaceView<ShowId>>(std::move(scene));
+    case View::none:
+    case View::cost:
+      break;
+  }
+  return nullptr;
 }
 
-std::unique_ptr<const Integrator> make_depth_view(std::shared_ptr<const Scene> scene) {
-  return std::make_unique<DepthView>(std::move(scene));
+std::unique_ptr<const Integrator> make_cost_view(std::unique_ptr<const Integrator> inner) {
+  return std::make_unique<CostView>(std::move(inner));
 }
 
 }  // namespace tessera

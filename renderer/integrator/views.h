@@ -6,11 +6,17 @@
 
 namespace tessera {
 
-// Views of the first surface for finding faults in scenes; black where there is none.
+// Views for finding faults in scenes; black where nothing is seen.
 
-/// The shading normal towards the viewer in world axes: (n + 1) / 2 as red, green, blue.
-std::unique_ptr<const Integrator> make_normals_view(std::shared_ptr<const Scene> scene);
-/// Metres along the ray, in all channels.
-std::unique_ptr<const Integrator> make_depth_view(std::shared_ptr<const Scene> scene);
+/// What the first surface is:
+///   normals  the shading normal towards the viewer in world axes, (n + 1) / 2 as red, green, blue
+///   depth    metres along the ray, in all channels
+///   albedo   the share of light from everywhere that it sends on, as its material has it
+///   ids      a colour for each material of each instance
+/// Null for a view that is none of a surface.
+std::unique_ptr<const Integrator> make_surface_view(std::shared_ptr<const Scene> scene, View view);
+
+/// How many nodes are visited and primitives tested by `inner`, a sample, in all channels.
+std::unique_ptr<const Integrator> make_cost_view(std::unique_ptr<const Integrator> inner);
 
 }  // namespace tessera

@@ -21,7 +21,7 @@ bool is_representable(const Color& c) {
 
 /// Whether nothing tells the samples of a pixel apart: all at its centre, and nothing drawn by lot.
 bool all_coincide(const Scene& scene) {
-  return scene.settings.sampler.pattern == SamplePattern::center &&
+  return scene.settings.sampler.pattern == SamplePattern::center && !scene.settings.draws_lots() &&
          scene.camera->lens_samples() == 0 &&
          std::none_of(scene.materials.begin(), scene.materials.end(),
                       [](const Material& material) { return material.grain > 0; });
@@ -46,7 +46,10 @@ class SceneTileRenderer final : public TileRenderer {
     tile.values.reserve(static_cast<size_t>(task.rect.area()) * kFilmChannels);
     TraceState state;
     // A level of recursion leaves at most two segments waiting.
-    state.stack.reserve(scene_->features.secondary ? 2 * scene_->settings.max_depth + 3 : 0);
+    state.stack.reserve(scene_->features.secondary &&
+                                scene_->settings.integrator == IntegratorKind::whitted
+                            ? 2 * scene_->settings.max_depth + 3
+                            : 0);
     uint64_t unseen_pixels = 0;
     uint64_t work_done = progress.work_done.load(std::memory_order_relaxed);
     for (int y = task.rect.y0; y < task.rect.y1; ++y) {

@@ -45,18 +45,13 @@ uint32_t sobol_second_reversed(uint32_t index) {
   return index ^ (index >> 16);
 }
 
-uint64_t pixel_key(int x, int y, uint32_t seed, SampleUse use) {
-  const uint64_t pixel = (uint64_t{static_cast<uint32_t>(y)} << 32) | static_cast<uint32_t>(x);
-  return mix(mix(pixel) ^ ((uint64_t{seed} << 32) | static_cast<uint32_t>(use)));
-}
-
-Vec2 owen_sobol_pair(uint64_t key, uint32_t sample) {
+/// `reversed` is the sample's number with its bits reversed.
+Vec2 owen_sobol_pair(uint64_t key, uint32_t reversed) {
   const auto low = static_cast<uint32_t>(key);
   const auto high = static_cast<uint32_t>(key >> 32);
   // Shuffling the order by an Owen scramble of the index keeps the first 2^k points a net, and
   // unties this pair from the others.
-  const uint32_t index =
-      reverse_bits(scramble_upwards(reverse_bits(sample), static_cast<uint32_t>(mix(key))));
+  const uint32_t index = reverse_bits(scramble_upwards(reversed, static_cast<uint32_t>(mix(key))));
   // The first coordinate is van der Corput's: the index reversed.
   const uint32_t u = reverse_bits(scramble_upwards(index, low));
   const uint32_t v = reverse_bits(scramble_upwards(sobol_second_reversed(index), high));
@@ -107,10 +102,22 @@ Vec2 Sampler::raster_point(int x, int y, uint32_t sample) const {
   return {x + u.x, y + u.y};
 }
 
+Vec2 SampleStream::pair(SampleUse use) const {
+  const uint64_t key = mix(key_ ^ static_cast<uint32_t>(use));
+  return independent_ ? independent_pair(key, sample_) : owen_sobol_pair(key, sample_);
+}
+
+SampleStream Sampler::stream(int x, int y, uint32_t sample) const {
+  const uint64_t pixel = (uint64_t{static_cast<uint32_t>(y)} << 32) | static_cast<uint32_t>(x);
+  SampleStream stream;
+  stream.key_ = mix(pixel) ^ (uint64_t{settings_.seed} << 32);
+  stream.independent_ = settings_.pattern == SamplePattern::independent;
+  stream.sample_ = stream.independent_ ? sample : reverse_bits(sample);
+  return stream;
+}
+
 Vec2 Sampler::pair(int x, int y, uint32_t sample, SampleUse use) const {
-  const uint64_t key = pixel_key(x, y, settings_.seed, use);
-  return settings_.pattern == SamplePattern::independent ? independent_pair(key, sample)
-                                                         : owen_sobol_pair(key, sample);
+  return stream(x, y, sample).pair(use);
 }
 
 }  // namespace tessera

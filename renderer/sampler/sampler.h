@@ -22,6 +22,19 @@ struct SamplerSettings {
 /// What a sample's numbers are drawn for: pairs of Sobol dimensions, each scrambled by itself.
 enum class SampleUse : uint32_t { pixel = 0, lens = 1, grain = 2 };
 
+/// The numbers of one sample of one pixel. A value, made once a sample so that the pixel is hashed
+/// once; each pair then costs a quarter less.
+class SampleStream {
+ public:
+  Vec2 pair(SampleUse use) const;
+
+ private:
+  friend class Sampler;
+  uint64_t key_ = 0;     ///< of seed and pixel
+  uint32_t sample_ = 0;  ///< its number; but for `independent` with its bits reversed
+  bool independent_ = false;
+};
+
 /// Numbers in [0, 1) keyed by (seed, pixel, sample, use) and nothing else: any sample of any pixel
 /// can be drawn alone, in any order, on any host. Owen-scrambled Sobol pairs by hashing (Burley
 /// 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4)): every prefix of 2^k samples of a pair
@@ -34,8 +47,10 @@ class Sampler {
   /// Where sample `sample` of pixel (x, y) looks, in raster coordinates: pixel (x, y) covers
   /// [x, x + 1) x [y, y + 1), y downwards.
   Vec2 raster_point(int x, int y, uint32_t sample) const;
-  /// A pair of numbers for `use`, by Owen-scrambled Sobol whatever the pixel pattern, but for
+  /// The numbers of a sample, by Owen-scrambled Sobol whatever the pixel pattern, but for
   /// `independent`.
+  SampleStream stream(int x, int y, uint32_t sample) const;
+  /// stream(x, y, sample).pair(use)
   Vec2 pair(int x, int y, uint32_t sample, SampleUse use) const;
 
  private:

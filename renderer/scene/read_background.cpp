@@ -57,6 +57,18 @@ void read_cube(const Where& where, const v1::Background::Cube& in, TextureTable&
   face(Background::bottom, in.bottom());
 }
 
+std::shared_ptr<const Sky> read_daylight(const Where& where, const v1::Background::SunAndSky& in) {
+  const Vec3 to_sun = checked_direction(where, "sun_and_sky.sun_direction", in.sun_direction());
+  const double turbidity = in.has_turbidity() ? checked(where, "sun_and_sky.turbidity",
+                                                        in.turbidity(), {.min = 2, .max = 10})
+                                              : 3;
+  const double intensity =
+      in.has_intensity() ? checked(where, "sun_and_sky.intensity", in.intensity(), kNotNegative)
+                         : 1;
+  return std::make_shared<Sky>(normalize(to_sun), turbidity, intensity,
+                               checked(where, "sun_and_sky.ground_albedo", in.ground_albedo()));
+}
+
 }  // namespace
 
 Background read_background(const v1::Background& in, TextureTable& textures) {
@@ -91,7 +103,8 @@ Background read_background(const v1::Background& in, TextureTable& textures) {
       }
       break;
     case v1::Background::kSunAndSky:
-      fail_unsupported(where, "sun_and_sky");
+      out.kind = BackgroundKind::sun_and_sky;
+      out.daylight = read_daylight(where, in.sun_and_sky());
       break;
     case v1::Background::KIND_NOT_SET:
       break;

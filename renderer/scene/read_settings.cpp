@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <string_view>
+#include <utility>
 
 #include "base/error.h"
 #include "renderer/accel/make_accelerator.h"
@@ -18,9 +19,21 @@ namespace {
 const Where kSettings{.kind = "settings"};
 
 IntegratorKind integrator_kind(const std::string& name) {
-  if (name == "normals") return IntegratorKind::normals;
-  if (name == "depth") return IntegratorKind::depth;
-  return IntegratorKind::whitted;
+  if (name == "whitted") return IntegratorKind::whitted;
+  if (name == "path") return IntegratorKind::path;
+  return IntegratorKind::automatic;
+}
+
+View view_of(const std::string& name) {
+  constexpr std::pair<const char*, View> kViews[] = {{"normals", View::normals},
+                                                     {"depth", View::depth},
+                                                     {"albedo", View::albedo},
+                                                     {"ids", View::ids},
+                                                     {"cost", View::cost}};
+  for (const auto& [view_name, view] : kViews) {
+    if (name == view_name) return view;
+  }
+  return View::none;
 }
 
 /// The first number that there is, held against 1 to `most`.
@@ -100,7 +113,8 @@ SamplerSettings read_sampling(const v1::Sampling& in, const v1::FrameSettings& f
 }  // namespace
 
 const std::vector<std::string>& integrator_names() {
-  static const std::vector<std::string> names{"auto", "whitted", "normals", "depth"};
+  static const std::vector<std::string> names{"auto",  "whitted", "path", "normals",
+                                              "depth", "albedo",  "ids",  "cost"};
   return names;
 }
 
@@ -133,6 +147,7 @@ RenderSettings read_settings(const v1::Settings& in, const v1::FrameSettings& as
   out.accelerator = *parse_accelerator(frame.accelerator());
   const v1::IntegratorSettings& integrator = in.integrator();
   out.integrator = integrator_kind(frame.integrator());
+  out.view = view_of(frame.integrator());
   if (integrator.has_max_depth()) {
     checked(kSettings, "integrator.max_depth", integrator.max_depth(),
             {.min = 0, .max = kMaxDepth});

@@ -12,8 +12,10 @@
 
 namespace tessera {
 
-/// What traces a frame.
-enum class IntegratorKind { whitted, normals, depth };
+/// What follows light; `automatic` until the scene has been looked at.
+enum class IntegratorKind { automatic, whitted, path };
+/// What is shown instead of light.
+enum class View { none, normals, depth, albedo, ids, cost };
 
 /// The names of --integrator; the first is the default.
 const std::vector<std::string>& integrator_names();
@@ -33,7 +35,12 @@ struct RenderSettings {
   int width = 0, height = 0;
   double time = 0;
   AcceleratorKind accelerator = AcceleratorKind::bvh;
-  IntegratorKind integrator = IntegratorKind::whitted;
+  IntegratorKind integrator = IntegratorKind::automatic;
+  View view = View::none;
+  /// Whether samples of a pixel differ by the lots that paths draw.
+  bool draws_lots() const {
+    return integrator == IntegratorKind::path && (view == View::none || view == View::cost);
+  }
   uint32_t max_depth = 8;
   v1::IntegratorSettings::Shadows shadows = v1::IntegratorSettings::SHADOWS_ON;
   bool background_at_max_depth = false;

@@ -61,6 +61,7 @@ BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSou
   BuiltShape built;
   auto mesh = take_mesh(where, shape, source, built);
   if (mesh->triangles.empty()) return built;
+  built.mesh = mesh;
   built.is_deferred = source.deferred && source.accelerator != AcceleratorKind::embree;
   SharedTree shared{source.arena, {}};
   if (shared.arena != nullptr) shared.key = key_of(shape.mesh(), source.accelerator);

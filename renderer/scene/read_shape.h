@@ -10,6 +10,7 @@
 #include "renderer/scene/check.h"
 #include "renderer/scene/csg_plan.h"
 #include "renderer/shapes/shape.h"
+#include "renderer/shapes/triangle_mesh.h"
 
 namespace tessera {
 
@@ -33,11 +34,12 @@ struct BuiltShape {
   std::shared_ptr<const Shape> shape;  ///< null where nothing is left of it
   bool is_deferred = false;            ///< its tree is built by the first ray that comes near
   size_t triangles = 0;
-  size_t triangles_dropped = 0;     ///< degenerate ones
-  size_t bytes = 0;                 ///< of the arrays of its meshes
-  size_t bytes_dropped = 0;         ///< of arrays that the picture does not depend on
-  size_t attributes_dropped = 0;    ///< how many these are
-  bool has_clear_vertices = false;  ///< some vertex colour lets light through
+  size_t triangles_dropped = 0;                ///< degenerate ones
+  size_t bytes = 0;                            ///< of the arrays of its meshes
+  size_t bytes_dropped = 0;                    ///< of arrays that the picture does not depend on
+  size_t attributes_dropped = 0;               ///< how many these are
+  std::shared_ptr<const TriangleMesh> mesh{};  ///< what a shape that is a mesh is made of
+  bool has_clear_vertices = false;             ///< some vertex colour lets light through
 };
 
 /// Checks the shape's numbers, sizes, counts and indices before anything is allocated for them, and

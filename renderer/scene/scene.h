@@ -11,8 +11,10 @@
 #include "renderer/camera/camera.h"
 #include "renderer/film/tile.h"
 #include "renderer/sampler/sampler.h"
+#include "renderer/scene/area_lights.h"
 #include "renderer/scene/read_settings.h"
 #include "renderer/shading/background.h"
+#include "renderer/shading/environment_sampler.h"
 #include "renderer/shading/light.h"
 #include "renderer/shading/material.h"
 #include "renderer/shading/material_inputs.h"
@@ -31,6 +33,7 @@ struct SceneFeatures {
   bool shadows = false;    ///< some light casts shadows and something may
   bool secondary = false;  ///< mirrors, transparency, absorption, surfaces without back faces
   bool rich = false;       ///< materials with textures, or of other models than classic and unlit
+  bool lambert = false;    ///< no material but classic ones that only scatter evenly or shine
 };
 
 /// One frame, ready to be traced: made of exactly what its picture depends on. Immutable once built
@@ -53,6 +56,10 @@ struct Scene {
   std::vector<Light> lights;
   std::vector<uint32_t> global_lights;               ///< ascending indices into lights
   std::vector<std::vector<uint32_t>> scoped_lights;  ///< the others of each scope, ascending
+
+  // For the path integrator.
+  AreaLights area_lights;
+  std::shared_ptr<const EnvironmentSampler> environment;  ///< null: directions spread evenly do
 
   std::shared_ptr<const Accelerator> surfaces;  ///< every instance
   /// What throws shadows: instances that let nothing through, and the others. Null: there are none.

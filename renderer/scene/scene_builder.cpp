@@ -78,11 +78,15 @@ class SceneBuilder {
     scene_->background = read_background(description_.background(), textures_);
     scene_->fog = read_fog(description_.fog());
     graph_ = unfold_graph(description_, settings.time, choice.settings.world_from_camera);
-    add_materials();
+    add_materials(choice);
     build_shapes();
     add_instances();
     add_camera(choice);
     add_lights(choice);
+    if (settings.integrator == IntegratorKind::path) {
+      add_area_lights();
+      scene_->environment = make_environment_sampler(scene_->background);
+    }
     build_accelerators();
     scene_->seen = seen_rect(*scene_);
     count();
@@ -90,6 +94,31 @@ class SceneBuilder {
   }
 
  private:
+  /// Whitted's, but where surfaces are all that shines, which light nothing there, and others
+  /// would show their light.
+  void choose_integrator(const CameraChoice& choice) {
+    RenderSettings& settings = scene_->settings;
+    if (settings.integrator == IntegratorKind::automatic) {
+      const bool has_lights =
+          !graph_.lights.empty() || choice.headlight || !is_black(settings.ambient);
+      const BackgroundKind background = scene_->background.kind;
+      bool shines = background == BackgroundKind::sun_and_sky || scene_->background.picture;
+      bool scatters = false;
+      for (const Material& material : materials_.materials()) {
+        if (material.model == MaterialModel::unlit) continue;
+        shines |= !is_black(material.emission);
+        scatters |= material.scatters();
+      }
+      settings.integrator =
+          shines && scatters && !has_lights ? IntegratorKind::path : IntegratorKind::whitted;
+    }
+    constexpr uint32_t kPathDepth = 64;
+    if (settings.integrator == IntegratorKind::path &&
+        !description_.settings().integrator().has_max_depth()) {
+      settings.max_depth = kPathDepth;
+    }
+  }
+
   void add_camera(CameraChoice& choice) {
     const RenderSettings& settings = scene_->settings;
     if (choice.frame_all) {
@@ -145,7 +174,7 @@ class SceneBuilder {
     }
   }
 
-  void add_materials() {
+  void add_materials(const CameraChoice& choice) {
     for (const GraphShape& graph_shape : graph_.shapes) {
       const Where where{.kind = graph_shape.path.c_str()};
       ShapeMaterials entry;
@@ -163,9 +192,12 @@ class SceneBuilder {
       entry.count = static_cast<uint32_t>(scene_->material_slots.size()) - entry.first;
       shape_materials_.push_back(entry);
     }
+    choose_integrator(choice);
     for (ShapeMaterials& entry : shape_materials_) classify(entry);
+    scene_->features.lambert = true;
     for (const Material& material : materials_.materials()) {
       scene_->features.rich |= material.is_rich();
+      scene_->features.lambert &= material.is_lambert();
     }
     scene_->materials = materials_.take();
     scene_->inputs = materials_.take_inputs();
@@ -181,14 +213,24 @@ class SceneBuilder {
   }
 
   bool shows_normals(const Material& material) const {
-    const IntegratorKind view = scene_->settings.integrator;
-    if (view == IntegratorKind::depth) return material.inputs != kNoMaterialInputs;
-    return view == IntegratorKind::normals || material.uses_shading_normal();
+    switch (scene_->settings.view) {
+      case View::normals:
+        return true;
+      case View::depth:
+      case View::albedo:
+      case View::ids:
+        return material.inputs != kNoMaterialInputs;
+      case View::none:
+      case View::cost:
+        break;
+    }
+    return material.uses_shading_normal();
   }
   bool shows_colors(const Material& material) const {
-    return scene_->settings.integrator == IntegratorKind::whitted
-               ? material.uses_vertex_color()
-               : material.inputs != kNoMaterialInputs;
+    const View view = scene_->settings.view;
+    return view == View::normals || view == View::depth || view == View::ids
+               ? material.inputs != kNoMaterialInputs
+               : material.uses_vertex_color();
   }
 
   void classify(ShapeMaterials& entry) const {
@@ -254,9 +296,56 @@ class SceneBuilder {
                                    .cull = materials.cull,
                                    .flip_normals = graph_.shapes[in.shape].shape->flip_normals()});
       scene_->shading.push_back({materials.first, materials.count, in.scope});
+      instance_shapes_.push_back(in.shape);
       is_clear_.push_back(materials.is_clear);
       scene_->features.secondary |= materials.has_secondary;
     }
+  }
+
+  /// The surfaces that shine the same everywhere. Others are found by paths alone.
+  void add_area_lights() {
+    std::vector<AreaLight> lights;
+    for (uint32_t i = 0; i < scene_->instances.size(); ++i) {
+      const BuiltShape& built = shapes_[instance_shapes_[i]];
+      for (uint32_t slot = 0; slot < scene_->shading[i].material_count; ++slot) {
+        const Material& material = scene_->material(i, slot);
+        AreaLight light;
+        light.instance = i;
+        light.material = slot;
+        light.front = shine_of(material);
+        if (material.sides != Sides::front_only) {
+          light.back = shine_of(
+              material.sides == Sides::back_material ? scene_->materials[material.back] : material);
+        }
+        if (is_black(light.front) && is_black(light.back)) continue;
+        light.sampler = make_sampler(scene_->instances[i], built, slot);
+        if (light.sampler) lights.push_back(std::move(light));
+      }
+    }
+    scene_->area_lights = AreaLights(std::move(lights));
+    scene_->counters["area_lights"] = scene_->area_lights.size();
+  }
+
+  static Color shine_of(const Material& material) {
+    const bool is_even = material.inputs == kNoMaterialInputs && material.is_opaque();
+    return material.model != MaterialModel::unlit && is_even ? material.emission : kBlack;
+  }
+
+  static std::shared_ptr<const SurfaceSampler> make_sampler(const Instance& instance,
+                                                            const BuiltShape& built,
+                                                            uint32_t slot) {
+    if (!built.mesh) {
+      return slot > 0 ? nullptr
+                      : make_surface_sampler(*instance.shape, instance.world_from_object,
+                                             instance.flip_normals);
+    }
+    std::vector<uint32_t> triangles;
+    for (uint32_t t = 0; t < built.mesh->triangles.size(); ++t) {
+      const auto& faces = built.mesh->face_materials;
+      if ((faces.empty() ? 0 : faces[t]) == slot) triangles.push_back(t);
+    }
+    return make_triangle_sampler(*built.mesh, triangles, instance.world_from_object,
+                                 instance.flip_normals);
   }
 
   /// Whether it is a plane that is seen, and casts shadows, from its front alone, where every light
@@ -276,6 +365,8 @@ class SceneBuilder {
     });
   }
 
+  bool has_path_lights() const { return !scene_->area_lights.empty() || scene_->environment; }
+
   void build_accelerators() {
     const std::vector<Instance>& instances = scene_->instances;
     if (instances.empty()) return;
@@ -284,8 +375,8 @@ class SceneBuilder {
       return make_instance_accelerator(std::move(of), source_.accelerator, source_.threads);
     };
     scene_->surfaces = make(instances);
-    if (std::none_of(scene_->lights.begin(), scene_->lights.end(),
-                     [](const Light& light) { return light.casts_shadow; })) {
+    if (!has_path_lights() && std::none_of(scene_->lights.begin(), scene_->lights.end(),
+                                           [](const Light& light) { return light.casts_shadow; })) {
       return;
     }
     std::vector<Instance> opaque, clear;
@@ -293,7 +384,7 @@ class SceneBuilder {
     for (size_t i = 0; i < instances.size(); ++i) {
       if (!instances[i].casts_shadow) continue;
       has_casters = true;
-      if (shades_nothing(instances[i])) {
+      if (!has_path_lights() && shades_nothing(instances[i])) {
         ++scene_->counters["planes_without_shadow"];
         continue;
       }
@@ -352,6 +443,7 @@ class SceneBuilder {
   std::vector<ShapeMaterials> shape_materials_;  // one a graph shape
   std::vector<CsgPlan> csg_plans_;               // one a graph shape, empty for most
   std::vector<BuiltShape> shapes_;               // one a graph shape
+  std::vector<uint32_t> instance_shapes_;        // one an instance: its graph shape
   std::vector<bool> is_clear_;                   // one an instance
 };
 

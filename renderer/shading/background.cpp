@@ -105,6 +105,10 @@ Color Background::radiance(const Point3& origin, const Vec3& d,
       case BackgroundKind::rings:
         color = rings_radiance(*this, turned);
         break;
+      case BackgroundKind::sun_and_sky:
+        color = daylight->radiance(turned);
+        if (has_sun_disc) color += daylight->sun_radiance(turned);
+        break;
       case BackgroundKind::solid:
         break;
     }

@@ -10,6 +10,7 @@
 #include "renderer/math/vec.h"
 #include "renderer/shading/image_texture.h"
 #include "renderer/shading/light.h"
+#include "renderer/shading/sky.h"
 
 namespace tessera {
 
@@ -20,6 +21,7 @@ enum class BackgroundKind : uint8_t {
   rings,
   panorama_equirectangular,  ///< the picture's height is the angle from the zenith
   panorama_equal_area,       ///< it is the direction's y (Lambert's cylindrical projection)
+  sun_and_sky,
 };
 
 /// What a ray sees that meets nothing. Immutable once built; thread-safe.
@@ -42,7 +44,9 @@ struct Background {
   enum Face { front, back, left, right, top, bottom };
   std::array<std::shared_ptr<const ImageTexture>, 6> cube;
   bool has_cube = false;
-  double transparency = 0;  ///< the share of colours and pictures that is not there
+  std::shared_ptr<const Sky> daylight;  ///< of sun_and_sky; always there then
+  bool has_sun_disc = true;             ///< else without the sun in it
+  double transparency = 0;              ///< the share of colours and pictures that is not there
   double glow = 0;
   /// Rows of the rotation from world to background directions.
   std::array<Vec3, 3> rotation{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};

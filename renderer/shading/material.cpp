@@ -100,6 +100,25 @@ Color mirrored_share(const Material& material, double cosine) {
   return material.reflectivity;
 }
 
+Color albedo(const Material& material, const Color& diffuse) {
+  switch (material.model) {
+    case MaterialModel::unlit:
+      return material.emission;
+    case MaterialModel::classic: {
+      const Color all = diffuse * (1 - material.transparency) + material.reflectivity +
+                        kWhite * material.transparency;
+      return {std::min(all.r, 1.0), std::min(all.g, 1.0), std::min(all.b, 1.0)};
+    }
+    case MaterialModel::physical:
+      return diffuse;
+    case MaterialModel::conductor:
+      return fresnel_conductor(1, material.eta, material.k);
+    case MaterialModel::dielectric:
+      break;
+  }
+  return kWhite;
+}
+
 Color ambient_share(const Material& material, const Color& diffuse) {
   if (material.model != MaterialModel::physical) {
     return material.ambient_times_diffuse ? material.ambient * diffuse : material.ambient;

@@ -66,6 +66,18 @@ struct Material {
     return inputs != kNoMaterialInputs || vertex_color_replaces_diffuse ||
            !is_black(model == MaterialModel::unlit ? emission : diffuse);
   }
+  /// Whether it sends light on in more than single directions.
+  bool scatters() const {
+    if (model == MaterialModel::classic) {
+      return inputs != kNoMaterialInputs || !is_black(diffuse) || !is_black(specular);
+    }
+    return model == MaterialModel::physical || roughness > 0;
+  }
+  /// Whether all it does is to scatter evenly, and to shine.
+  bool is_lambert() const {
+    return model <= MaterialModel::unlit && !is_rich() && is_opaque() && !is_mirror() &&
+           is_black(specular) && sides != Sides::front_only;
+  }
   /// Whether more than the classic formulas is needed to shade it.
   bool is_rich() const {
     return inputs != kNoMaterialInputs || alpha < 1 || model >= MaterialModel::physical;
@@ -107,6 +119,10 @@ Color mirrored_share(const Material& material, double cosine);
 inline Color transmission_tint(const Material& material) {
   return material.model == MaterialModel::physical ? material.diffuse : kWhite;
 }
+
+/// About the share of light from everywhere that leaves again, as other tools write it: the colour
+/// of what scatters evenly, of a metal, white for clear glass.
+Color albedo(const Material& material, const Color& diffuse);
 
 /// The share of light from everywhere that leaves again in every direction.
 Color ambient_share(const Material& material, const Color& diffuse);

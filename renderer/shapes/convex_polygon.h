@@ -20,6 +20,7 @@ class ConvexPolygon final : public Shape {
   /// of their extent; three in a line are allowed.
   static bool is_convex(std::span<const Point3> points);
 
+  std::span<const Point3> points() const { return points_; }
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
@@ -39,6 +40,9 @@ class Rectangle final : public Shape {
  public:
   /// Throws Error where the edges are parallel or not finite.
   Rectangle(const Point3& corner, const Vec3& edge_u, const Vec3& edge_v);
+  const Point3& corner() const { return corner_; }
+  const Vec3& edge_u() const { return edge_u_; }
+  const Vec3& edge_v() const { return edge_v_; }
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;

@@ -10,6 +10,11 @@ class Disc final : public Shape {
  public:
   /// `normal` of any length but 0; 0 <= inner_radius < radius. Throws Error otherwise.
   Disc(const Point3& center, const Vec3& normal, double radius, double inner_radius = 0);
+  const Point3& center() const { return center_; }
+  const Vec3& normal() const { return normal_; }    ///< unit
+  const Vec3& tangent() const { return tangent_; }  ///< unit, across the normal
+  double radius() const { return radius_; }
+  double inner_radius() const { return inner_radius_; }
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;

@@ -11,6 +11,8 @@ class Sphere final : public Solid {
   /// Without `keep_uv` surface() leaves texture coordinates, and derivatives by them, zero.
   Sphere(const Point3& center, double radius, bool keep_uv = true)
       : Solid(ShapeKind::sphere), center_(center), radius_(radius), keep_uv_(keep_uv) {}
+  const Point3& center() const { return center_; }
+  double radius() const { return radius_; }
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;

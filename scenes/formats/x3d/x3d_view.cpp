@@ -75,6 +75,7 @@ void X3dTranslator::set_settings() {
     settings.mutable_output()->set_transfer(v1::Output::DISPLAY);
   settings.mutable_output()->set_tone_map(v1::Output::CLAMP);
   v1::IntegratorSettings& integrator = *settings.mutable_integrator();
+  integrator.set_kind("whitted");  // whose lighting equation X3D prescribes
   switch (build_.options.x3d_shadows) {
     case ReadOptions::Shadows::on:
       integrator.set_shadows(v1::IntegratorSettings::SHADOWS_ON);

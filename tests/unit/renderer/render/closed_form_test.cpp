@@ -205,10 +205,10 @@ TEST(ClosedForm, what_lies_behind_the_light_throws_no_shadow) {
 }
 
 TEST(ClosedForm, straight_transparency_covers_the_rest) {
-  expect_pixel(
-      wall("emission { value { r: 1 } } transparency { value: .25 } transmission: STRAIGHT") +
-          "background { solid { b: 1 } }",
-      .75, 0, .25);
+  expect_pixel(wall("diffuse { value {} } emission { value { r: 1 } } transparency { value: .25 } "
+                    "transmission: STRAIGHT") +
+                   "background { solid { b: 1 } }",
+               .75, 0, .25);
 }
 
 TEST(ClosedForm, mirrors_show_what_is_before_them) {
@@ -276,8 +276,10 @@ TEST(ClosedForm, sides) {
   const std::string wall_back =
       "nodes { shape { materials: 'm' plane { normal { z: -1 } } } } background { solid { b: 1 } }";
   const auto material = [](const char* more) {
-    return std::string("materials { name: 'm' classic { emission { value { r: 1 } } } ") + more +
-           " } materials { name: 'other' unlit { color { value { g: 1 } } } }";
+    return std::string(
+               "materials { name: 'm' classic { diffuse { value {} } emission { value { r: 1 } } "
+               "} ") +
+           more + " } materials { name: 'other' unlit { color { value { g: 1 } } } }";
   };
   expect_pixel(material("") + wall_back, 1, 0, 0);
   expect_pixel(material("sides: FRONT_ONLY") + wall_back, 0, 0, 1);

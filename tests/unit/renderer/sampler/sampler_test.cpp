@@ -40,6 +40,15 @@ TEST(Sampler, prefixes_are_nets) {
   }
 }
 
+TEST(Sampler, keeps_the_bits_of_its_numbers) {
+  const Sampler sampler = make(SamplePattern::owen_sobol, 16, 5);
+  const Vec2 p = sampler.pair(-3, 70000, 1234567, SampleUse::lens);
+  EXPECT_EQ(p, (Vec2{0x1.d78439f4p-1, 0x1.93d0d6c8p-1}));
+  EXPECT_EQ(sampler.stream(-3, 70000, 1234567).pair(SampleUse::lens), p);
+  const Vec2 q = make(SamplePattern::independent, 16, 5).pair(2, 7, 99, SampleUse{1 << 20});
+  EXPECT_EQ(q, (Vec2{0x1.0525845ep-1, 0x1.cce5cae6p-1}));
+}
+
 TEST(Sampler, the_net_test_can_fail) {
   const Sampler sampler = make(SamplePattern::independent, 64);
   std::vector<Vec2> points;

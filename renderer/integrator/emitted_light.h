@@ -1,0 +1,41 @@
+#pragma once
+
+#include "renderer/integrator/surface_point.h"
+#include "renderer/scene/scene.h"
+
+namespace tessera {
+
+/// The radiance that the surface itself sends to the viewer.
+inline Color emission(const SurfacePoint& point) {
+  const Material& material = *point.material;
+  if (material.model != MaterialModel::unlit || !point.surface.has_vertex_color) {
+    return material.emission;
+  }
+  return material.emission * point.surface.vertex_color;
+}
+
+/// How often the background is chosen among what shines.
+inline double environment_share(const Scene& scene) {
+  if (!scene.environment) return 0;
+  return scene.area_lights.empty() ? 1 : 0.5;
+}
+
+/// The density, per steradian, with which a light's point is chosen in this one's direction from
+/// the point `from` of normal `from_normal`; 0 where the surface is in no set of lights.
+inline double light_density(const Scene& scene, const SurfacePoint& point, const Point3& from,
+                            const Vec3& from_normal) {
+  const auto light = scene.area_lights.find(point.surface.instance, point.surface.material);
+  if (!light) return 0;
+  return (1 - environment_share(scene)) *
+         scene.area_lights.tree().probability(from, from_normal, *light) *
+         scene.area_lights[*light].sampler->density(from, point.surface.point,
+                                                    point.geometric_normal);
+}
+
+/// The weight of a sample of density `own` among those of two ways to sample (Veach 1997, 9.2.4).
+inline double power_heuristic(double own, double other) {
+  const double ratio = other / own;
+  return 1 / (1 + ratio * ratio);
+}
+
+}  // namespace tessera

@@ -1,0 +1,287 @@
+#include "renderer/integrator/path_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderer/integrator/direct_light.h"
+#include "renderer/integrator/emitted_light.h"
+#include "renderer/integrator/surface_point.h"
+#include "renderer/math/elementary.h"
+#include "renderer/shading/bsdf.h"
+
+namespace tessera {
+
+namespace {
+
+/// Bounces that no roulette ends.
+constexpr uint32_t kSafeDepth = 3;
+
+/// The numbers that one vertex of a path draws; what it does not ask for is not worked out.
+class VertexNumbers {
+ public:
+  VertexNumbers(const SampleStream& stream, uint32_t vertex)
+      : stream_(stream), first_(kFirst + kPairs * vertex) {}
+  Vec2 on_light() const { return pair(0); }
+  Vec2 direction() const { return pair(1); }
+  /// x: which way to scatter, y: whether to go on.
+  Vec2 choice() const { return pair(2); }
+  /// x: which light, y: whether the surface is passed.
+  Vec2 pick() const { return pair(3); }
+
+ private:
+  static constexpr uint32_t kFirst = 1u << 20, kPairs = 4;
+  Vec2 pair(uint32_t use) const { return stream_.pair(static_cast<SampleUse>(first_ + use)); }
+
+  const SampleStream& stream_;
+  uint32_t first_;
+};
+
+/// kRich: materials may have textures. kPasses: something may let a ray through unbent, or absorb.
+template <typename Scatter, bool kRich, bool kPasses>
+class PathTracer final : public Integrator {
+ public:
+  explicit PathTracer(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
+
+  Color background(const Ray& ray) const override {
+    return scene_->background.radiance(ray.origin, ray.direction, scene_->lights);
+  }
+
+  Color radiance(const Ray& camera_ray, const SampleKey& key, TraceState& state) const override {
+    ++state.counters.rays_primary;
+    Path path{.ray = camera_ray};
+    const SampleStream stream = scene_->sampler->stream(key.x, key.y, key.sample);
+    while (follow(path, stream, state)) {
+    }
+    return path.sum;
+  }
+
+ private:
+  struct Path {
+    Ray ray;
+    Color sum = kBlack, throughput = kWhite;
+    Color medium = kBlack;      ///< absorption per metre along the ray
+    double path_length = 0;     ///< metres from the camera to its origin
+    double view_distance = 0;   ///< metres back to the camera or the last bounce, for fog
+    double density = 0;         ///< of the ray's direction; 0: there was no other way to go
+    double radiance_scale = 1;  ///< of the throughput, what media of other density make of it
+    Point3 from{};              ///< where it scattered last
+    Vec3 from_normal{};         ///< the geometric one there
+    uint32_t depth = 0;         ///< bounces so far
+    uint32_t vertex = 0;        ///< surfaces met so far
+  };
+
+  /// Adds what the path's next surface sends along it; false where the path ends.
+  bool follow(Path& path, const SampleStream& stream, TraceState& state) const {
+    Hit hit;
+    if (!scene_->surfaces ||
+        !scene_->surfaces->closest_hit(path.ray, hit, state.counters.traversal)) {
+      add_background(path);
+      return false;
+    }
+    ++state.counters.hits;
+    path.path_length += hit.t;
+    path.view_distance += hit.t;
+    SurfacePoint point(*scene_, hit.instance, path.ray, hit);
+    if constexpr (kRich) {
+      look_up_textures(*scene_, path.ray, cone_width(*scene_, path.path_length), point);
+    }
+    const VertexNumbers numbers(stream, path.vertex++);
+    if constexpr (kPasses) {
+      path.medium = medium_before(path.medium, point);
+      if (!is_black(path.medium)) {
+        path.throughput = path.throughput * transmittance(path.medium, hit.t);
+      }
+      if (passes_straight(path, point, hit.t, numbers, state)) return path.vertex < kMaxPasses;
+    }
+    if (scene_->fog.kind != FogKind::none) enter_fog(path);
+    add_emission(path, point);
+    if (path.depth >= scene_->settings.max_depth || point.material->model == MaterialModel::unlit) {
+      return false;
+    }
+    const Scatter scatter({.material = *point.material,
+                           .diffuse = surface_diffuse(point),
+                           .normal = point.normal,
+                           .geometric_normal = point.geometric_normal,
+                           .wo = -path.ray.direction,
+                           .from_inside = point.is_back});
+    RayOrigins origins(point.surface);
+    if (scatter.is_smooth()) add_direct_light(path, point, scatter, origins, numbers, state);
+    return bounce(path, point, scatter, origins, numbers, state);
+  }
+
+  /// Whether the path goes on through the surface as if it were not there, by the share that is
+  /// not.
+  bool passes_straight(Path& path, const SurfacePoint& point, double t,
+                       const VertexNumbers& numbers, TraceState& state) const {
+    const Coverage coverage = straight_coverage(point);
+    if (coverage.through <= 0) return false;
+    if (coverage.covered > 0 && numbers.pick().y >= coverage.through) return false;
+    const double t_max = path.ray.t_max - t;
+    path.medium = medium_beyond(path.medium, point);
+    path.ray = spawn_ray(point.surface, path.ray.direction);
+    path.ray.t_max = t_max;
+    ++state.counters.rays_refraction;
+    return true;
+  }
+
+  void enter_fog(Path& path) const {
+    const double clearness = scene_->fog.clearness(path.view_distance);
+    path.sum += path.throughput * scene_->fog.color * (1 - clearness);
+    path.throughput = path.throughput * clearness;
+  }
+
+  void add_background(Path& path) const {
+    const Color shine = background(path.ray);
+    double weight = 1;
+    if (path.density > 0 && scene_->environment) {
+      weight = power_heuristic(path.density, environment_share(*scene_) *
+                                                 scene_->environment->density(path.ray.direction));
+    }
+    path.sum += path.throughput * shine * weight;
+  }
+
+  void add_emission(Path& path, const SurfacePoint& point) const {
+    const Color shine = emission(point);
+    if (is_black(shine)) return;
+    double weight = 1;
+    if (path.density > 0) {
+      const double other = light_density(*scene_, point, path.from, path.from_normal);
+      weight = power_heuristic(path.density, other);
+    }
+    path.sum += path.throughput * shine * weight;
+  }
+
+  void add_direct_light(Path& path, const SurfacePoint& point, const Scatter& scatter,
+                        RayOrigins& origins, const VertexNumbers& numbers,
+                        TraceState& state) const {
+    Color sum = kBlack;
+    const double width = cone_width(*scene_, path.path_length);
+    const double to_sky = environment_share(*scene_);
+    if (to_sky > 0 || !scene_->area_lights.empty()) {
+      // One number picks twice.
+      double u =
+          to_sky < 1 && (to_sky > 0 || scene_->area_lights.size() > 1) ? numbers.pick().x : 0;
+      if (u < to_sky) {
+        EnvironmentSampler::Sample there = scene_->environment->sample(numbers.on_light());
+        there.density *= to_sky;
+        sum += from_environment(there, point, scatter, origins, path, width, state);
+      } else {
+        u = (u - to_sky) / (1 - to_sky);
+        const LightTree::Pick pick =
+            scene_->area_lights.tree().pick(point.surface.point, point.geometric_normal, u);
+        const AreaLight& light = scene_->area_lights[pick.index];
+        SurfaceSample there;
+        const double density =
+            light.sampler->sample(point.surface.point, numbers.on_light(), there) *
+            pick.probability * (1 - to_sky);
+        sum += from_area_light(light, there, density, point, scatter, origins, path, width, state);
+      }
+    }
+    scene_->for_each_light(point.surface.instance, [&](uint32_t index) {
+      const Light& light = scene_->lights[index];
+      LightSample sample;
+      if (!sample_light(light, point.surface.point, path.path_length, sample)) {
+        ++state.counters.shadow_rays_skipped;
+        return;
+      }
+      const Color share = scatter.evaluate(sample.wi).share * (portable::kPi * sample.factor);
+      const Color arriving = light.intensity * share;
+      if (is_black(arriving)) {
+        ++state.counters.shadow_rays_skipped;
+        return;
+      }
+      Color visible = kWhite;
+      if (light.casts_shadow) {
+        visible = light_visibility<kRich>(*scene_, point, origins, path.medium, light, sample,
+                                          width, state.counters);
+      }
+      sum += arriving * visible;
+    });
+    path.sum += path.throughput * sum;
+  }
+
+  Color from_environment(const EnvironmentSampler::Sample& there, const SurfacePoint& point,
+                         const Scatter& scatter, RayOrigins& origins, const Path& path,
+                         double width, TraceState& state) const {
+    if (!(there.density > 0)) return kBlack;
+    const BsdfValue value = scatter.evaluate(there.wi);
+    if (is_black(value.share)) {
+      ++state.counters.shadow_rays_skipped;
+      return kBlack;
+    }
+    const Ray ray = origins.spawn(there.wi);
+    const Color visible =
+        ray_visibility<kRich>(*scene_, point, ray, path.medium, width, state.counters);
+    if (is_black(visible)) return kBlack;
+    return background(ray) * value.share * visible *
+           (power_heuristic(there.density, value.density) / there.density);
+  }
+
+  Color from_area_light(const AreaLight& light, const SurfaceSample& there, double density,
+                        const SurfacePoint& point, const Scatter& scatter, RayOrigins& origins,
+                        const Path& path, double width, TraceState& state) const {
+    if (!(density > 0)) return kBlack;
+    const Vec3 way = there.point - point.surface.point;
+    const Vec3 wi = normalize(way);
+    const Color& shine = dot(wi, there.normal) < 0 ? light.front : light.back;
+    // Facing away, or nothing goes that way: no ray.
+    BsdfValue value;
+    if (!is_black(shine)) value = scatter.evaluate(wi);
+    if (is_black(value.share)) {
+      ++state.counters.shadow_rays_skipped;
+      return kBlack;
+    }
+    const Color visible =
+        point_visibility<kRich>(*scene_, point, origins, path.medium, there, width, state.counters);
+    if (is_black(visible)) return kBlack;
+    const double weight = power_heuristic(density, value.density);
+    return shine * value.share * visible * (weight / density);
+  }
+
+  bool bounce(Path& path, const SurfacePoint& point, const Scatter& scatter, RayOrigins& origins,
+              const VertexNumbers& numbers, TraceState& state) const {
+    const bool may_end = path.depth >= kSafeDepth;
+    const Vec2 choice = Scatter::kHasChoice || may_end ? numbers.choice() : Vec2{};
+    BsdfSample sample;
+    if (!scatter.sample(choice.x, numbers.direction(), sample)) return false;
+    path.throughput = path.throughput * sample.weight;
+    path.radiance_scale *= sample.radiance_scale;
+    // What lies ahead is as bright whatever the medium makes of radiance.
+    const double worth = max_component(path.throughput) / path.radiance_scale;
+    if (!(worth > 0)) return false;
+    if (may_end) {
+      const double survival = std::min(std::sqrt(worth), 0.95);
+      if (choice.y >= survival) {
+        ++state.counters.roulette_ends;
+        return false;
+      }
+      path.throughput = path.throughput * (1 / survival);
+    }
+    if constexpr (kPasses) {
+      if (sample.is_beyond) path.medium = medium_beyond(path.medium, point);
+    }
+    ++(sample.is_beyond ? state.counters.rays_refraction : state.counters.rays_reflection);
+    path.ray = origins.spawn(sample.wi);
+    path.from = point.surface.point;
+    path.from_normal = point.geometric_normal;
+    path.density = sample.is_mirror ? 0 : sample.density;
+    path.view_distance = 0;
+    ++path.depth;
+    return true;
+  }
+
+  std::shared_ptr<const Scene> scene_;
+};
+
+}  // namespace
+
+std::unique_ptr<const Integrator> make_path_tracer(std::shared_ptr<const Scene> scene) {
+  const SceneFeatures& features = scene->features;
+  if (features.lambert && !features.secondary) {
+    return std::make_unique<PathTracer<LambertBsdf, false, false>>(std::move(scene));
+  }
+  if (!features.rich) return std::make_unique<PathTracer<Bsdf, false, true>>(std::move(scene));
+  return std::make_unique<PathTracer<Bsdf, true, true>>(std::move(scene));
+}
+
+}  // namespace tessera

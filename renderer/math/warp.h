@@ -1,0 +1,65 @@
+#pragma once
+
+#include "renderer/math/elementary.h"
+#include "renderer/math/vec.h"
+
+namespace tessera {
+
+// From points spread evenly over the unit square to points spread evenly elsewhere.
+
+/// Sine and cosine of |x| <= pi / 4, to 1e-13, by their series.
+inline Vec2 small_sine_cosine(double x) {
+  const double q = x * x;
+  const double sine =
+      x * (1 - q * (1.0 / 6) *
+                   (1 - q * (1.0 / 20) *
+                            (1 - q * (1.0 / 42) *
+                                     (1 - q * (1.0 / 72) *
+                                              (1 - q * (1.0 / 110) * (1 - q * (1.0 / 156)))))));
+  const double cosine =
+      1 - q * (1.0 / 2) *
+              (1 - q * (1.0 / 12) *
+                       (1 - q * (1.0 / 30) *
+                                (1 - q * (1.0 / 56) *
+                                         (1 - q * (1.0 / 90) *
+                                                  (1 - q * (1.0 / 132) * (1 - q * (1.0 / 182)))))));
+  return {sine, cosine};
+}
+
+/// Uniform over the unit disc, neighbours staying neighbours (Shirley and Chiu 1997).
+inline Vec2 disc_point(const Vec2& u) {
+  const double a = 2 * u.x - 1, b = 2 * u.y - 1;
+  if (a == 0 && b == 0) return {0, 0};
+  constexpr double kQuarter = portable::kPi / 4;
+  if (std::abs(a) > std::abs(b)) {
+    const Vec2 turn = small_sine_cosine(kQuarter * (b / a));
+    return {a * turn.y, a * turn.x};
+  }
+  const Vec2 turn = small_sine_cosine(kQuarter * (a / b));
+  return {b * turn.x, b * turn.y};
+}
+
+/// Over the hemisphere about +z by the cosine; its density is z / pi (Malley's method).
+inline Vec3 cosine_hemisphere_point(const Vec2& u) {
+  const Vec2 d = disc_point(u);
+  return {d.x, d.y, std::sqrt(std::max(0.0, 1 - d.x * d.x - d.y * d.y))};
+}
+
+/// The unit vector about +z at azimuth 2 pi `u` and the given z.
+inline Vec3 direction_at(double z, double u) {
+  const double r = std::sqrt(std::max(0.0, 1 - z * z)), azimuth = 2 * portable::kPi * u;
+  return {r * portable::cos(azimuth), r * portable::sin(azimuth), z};
+}
+
+/// Barycentric weights of the corners 1 and 2 of a triangle, uniform over its area (Heitz 2019, "A
+/// Low-Distortion Map Between Triangle and Square").
+inline Vec2 triangle_point(const Vec2& u) {
+  if (u.y > u.x) {
+    const double x = u.x / 2;
+    return {x, u.y - x};
+  }
+  const double y = u.y / 2;
+  return {u.x - y, y};
+}
+
+}  // namespace tessera

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "renderer/math/color.h"
+#include "renderer/scene/light_tree.h"
+#include "renderer/shapes/surface_sampler.h"
+
+namespace tessera {
+
+/// A surface that shines the same everywhere, as a light: one material of one instance.
+struct AreaLight {
+  std::shared_ptr<const SurfaceSampler> sampler;
+  uint32_t instance = 0;
+  uint32_t material = 0;                ///< LocalSurface::material of its points
+  Color front = kBlack, back = kBlack;  ///< radiance towards either side
+};
+
+/// The lights that have an extent. Surfaces that cannot be chosen from (endless, of a shape without
+/// a sampler, textured light) are not among them: paths find them by themselves. Immutable once
+/// built; thread-safe.
+class AreaLights {
+ public:
+  AreaLights() = default;
+  /// `lights` in ascending order of instance and material.
+  explicit AreaLights(std::vector<AreaLight> lights);
+  bool empty() const { return lights_.empty(); }
+  size_t size() const { return lights_.size(); }
+  const AreaLight& operator[](uint32_t index) const { return lights_[index]; }
+  /// How one is picked.
+  const LightTree& tree() const { return tree_; }
+  /// The light that a surface is.
+  std::optional<uint32_t> find(uint32_t instance, uint32_t material) const;
+
+ private:
+  std::vector<AreaLight> lights_;
+  LightTree tree_;
+};
+
+}  // namespace tessera

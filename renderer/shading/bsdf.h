@@ -1,0 +1,120 @@
+#pragma once
+
+#include "renderer/math/elementary.h"
+#include "renderer/math/frame.h"
+#include "renderer/shading/material.h"
+#include "renderer/shading/microfacet.h"
+
+namespace tessera {
+
+/// What a surface is where a path meets it: the material with its textures, and where it is seen
+/// from.
+struct BsdfPoint {
+  const Material& material;
+  Color diffuse;          ///< the material's, after vertex colours
+  Vec3 normal;            ///< unit, for shading, towards the viewer
+  Vec3 geometric_normal;  ///< unit, towards the viewer
+  Vec3 wo;                ///< unit, to the viewer
+  bool from_inside;       ///< the viewer is inside the material
+};
+
+/// What a surface sends on, by cosine: BSDF * |cosine|, and the density with which sample() chooses
+/// that direction, per steradian. Mirrors and smooth glass have no part in it.
+struct BsdfValue {
+  Color share = kBlack;
+  double density = 0;
+};
+
+/// A direction to go on in.
+struct BsdfSample {
+  Vec3 wi;                    ///< unit, from the surface
+  Color weight;               ///< BSDF * |cosine| / density
+  double density = 0;         ///< of all ways to choose it; not read where `is_mirror`
+  double radiance_scale = 1;  ///< what of `weight` only says that radiance is denser in a medium
+  bool is_mirror = false;     ///< there was no other way to go
+  bool is_beyond = false;     ///< it leaves on the other side than the viewer's
+};
+
+/// Evenly scattering surfaces: the classic material without highlight, mirror or glass, which most
+/// surfaces of most scenes are.
+class LambertBsdf {
+ public:
+  static constexpr bool kHasChoice = false;  ///< whether sample() reads `choice`
+  explicit LambertBsdf(const BsdfPoint& point)
+      : albedo_(point.diffuse), normal_(point.normal), facet_(point.geometric_normal) {}
+  bool is_smooth() const { return true; }
+  BsdfValue evaluate(const Vec3& wi) const {
+    const double cosine = dot(wi, normal_);
+    if (!(cosine > 0) || !(dot(wi, facet_) > 0)) return {};
+    const double density = cosine * (1 / portable::kPi);
+    return {albedo_ * density, density};
+  }
+  bool sample(double choice, const Vec2& u, BsdfSample& sample) const;
+
+ private:
+  Color albedo_;
+  Vec3 normal_, facet_;
+};
+
+/// How a material of any model scatters light, so that it gives back no more than it gets and the
+/// same from either side (Helmholtz), roughness and normals that are not the true ones apart:
+///
+///   classic     Lambert; the highlight as GGX facets of alpha = sqrt(2 / (shininess + 2)) that
+///               reflect `specular`; mirror; smooth glass. Scaled down where these exceed 1.
+///   physical    glTF 2.0, appendix B: GGX facets over a Lambert base, with what is reflected
+///               between facets (Kulla and Conty 2017, "Revisiting Physically Based Shading"), the
+///               base getting what the facets leave it; clear coat; transmission.
+///   conductor   GGX facets, the same, or a mirror where roughness is 0.
+///   dielectric  smooth or rough glass (Walter et al. 2007), or a thin sheet of it.
+///
+/// A value of one point; lives while its BsdfPoint's material does.
+class Bsdf {
+ public:
+  static constexpr bool kHasChoice = true;
+  explicit Bsdf(const BsdfPoint& point);
+
+  /// Whether evaluate() can be anything but black.
+  bool is_smooth() const { return p_base_ + p_facets_ + p_coat_ > 0 || is_rough_glass(); }
+  BsdfValue evaluate(const Vec3& wi) const;
+  /// `choice` and `u` are uniform in [0, 1). False where the path ends.
+  bool sample(double choice, const Vec2& u, BsdfSample& sample) const;
+
+ private:
+  void set_classic(const BsdfPoint& point);
+  void set_physical(const BsdfPoint& point);
+  void set_conductor(const Material& material);
+  void set_glass(const Material& material, double share, double roughness);
+  void add_base(const Color& diffuse);
+  void set_probabilities();
+
+  bool is_rough_glass() const { return p_glass_ > 0 && glass_alpha_ > 0; }
+  Color facet_fresnel(double cosine) const;
+  /// What several reflections between facets and the Lambert base under them send on, times pi.
+  Color base(double cos_o, double cos_i) const;
+  double coat_passes(double cosine) const;
+  BsdfValue evaluate_local(const Vec3& wi) const;
+  BsdfValue evaluate_glass(const Vec3& wi) const;
+  bool sample_smooth_glass(double choice, BsdfSample& sample, Vec3& wi) const;
+  bool sample_rough_glass(double choice, const Vec2& u, Vec3& wi) const;
+
+  Frame frame_;
+  Vec3 facet_normal_, wo_;  ///< the latter in the frame
+  // Facets.
+  double alpha_ = 0;  ///< 0: they are a mirror
+  Color f0_ = kBlack, mean_fresnel_ = kBlack;
+  const Material* conductor_ = nullptr;
+  bool has_facets_ = false;
+  // What is under and between them.
+  Color diffuse_ = kBlack;  ///< divided by what the mean of the rest is
+  Color between_ = kBlack;  ///< what is reflected between facets, over 1 - its mean
+  // Clear coat.
+  double coat_ = 0, coat_alpha_ = 0;
+  // Glass.
+  double glass_ = 0, glass_alpha_ = 0, eta_ = 1;  ///< eta beyond over that on the viewer's side
+  Color tint_ = kWhite;
+  bool thin_ = false;
+  Color mirror_ = kBlack;
+  double p_base_ = 0, p_facets_ = 0, p_coat_ = 0, p_mirror_ = 0, p_coat_mirror_ = 0, p_glass_ = 0;
+};
+
+}  // namespace tessera

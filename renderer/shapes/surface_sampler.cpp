@@ -1,0 +1,295 @@
+#include "renderer/shapes/surface_sampler.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "renderer/math/frame.h"
+#include "renderer/math/rounding.h"
+#include "renderer/math/warp.h"
+#include "renderer/shapes/box.h"
+#include "renderer/shapes/convex_polygon.h"
+#include "renderer/shapes/disc.h"
+#include "renderer/shapes/sphere.h"
+#include "renderer/shapes/spherical_rectangle.h"
+
+namespace tessera {
+
+namespace {
+
+/// Per steradian, of a point chosen evenly over `area`.
+double by_area(double area, const Point3& from, const Point3& there, const Vec3& normal) {
+  const Vec3 way = there - from;
+  const double squared = length_squared(way), facing = std::abs(dot(way, normal));
+  return facing > 0 ? squared * std::sqrt(squared) / (facing * area) : 0;
+}
+
+Vec3 rounding_of(const Point3& p, double extent) {
+  return Vec3{gamma(6) * (std::abs(p.x) + extent), gamma(6) * (std::abs(p.y) + extent),
+              gamma(6) * (std::abs(p.z) + extent)};
+}
+
+/// Spread evenly: each kind gives its points.
+class AreaSampler : public SurfaceSampler {
+ public:
+  double sample(const Point3& from, const Vec2& u, SurfaceSample& sample) const override {
+    choose(u, sample);
+    return by_area(area(), from, sample.point, sample.normal);
+  }
+  double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
+    return by_area(area(), from, there, normal);
+  }
+
+ private:
+  virtual void choose(const Vec2& u, SurfaceSample& sample) const = 0;
+};
+
+class SphereSampler final : public SurfaceSampler {
+ public:
+  SphereSampler(const Point3& center, double radius, bool flip)
+      : center_(center), radius_(radius), side_(flip ? -1 : 1) {}
+
+  double sample(const Point3& from, const Vec2& u, SurfaceSample& sample) const override {
+    const Vec3 way = center_ - from;
+    const double squared = length_squared(way);
+    if (!is_outside(squared)) {  // evenly
+      place(direction_at(1 - 2 * u.x, u.y), sample);
+      return by_area(area(), from, sample.point, sample.normal);
+    }
+    const double sin2 = radius_ * radius_ / squared;
+    const double from_axis = one_minus_cosine(sin2);  // exact for the smallest of cones too
+    const double drop = u.x * from_axis, cos_chosen = 1 - drop;
+    const double sin2_chosen = drop * (2 - drop);
+    // The angle at the centre between the axis and the chosen point (PBRT 4ed, 6.2.4).
+    const double along = sin2_chosen / std::sqrt(sin2) +
+                         cos_chosen * std::sqrt(std::max(0.0, 1 - sin2_chosen / sin2));
+    const Vec3 local = direction_at(std::min(along, 1.0), u.y);
+    place(Frame(-way / std::sqrt(squared)).from_local(local), sample);
+    return 1 / (2 * portable::kPi * from_axis);
+  }
+  double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
+    const double squared = length_squared(center_ - from);
+    if (!is_outside(squared)) return by_area(area(), from, there, normal);
+    return 1 / (2 * portable::kPi * one_minus_cosine(radius_ * radius_ / squared));
+  }
+  double area() const override { return 4 * portable::kPi * radius_ * radius_; }
+  Bounds3 bounds() const override {
+    const Vec3 r{radius_, radius_, radius_};
+    return {center_ - r, center_ + r};
+  }
+
+ private:
+  /// Clearly: on the sphere itself, rounding would decide which half of it is seen.
+  bool is_outside(double squared) const { return squared > radius_ * radius_ * (1 + 0x1p-20); }
+  static double one_minus_cosine(double sin2) { return sin2 / (1 + std::sqrt(1 - sin2)); }
+  void place(const Vec3& out, SurfaceSample& sample) const {
+    sample.point = center_ + out * radius_;
+    sample.point_error = rounding_of(sample.point, radius_);
+    sample.normal = out * side_;
+  }
+
+  Point3 center_;
+  double radius_, side_;
+};
+
+class DiscSampler final : public AreaSampler {
+ public:
+  /// `a` and `b` lead from the centre to the rim, square to each other before any transform.
+  DiscSampler(const Point3& center, const Vec3& a, const Vec3& b, double inner, const Vec3& normal)
+      : center_(center), a_(a), b_(b), inner_(inner), normal_(normal) {}
+  double area() const override {
+    return portable::kPi * length(cross(a_, b_)) * (1 - inner_ * inner_);
+  }
+  Bounds3 bounds() const override {
+    const Vec3 r = abs(a_) + abs(b_);
+    return {center_ - r, center_ + r};
+  }
+
+ private:
+  void choose(const Vec2& u, SurfaceSample& sample) const override {
+    Vec2 d = disc_point(u);
+    if (inner_ > 0) {
+      const double r2 = d.x * d.x + d.y * d.y;
+      if (r2 == 0) d = {1e-150, 0};
+      const double from = std::sqrt(d.x * d.x + d.y * d.y);
+      const double to = std::sqrt(inner_ * inner_ + (1 - inner_ * inner_) * r2);
+      d = {d.x * (to / from), d.y * (to / from)};
+    }
+    sample.point = center_ + a_ * d.x + b_ * d.y;
+    sample.point_error = rounding_of(sample.point, length(a_) + length(b_));
+    sample.normal = normal_;
+  }
+
+  Point3 center_;
+  Vec3 a_, b_;
+  double inner_;
+  Vec3 normal_;
+};
+
+class RectangleSampler final : public AreaSampler {
+ public:
+  RectangleSampler(const Point3& corner, const Vec3& a, const Vec3& b, const Vec3& normal)
+      : corner_(corner), a_(a), b_(b), normal_(normal), area_(length(cross(a, b))) {
+    is_square_ = std::abs(dot(a, b)) <= 1e-12 * length(a) * length(b);
+  }
+  double sample(const Point3& from, const Vec2& u, SurfaceSample& sample) const override {
+    if (!is_near(from)) return AreaSampler::sample(from, u, sample);
+    const SphericalRectangle seen(corner_, a_, b_, from);
+    if (!(seen.solid_angle() > 0)) return 0;
+    place(seen.point(u), sample);
+    return 1 / seen.solid_angle();
+  }
+  double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
+    if (!is_near(from)) return AreaSampler::density(from, there, normal);
+    const double angle = SphericalRectangle(corner_, a_, b_, from).solid_angle();
+    return angle > 0 ? 1 / angle : 0;
+  }
+  double area() const override { return area_; }
+  Bounds3 bounds() const override {
+    Bounds3 box;
+    for (const Point3& p : {corner_, corner_ + a_, corner_ + b_, corner_ + a_ + b_}) box.extend(p);
+    return box;
+  }
+
+ private:
+  Point3 center() const { return corner_ + (a_ + b_) * 0.5; }
+  /// Far away, all of it is seen alike, and its small solid angle loses digits.
+  bool is_near(const Point3& from) const {
+    constexpr double kFar = 2;
+    return is_square_ && length_squared(center() - from) < kFar * area_;
+  }
+  void choose(const Vec2& u, SurfaceSample& sample) const override {
+    place(corner_ + a_ * u.x + b_ * u.y, sample);
+  }
+  void place(const Point3& point, SurfaceSample& sample) const {
+    sample.point = point;
+    sample.point_error = rounding_of(point, length(a_) + length(b_));
+    sample.normal = normal_;
+  }
+
+  Point3 corner_;
+  Vec3 a_, b_, normal_;
+  double area_;
+  bool is_square_;
+};
+
+class TriangleSampler final : public AreaSampler {
+ public:
+  explicit TriangleSampler(bool flip) : flip_(flip) {}
+  void add(const Point3& a, const Point3& b, const Point3& c) {
+    const double area = length(cross(b - a, c - a)) / 2;
+    if (!(area > 0)) return;
+    triangles_.push_back({a, b, c});
+    sums_.push_back(this->area() + area);
+    for (const Point3& p : {a, b, c}) bounds_.extend(p);
+  }
+  bool empty() const { return triangles_.empty(); }
+  double area() const override { return sums_.empty() ? 0 : sums_.back(); }
+  Bounds3 bounds() const override { return bounds_; }
+
+ private:
+  void choose(const Vec2& u, SurfaceSample& sample) const override {
+    const double at = u.x * area();
+    const auto found = std::upper_bound(sums_.begin(), sums_.end() - 1, at);
+    const auto index = static_cast<size_t>(found - sums_.begin());
+    const double below = index > 0 ? sums_[index - 1] : 0;
+    const double rest = std::clamp((at - below) / (*found - below), 0.0, 0x1.fffffffffffffp-1);
+    const auto& [a, b, c] = triangles_[index];
+    const Vec2 w = triangle_point({rest, u.y});
+    sample.point = a + (b - a) * w.x + (c - a) * w.y;
+    sample.point_error = rounding_of(sample.point, length(b - a) + length(c - a));
+    const Vec3 normal = normalize(cross(b - a, c - a));
+    sample.normal = flip_ ? -normal : normal;
+  }
+
+  bool flip_;
+  std::vector<std::array<Point3, 3>> triangles_;
+  std::vector<double> sums_;  ///< of areas up to and with each
+  Bounds3 bounds_;
+};
+
+bool mirrors(const Transform& transform) { return transform.matrix().determinant() < 0; }
+
+/// The radius of what the sphere becomes; 0 where that is none.
+double sphere_radius(const Affine& m, double radius) {
+  Vec3 axes[3];
+  for (size_t c = 0; c < 3; ++c) axes[c] = {m.m[0][c], m.m[1][c], m.m[2][c]};
+  const double scale = length(axes[0]), tolerance = 1e-12 * scale * scale;
+  for (int a = 0; a < 3; ++a) {
+    if (std::abs(length_squared(axes[a]) - scale * scale) > tolerance) return 0;
+    if (std::abs(dot(axes[a], axes[(a + 1) % 3])) > tolerance) return 0;
+  }
+  return scale * radius;
+}
+
+}  // namespace
+
+std::unique_ptr<const SurfaceSampler> make_surface_sampler(const Shape& shape,
+                                                           const Transform& world_from_object,
+                                                           bool flip_normals) {
+  const Affine& to_world = world_from_object.matrix();
+  const auto turned = [&](const Vec3& normal) {
+    const Vec3 n = normalize(static_cast<Vec3>(world_from_object.normal(to_normal(normal))));
+    return flip_normals ? -n : n;
+  };
+  if (const auto* sphere = dynamic_cast<const Sphere*>(&shape)) {
+    const double radius = sphere_radius(to_world, sphere->radius());
+    if (radius == 0) return nullptr;
+    return std::make_unique<SphereSampler>(to_world(sphere->center()), radius, flip_normals);
+  }
+  if (const auto* disc = dynamic_cast<const Disc*>(&shape)) {
+    const Vec3 a = disc->tangent(), b = cross(disc->normal(), a);
+    return std::make_unique<DiscSampler>(
+        to_world(disc->center()), to_world(a * disc->radius()), to_world(b * disc->radius()),
+        disc->inner_radius() / disc->radius(), turned(disc->normal()));
+  }
+  if (const auto* rectangle = dynamic_cast<const Rectangle*>(&shape)) {
+    return std::make_unique<RectangleSampler>(
+        to_world(rectangle->corner()), to_world(rectangle->edge_u()), to_world(rectangle->edge_v()),
+        turned(cross(rectangle->edge_u(), rectangle->edge_v())));
+  }
+  auto triangles = std::make_unique<TriangleSampler>(flip_normals != mirrors(world_from_object));
+  if (const auto* polygon = dynamic_cast<const ConvexPolygon*>(&shape)) {
+    const auto points = polygon->points();
+    for (size_t i = 2; i < points.size(); ++i) {
+      triangles->add(to_world(points[0]), to_world(points[i - 1]), to_world(points[i]));
+    }
+  } else if (const auto* box = dynamic_cast<const Box*>(&shape)) {
+    const Bounds3 extent = box->bounds();
+    const Vec3 d = extent.diagonal();
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3 u, v;
+      u[(axis + 1) % 3] = d[(axis + 1) % 3];
+      v[(axis + 2) % 3] = d[(axis + 2) % 3];
+      Vec3 across;
+      across[axis] = d[axis];
+      const Point3 far_corner = extent.min + across;
+      // Counter-clockwise from outside: u x v points along the axis.
+      for (const auto& [p, s, t] : {std::array<Vec3, 3>{far_corner - Point3{}, u, v},
+                                    std::array<Vec3, 3>{extent.min - Point3{}, v, u}}) {
+        const Point3 a = to_world(Point3{} + p), b = to_world(Point3{} + p + s),
+                     c = to_world(Point3{} + p + t), e = to_world(Point3{} + p + s + t);
+        triangles->add(a, b, e);
+        triangles->add(a, e, c);
+      }
+    }
+  }
+  if (triangles->empty()) return nullptr;
+  return triangles;
+}
+
+std::unique_ptr<const SurfaceSampler> make_triangle_sampler(const TriangleMesh& mesh,
+                                                            std::span<const uint32_t> triangles,
+                                                            const Transform& world_from_object,
+                                                            bool flip_normals) {
+  auto sampler = std::make_unique<TriangleSampler>(flip_normals != mirrors(world_from_object));
+  const Affine& to_world = world_from_object.matrix();
+  for (const uint32_t triangle : triangles) {
+    const auto corners = mesh.corners(triangle);
+    sampler->add(to_world(corners[0]), to_world(corners[1]), to_world(corners[2]));
+  }
+  if (sampler->empty()) return nullptr;
+  return sampler;
+}
+
+}  // namespace tessera

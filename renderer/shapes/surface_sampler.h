@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "renderer/math/transform.h"
+#include "renderer/math/vec.h"
+#include "renderer/shapes/shape.h"
+#include "renderer/shapes/triangle_mesh.h"
+
+namespace tessera {
+
+/// A point of a surface in world space.
+struct SurfaceSample {
+  Point3 point;
+  Vec3 point_error;  ///< bound on each axis
+  Vec3 normal;       ///< unit; where the shape's front is
+};
+
+/// Chooses points of a surface as they are seen from elsewhere, for light that comes from it.
+/// Immutable after construction; thread-safe; does not allocate.
+class SurfaceSampler {
+ public:
+  virtual ~SurfaceSampler() = default;
+  /// The point that `u`, uniform in [0, 1)^2, chooses, and the density of its direction per
+  /// steradian seen from `from`; 0 where there is none to choose.
+  virtual double sample(const Point3& from, const Vec2& u, SurfaceSample& sample) const = 0;
+  /// The density with which sample() chooses `there`, a point of the surface with its normal.
+  virtual double density(const Point3& from, const Point3& there, const Vec3& normal) const = 0;
+  virtual double area() const = 0;     ///< square metres, > 0
+  virtual Bounds3 bounds() const = 0;  ///< about, rounding apart
+};
+
+/// For a shape as it stands in the world: spheres that stay spheres by the cone in which they are
+/// seen, rectangles by solid angle (Urena et al. 2013, "An Area-Preserving Parametrization for
+/// Spherical Rectangles") where they are near, discs, polygons, parallelograms and boxes by area.
+/// Null for any other shape.
+std::unique_ptr<const SurfaceSampler> make_surface_sampler(const Shape& shape,
+                                                           const Transform& world_from_object,
+                                                           bool flip_normals);
+/// For those triangles of `mesh` that `triangles` numbers, by area. Null where they have none.
+std::unique_ptr<const SurfaceSampler> make_triangle_sampler(const TriangleMesh& mesh,
+                                                            std::span<const uint32_t> triangles,
+                                                            const Transform& world_from_object,
+                                                            bool flip_normals);
+
+}  // namespace tessera

@@ -1,0 +1,238 @@
+#include "renderer/shading/bsdf.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace tessera {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+struct Case {
+  std::string name;
+  Material material;
+  bool from_inside = false;
+};
+
+Case classic(const std::string& name, const Color& diffuse, const Color& specular) {
+  Case result{name, {}};
+  result.material.diffuse = diffuse;
+  result.material.specular = specular;
+  return result;
+}
+
+Case physical(const std::string& name, double metallic, double roughness, double clearcoat = 0,
+              double transmission = 0) {
+  Case result{name, {}};
+  result.material.model = MaterialModel::physical;
+  result.material.diffuse = {0.9, 0.7, 0.5};
+  result.material.metallic = metallic;
+  result.material.roughness = roughness;
+  result.material.clearcoat = clearcoat;
+  result.material.clearcoat_roughness = 0.4;
+  result.material.transparency = transmission;
+  result.material.refractive_index = 1.5;
+  return result;
+}
+
+Case glass(const std::string& name, double roughness, bool from_inside) {
+  Case result{name, {}, from_inside};
+  result.material.model = MaterialModel::dielectric;
+  result.material.transparency = 1;
+  result.material.roughness = roughness;
+  result.material.refractive_index = 1.5;
+  return result;
+}
+
+Case gold(double roughness) {
+  Case result{"gold", {}};
+  result.material.model = MaterialModel::conductor;
+  result.material.eta = {0.14, 0.37, 1.44};
+  result.material.k = {3.98, 2.38, 1.6};
+  result.material.roughness = roughness;
+  return result;
+}
+
+/// Those that scatter over an area, as sampling by a density can show.
+std::vector<Case> smooth_cases() {
+  return {classic("lambert", {0.8, 0.5, 0.2}, kBlack),
+          classic("highlight", {0.4, 0.3, 0.2}, {0.5, 0.5, 0.5}),
+          physical("metal", 1, 0.3),
+          physical("rough metal", 1, 1),
+          physical("plastic", 0, 0.4),
+          physical("coated", 0.3, 0.6, 1),
+          physical("frosted", 0, 0.5, 0, 0.7),
+          gold(0.5),
+          glass("into rough glass", 0.5, false),
+          glass("out of rough glass", 0.6, true)};
+}
+
+Bsdf bsdf_of(const Case& c, const Vec3& wo) {
+  return Bsdf({c.material, c.material.diffuse, {0, 0, 1}, {0, 0, 1}, wo, c.from_inside});
+}
+
+Vec3 at_angle(double degrees) {
+  const double angle = degrees * kPi / 180;
+  return {std::sin(angle), 0, std::cos(angle)};
+}
+
+class Random {
+ public:
+  explicit Random(uint64_t seed) : engine_(seed) {}
+  double operator()() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// The mean weight of samples spread evenly: what the surface gives back of even light.
+Color albedo(const Bsdf& bsdf, int side = 512) {
+  Color sum = kBlack;
+  BsdfSample sample;
+  double choice = 0.5;
+  for (int i = 0; i < side * side; ++i) {
+    choice = std::fmod(choice + 0.6180339887498949, 1.0);
+    const Vec2 u{(i % side + 0.5) / side, (i / side + 0.5) / side};
+    if (bsdf.sample(choice, u, sample)) sum += sample.weight * (1 / sample.radiance_scale);
+  }
+  return sum * (1.0 / (side * side));
+}
+
+TEST(Bsdf, SamplesFollowTheDensityThatItTells) {
+  constexpr int kRows = 24, kColumns = 24, kFine = 20, kCount = 60000;
+  for (const Case& c : smooth_cases()) {
+    for (const double degrees : {10.0, 60.0, 80.0}) {
+      SCOPED_TRACE(c.name + " at " + std::to_string(degrees));
+      const Bsdf bsdf = bsdf_of(c, at_angle(degrees));
+      // Expected counts by integrating the density over cells of equal solid angle.
+      std::vector<double> expected(kRows * kColumns), found(kRows * kColumns);
+      double total = 0;
+      for (int row = 0; row < kRows * kFine; ++row) {
+        for (int column = 0; column < kColumns * kFine; ++column) {
+          const double z = 2 * (row + 0.5) / (kRows * kFine) - 1;
+          const double phi = 2 * kPi * (column + 0.5) / (kColumns * kFine),
+                       r = std::sqrt(1 - z * z);
+          const double p = bsdf.evaluate({r * std::cos(phi), r * std::sin(phi), z}).density *
+                           (4 * kPi / (kRows * kColumns * kFine * kFine));
+          expected[(row / kFine) * kColumns + column / kFine] += p * kCount;
+          total += p;
+        }
+      }
+      EXPECT_LE(total, 1.02);
+      Random random(20261121);
+      BsdfSample sample;
+      int ended = 0;
+      for (int i = 0; i < kCount; ++i) {
+        const double choice = random();
+        const double x = random(), y = random();
+        if (!bsdf.sample(choice, {x, y}, sample)) {
+          ++ended;
+          continue;
+        }
+        ASSERT_FALSE(sample.is_mirror);
+        ASSERT_NEAR(length(sample.wi), 1, 1e-9);
+        const BsdfValue value = bsdf.evaluate(sample.wi);
+        ASSERT_NEAR(value.density, sample.density, 1e-6 * sample.density);
+        ASSERT_NEAR(value.share.r, sample.weight.r * sample.density, 1e-6 * (value.share.r + 1e-6));
+        const int row = std::min(static_cast<int>((sample.wi.z + 1) / 2 * kRows), kRows - 1);
+        double phi = std::atan2(sample.wi.y, sample.wi.x);
+        if (phi < 0) phi += 2 * kPi;
+        const int column = std::min(static_cast<int>(phi / (2 * kPi) * kColumns), kColumns - 1);
+        ++found[row * kColumns + column];
+      }
+      EXPECT_NEAR(total, 1 - static_cast<double>(ended) / kCount, 0.02);
+      // Cells of few expected samples go together.
+      double chi2 = 0, pooled_expected = 0, pooled_found = 0;
+      int freedom = -1;
+      for (size_t i = 0; i < expected.size(); ++i) {
+        if (expected[i] < 20) {
+          pooled_expected += expected[i];
+          pooled_found += found[i];
+          continue;
+        }
+        // The rule of mid-points leaves an error of its own where the density is sharp.
+        const double variance = expected[i] + 4e-4 * expected[i] * expected[i];
+        chi2 += (found[i] - expected[i]) * (found[i] - expected[i]) / variance;
+        ++freedom;
+      }
+      if (pooled_expected >= 20) {
+        chi2 +=
+            (pooled_found - pooled_expected) * (pooled_found - pooled_expected) / pooled_expected;
+        ++freedom;
+      }
+      // Wilson and Hilferty: about normal; 4.5 is a false alarm in 300,000.
+      const double spread = 2.0 / (9 * freedom);
+      const double normal = (std::cbrt(chi2 / freedom) - (1 - spread)) / std::sqrt(spread);
+      EXPECT_LT(normal, 4.5) << chi2 << " for " << freedom;
+    }
+  }
+}
+
+TEST(Bsdf, GivesBackNoMoreThanItGets) {
+  for (const Case& c : smooth_cases()) {
+    for (const double degrees : {0.0, 45.0, 70.0, 85.0, 89.0}) {
+      SCOPED_TRACE(c.name + " at " + std::to_string(degrees));
+      EXPECT_LE(max_component(albedo(bsdf_of(c, at_angle(degrees)))), 1.004);
+    }
+  }
+}
+
+TEST(Bsdf, WhiteOnesGiveBackAllTheyGet) {
+  for (Case c :
+       {physical("metal", 1, 0.3), physical("rougher metal", 1, 0.6), physical("rough metal", 1, 1),
+        physical("plastic", 0, 0.4), physical("varnish", 0, 0), classic("lambert", kWhite, kBlack),
+        glass("glass", 0, false), glass("glass from inside", 0, true)}) {
+    c.material.diffuse = kWhite;
+    for (const double degrees : {0.0, 30.0, 60.0, 80.0}) {
+      SCOPED_TRACE(c.name + " at " + std::to_string(degrees));
+      EXPECT_NEAR(albedo(bsdf_of(c, at_angle(degrees))).g, 1, 0.005);
+    }
+  }
+}
+
+TEST(Bsdf, IsTheSameFromEitherEnd) {
+  for (const Case& c : smooth_cases()) {
+    for (const Vec3& a : {at_angle(20), at_angle(75)}) {
+      for (Vec3 b : {normalize(Vec3{0.3, 0.7, 0.4}), normalize(Vec3{-0.8, 0.1, 0.2}),
+                     normalize(Vec3{-0.2, 0.3, -0.9})}) {
+        SCOPED_TRACE(c.name);
+        const Color there = bsdf_of(c, a).evaluate(b).share * (1 / std::abs(b.z));
+        Case turned = c;
+        Vec3 from = b, to = a;
+        double scale = 1;
+        if (b.z < 0) {  // seen from beyond, where radiance is denser by eta^2
+          turned.from_inside = !c.from_inside;
+          from.z = -b.z;
+          to.z = -a.z;
+          const double eta = c.material.refractive_index;
+          scale = c.from_inside ? eta * eta : 1 / (eta * eta);
+        }
+        const Color back = bsdf_of(turned, from).evaluate(to).share * (scale / std::abs(to.z));
+        EXPECT_NEAR(there.r, back.r, 1e-9 * (1 + there.r));
+        EXPECT_NEAR(there.b, back.b, 1e-9 * (1 + there.b));
+      }
+    }
+  }
+}
+
+TEST(Bsdf, LambertAloneIsTheSameAsTheGeneralOne) {
+  const Case c = classic("lambert", {0.8, 0.5, 0.2}, kBlack);
+  const Vec3 wo = at_angle(50), n{0, 0, 1};
+  const BsdfPoint point{c.material, c.material.diffuse, n, n, wo, false};
+  BsdfSample a, b;
+  for (const Vec2& u : {Vec2{0.1, 0.2}, Vec2{0.7, 0.9}}) {
+    ASSERT_TRUE(LambertBsdf(point).sample(0, u, a));
+    ASSERT_TRUE(Bsdf(point).sample(0.5, u, b));
+    EXPECT_NEAR(length(a.wi - b.wi), 0, 1e-12);
+    EXPECT_NEAR(a.weight.g, b.weight.g, 1e-12);
+    EXPECT_NEAR(a.density, b.density, 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace tessera
