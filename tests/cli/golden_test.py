@@ -16,9 +16,7 @@ from tessera_process import PROGRAM, SLOWER, TesseraTest
 ROOT = pathlib.Path(__file__).parents[2]
 GOLDEN = pathlib.Path(__file__).with_name("golden.json")
 NO_SCENES = (".mtl", ".png", ".py")
-WAITING = ("cornell.tessera",)  # for the path tracer; then it is a sample as the others
-SAMPLES = sorted(p.name for p in (ROOT / "scenes/samples").iterdir()
-                 if p.suffix not in NO_SCENES and p.name not in WAITING)
+SAMPLES = sorted(p.name for p in (ROOT / "scenes/samples").iterdir() if p.suffix not in NO_SCENES)
 
 
 def numerics_id():
