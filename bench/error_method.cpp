@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
+#include <google/protobuf/descriptor.h>
+
 #include <algorithm>
+#include <cctype>
 #include <map>
 
 #include "base/error.h"
@@ -11,16 +14,34 @@
 namespace tessera {
 namespace {
 
-const std::map<std::string, int> kPatterns{{"center", v1::Sampling::CENTER},
-                                           {"owen", v1::Sampling::OWEN_SOBOL},
-                                           {"centered-grid", v1::Sampling::CENTERED_GRID},
-                                           {"corner-grid", v1::Sampling::CORNER_GRID},
-                                           {"independent", v1::Sampling::INDEPENDENT}};
-const std::map<std::string, int> kFilters{{"box", v1::Sampling::BOX},
-                                          {"tent", v1::Sampling::TENT},
-                                          {"gaussian", v1::Sampling::GAUSSIAN},
-                                          {"mitchell", v1::Sampling::MITCHELL},
-                                          {"blackman-harris", v1::Sampling::BLACKMAN_HARRIS}};
+using Words = std::map<std::string, int>;
+
+/// The values of an enumeration as words: OWEN_SOBOL is "owen-sobol".
+Words words_of(const google::protobuf::EnumDescriptor& descriptor) {
+  Words out;
+  for (int i = 0; i < descriptor.value_count(); ++i) {
+    std::string word = descriptor.value(i)->name();
+    for (char& c : word) c = c == '_' ? '-' : static_cast<char>(std::tolower(c));
+    out[word] = descriptor.value(i)->number();
+  }
+  return out;
+}
+
+const Words& patterns() {
+  static const Words words = [] {
+    Words out = words_of(*v1::Sampling::Pattern_descriptor());
+    out.erase("pattern-default");
+    out["owen"] = v1::Sampling::OWEN_SOBOL;  // for short
+    return out;
+  }();
+  return words;
+}
+
+const Words& filters() {
+  static const Words words = words_of(*v1::Sampling::Filter_descriptor());
+  return words;
+}
+
 constexpr char kAdaptive[] = "adaptive";
 
 bool is_among(const std::string& word, const std::vector<std::string>& names) {
@@ -29,7 +50,7 @@ bool is_among(const std::string& word, const std::vector<std::string>& names) {
 
 [[noreturn]] void fail_word(const std::string& word, const std::string& text) {
   std::vector<std::string> known{kAdaptive};
-  for (const auto* names : {&kPatterns, &kFilters})
+  for (const auto* names : {&patterns(), &filters()})
     for (const auto& [name, value] : *names) known.push_back(name);
   known.insert(known.end(), integrator_names().begin(), integrator_names().end());
   const auto& accelerators = available_accelerators();
@@ -50,10 +71,10 @@ ErrorMethod parse_error_method(const std::string& text) {
     const size_t end = std::min(text.find('+', start), text.size());
     const std::string word = text.substr(start, end - start);
     start = end + 1;
-    if (const auto pattern = kPatterns.find(word); pattern != kPatterns.end()) {
+    if (const auto pattern = patterns().find(word); pattern != patterns().end()) {
       twice(out.pattern.has_value());
       out.pattern = pattern->second;
-    } else if (const auto filter = kFilters.find(word); filter != kFilters.end()) {
+    } else if (const auto filter = filters().find(word); filter != filters().end()) {
       twice(out.filter.has_value());
       out.filter = filter->second;
     } else if (word == kAdaptive) {

@@ -131,6 +131,9 @@ TEST(BenchError, MethodsAreWordsInAnyOrder) {
   EXPECT_EQ(*method.pattern, v1::Sampling::INDEPENDENT);
   EXPECT_EQ(*method.filter, v1::Sampling::TENT);
   EXPECT_FALSE(method.is_adaptive);
+  EXPECT_EQ(*parse_error_method("owen-sobol").pattern, v1::Sampling::OWEN_SOBOL);
+  EXPECT_EQ(*parse_error_method("blackman-harris").filter, v1::Sampling::BLACKMAN_HARRIS);
+  EXPECT_NE(usage_error_of([] { parse_error_method("pattern-default"); }), "no error");
   EXPECT_TRUE(parse_error_method("adaptive").is_adaptive);
   EXPECT_NE(usage_error_of([] { parse_error_method("own"); }).find("did you mean 'owen'?"),
             std::string::npos);
