@@ -40,17 +40,17 @@ Color through_medium(const Color& medium, double metres) {
 /// What transparent occluders, and the `medium` that the ray begins in, leave of the light, from
 /// the point outwards. Light goes straight through them: there are no caustics here.
 template <bool kRich, bool kThroughGlass = true>
-Color clear_transmittance(const Scene& scene, Ray ray, Color medium, [[maybe_unused]] double width,
-                          TraceCounters& counters) {
+Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ray, Color medium,
+                          [[maybe_unused]] double width, TraceCounters& counters) {
   Color left = kWhite;
   const double metres = length(ray.direction);
   for (uint32_t pass = 0; pass < kMaxPasses && !is_black(left); ++pass) {
     Hit hit;
-    if (!scene.clear_occluders->closest_hit(ray, hit, counters.traversal)) {
+    if (!occluders.clear->closest_hit(ray, hit, counters.traversal)) {
       // The light is in that medium too; one without a place is beyond all of it.
       return std::isfinite(ray.t_max) ? left * through_medium(medium, ray.t_max * metres) : left;
     }
-    SurfacePoint point(scene, scene.clear_instances[hit.instance], ray, hit);
+    SurfacePoint point(scene, occluders.clear_instances[hit.instance], ray, hit);
     if constexpr (kRich) look_up_textures(scene, ray, width, point);
     const Coverage coverage = straight_coverage(point);
     const Material& material = *point.material;
@@ -65,6 +65,7 @@ Color clear_transmittance(const Scene& scene, Ray ray, Color medium, [[maybe_unu
     ray = spawn_ray(point.surface, ray.direction);
     ray.t_max = t_max;
   }
+  if (!is_black(left)) ++counters.paths_cut;
   return left;
 }
 
@@ -75,29 +76,32 @@ Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins
                        const Color& medium, const Light& light, const LightSample& sample,
                        double width, TraceCounters& counters) {
   const Ray ray = shadow_ray(point, origins, light, sample);
+  const Occluders& occluders = scene.occluders;
   ++counters.rays_shadow;
-  if (scene.opaque_occluders && scene.opaque_occluders->any_hit(ray, counters.traversal)) {
+  if (occluders.opaque && occluders.opaque->any_hit(ray, counters.traversal)) {
     return kWhite * (1 - light.shadow_intensity);
   }
-  if (!scene.clear_occluders) return kWhite;
+  if (!occluders.clear) return kWhite;
   const bool begins_beyond =
       dot(point.geometric_normal, ray.direction) < 0 && !sees_over_facet(point, sample.wi);
   const Color visible = clear_transmittance<kRich>(
-      scene, ray, begins_beyond ? medium_beyond(medium, point) : medium, width, counters);
+      scene, occluders, ray, begins_beyond ? medium_beyond(medium, point) : medium, width,
+      counters);
   return kWhite - light.shadow_intensity * (kWhite - visible);
 }
 
 template <bool kRich>
 Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& ray,
                      const Color& medium, double width, TraceCounters& counters) {
+  const Occluders& occluders = scene.path_occluders;
   ++counters.rays_shadow;
-  if (scene.opaque_occluders && scene.opaque_occluders->any_hit(ray, counters.traversal)) {
+  if (occluders.opaque && occluders.opaque->any_hit(ray, counters.traversal)) {
     return kBlack;
   }
   const bool begins_beyond = dot(point.geometric_normal, ray.direction) < 0;
   const Color inside = begins_beyond ? medium_beyond(medium, point) : medium;
-  if (scene.clear_occluders) {
-    return clear_transmittance<kRich, false>(scene, ray, inside, width, counters);
+  if (occluders.clear) {
+    return clear_transmittance<kRich, false>(scene, occluders, ray, inside, width, counters);
   }
   // What comes from beyond all surfaces has no way through a medium.
   return std::isfinite(ray.t_max) ? through_medium(inside, ray.t_max * length(ray.direction))
@@ -119,20 +123,12 @@ Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins
   return ray_visibility<kRich>(scene, point, ray, medium, width, counters);
 }
 
-Color surface_diffuse(const SurfacePoint& point) {
-  const Material& material = *point.material;
-  if (!point.surface.has_vertex_color) return material.diffuse;
-  return material.vertex_color_replaces_diffuse ? point.surface.vertex_color
-                                                : material.diffuse * point.surface.vertex_color;
-}
-
 template <bool kShadows, bool kRich>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& wo,
                      const Color& medium, double path_length, TraceCounters& counters) {
   const Material& material = *point.material;
   if (material.model == MaterialModel::unlit) {
-    return point.surface.has_vertex_color ? material.emission * point.surface.vertex_color
-                                          : material.emission;
+    return emission(point);
   }
   // A refracting surface sends the share that it lets through elsewhere (scene.proto, REFRACT).
   const double kept =

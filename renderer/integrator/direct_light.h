@@ -18,7 +18,6 @@ template <bool kRich>
 Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Color& medium, const Light& light, const LightSample& sample,
                        double width, TraceCounters& counters);
-Color surface_diffuse(const SurfacePoint& point);
 /// The share of light from a point of a surface that arrives. What refracts lets nothing through.
 template <bool kRich>
 Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,

@@ -24,7 +24,7 @@ struct TraceCounters {
   uint64_t samples = 0;
   uint64_t samples_skipped = 0;  ///< that would have been the same as another of their pixel
   uint64_t roulette_ends = 0;    ///< paths ended by lot, their share given to others
-  uint64_t paths_cut = 0;        ///< camera rays whose tree was larger than kMaxSegments
+  uint64_t paths_cut = 0;        ///< what was left out beyond kMaxSegments or kMaxPasses
   uint64_t nan_samples = 0;      ///< results that were no finite colour, counted as black
 
   void add_to(CounterMap& map) const;

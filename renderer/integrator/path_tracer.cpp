@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "renderer/integrator/direct_light.h"
-#include "renderer/integrator/emitted_light.h"
+#include "renderer/integrator/light_sampling.h"
 #include "renderer/integrator/surface_point.h"
 #include "renderer/math/elementary.h"
 #include "renderer/shading/bsdf.h"
@@ -91,9 +91,15 @@ class PathTracer final : public Integrator {
       if (!is_black(path.medium)) {
         path.throughput = path.throughput * transmittance(path.medium, hit.t);
       }
-      if (passes_straight(path, point, hit.t, numbers, state)) return path.vertex < kMaxPasses;
+      if (passes_straight(path, point, hit.t, numbers, state)) {
+        if (path.vertex < kMaxPasses) return true;
+        ++state.counters.paths_cut;
+        return false;
+      }
     }
-    if (scene_->fog.kind != FogKind::none) enter_fog(path);
+    // As far as the surface is seen; light that comes to it from all sides is as if there were
+    // none.
+    if (path.density == 0 && scene_->fog.kind != FogKind::none) enter_fog(path);
     add_emission(path, point);
     if (path.depth >= scene_->settings.max_depth || point.material->model == MaterialModel::unlit) {
       return false;

@@ -106,4 +106,12 @@ Coverage straight_coverage(const SurfacePoint& point) {
   return {1 - covered, covered};
 }
 
+Color emission(const SurfacePoint& point) {
+  const Material& material = *point.material;
+  if (material.model != MaterialModel::unlit || !point.surface.has_vertex_color) {
+    return material.emission;
+  }
+  return material.emission * point.surface.vertex_color;
+}
+
 }  // namespace tessera

@@ -47,4 +47,14 @@ struct Coverage {
 };
 Coverage straight_coverage(const SurfacePoint& point);
 
+/// The material's diffuse colour with the vertex colour.
+inline Color surface_diffuse(const SurfacePoint& point) {
+  const Material& material = *point.material;
+  if (!point.surface.has_vertex_color) return material.diffuse;
+  return material.vertex_color_replaces_diffuse ? point.surface.vertex_color
+                                                : material.diffuse * point.surface.vertex_color;
+}
+/// The radiance that the surface itself sends to the viewer.
+Color emission(const SurfacePoint& point);
+
 }  // namespace tessera

@@ -106,7 +106,11 @@ class WhittedIntegrator final : public Integrator {
                      TraceState& state) const {
     PathSegment next = end;
     next.throughput = end.throughput * through;
-    if (max_component(next.throughput) < kNegligible || end.passes >= kMaxPasses) return;
+    if (max_component(next.throughput) < kNegligible) return;
+    if (end.passes >= kMaxPasses) {
+      ++state.counters.paths_cut;
+      return;
+    }
     next.ray = spawn_ray(point.surface, end.ray.direction);
     next.ray.t_max = end.ray.t_max - t;
     next.medium = medium_beyond(end.medium, point);

@@ -1,9 +1,62 @@
 #include "renderer/scene/area_lights.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
+#include "renderer/scene/scene.h"
+
 namespace tessera {
+
+namespace {
+
+Color shine_of(const Material& material) {
+  const bool is_even = material.inputs == kNoMaterialInputs && material.is_opaque();
+  return material.model != MaterialModel::unlit && is_even ? material.emission : kBlack;
+}
+
+/// Makes what all instances of a mesh share once.
+class Samplers {
+ public:
+  std::shared_ptr<const SurfaceSampler> make(const Instance& instance, const TriangleMesh* mesh,
+                                             uint32_t slot) {
+    const Transform& to_world = instance.world_from_object;
+    if (mesh == nullptr) {
+      if (slot > 0) return nullptr;
+      return make_surface_sampler(*instance.shape, to_world, instance.flip_normals);
+    }
+    auto& triangles = triangles_[{mesh, slot}];
+    if (!triangles) triangles = std::make_shared<TriangleSet>(TriangleSet::of(*mesh, slot));
+    return make_triangle_sampler(triangles, to_world, instance.flip_normals);
+  }
+
+ private:
+  std::map<std::pair<const TriangleMesh*, uint32_t>, std::shared_ptr<const TriangleSet>> triangles_;
+};
+
+}  // namespace
+
+AreaLights find_area_lights(const Scene& scene, std::span<const TriangleMesh* const> meshes) {
+  std::vector<AreaLight> lights;
+  Samplers samplers;
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+    for (uint32_t slot = 0; slot < scene.shading[i].material_count; ++slot) {
+      const Material& material = scene.material(i, slot);
+      AreaLight light;
+      light.instance = i;
+      light.material = slot;
+      light.front = shine_of(material);
+      if (material.sides == Sides::two_sided) light.back = light.front;
+      if (material.sides == Sides::back_material) {
+        light.back = shine_of(scene.materials[material.back]);
+      }
+      if (is_black(light.front) && is_black(light.back)) continue;
+      light.sampler = samplers.make(scene.instances[i], meshes[i], slot);
+      if (light.sampler) lights.push_back(std::move(light));
+    }
+  }
+  return AreaLights(std::move(lights));
+}
 
 AreaLights::AreaLights(std::vector<AreaLight> lights) : lights_(std::move(lights)) {
   std::vector<LightTree::Light> in_tree;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "renderer/math/color.h"
@@ -39,5 +40,11 @@ class AreaLights {
   std::vector<AreaLight> lights_;
   LightTree tree_;
 };
+
+struct Scene;
+
+/// The surfaces of the scene's instances that shine the same everywhere. `meshes` is one an
+/// instance: what its shape is made of, null where that is no mesh.
+AreaLights find_area_lights(const Scene& scene, std::span<const TriangleMesh* const> meshes);
 
 }  // namespace tessera

@@ -12,6 +12,7 @@
 #include "renderer/film/tile.h"
 #include "renderer/sampler/sampler.h"
 #include "renderer/scene/area_lights.h"
+#include "renderer/scene/occluders.h"
 #include "renderer/scene/read_settings.h"
 #include "renderer/shading/background.h"
 #include "renderer/shading/environment_sampler.h"
@@ -62,9 +63,9 @@ struct Scene {
   std::shared_ptr<const EnvironmentSampler> environment;  ///< null: directions spread evenly do
 
   std::shared_ptr<const Accelerator> surfaces;  ///< every instance
-  /// What throws shadows: instances that let nothing through, and the others. Null: there are none.
-  std::shared_ptr<const Accelerator> opaque_occluders, clear_occluders;
-  std::vector<uint32_t> clear_instances;  ///< Scene::instances by Hit::instance of the latter
+  Occluders occluders;                          ///< of the light of `lights`
+  /// Of light from surfaces and the background, which paths find too: all that stops a path.
+  Occluders path_occluders;
 
   CounterMap counters;  ///< of building
   /// Trees of meshes built since it was last set to 0; null where all were built with the scene.

@@ -15,7 +15,6 @@
 #include "renderer/scene/read_shading.h"
 #include "renderer/scene/read_shape.h"
 #include "renderer/scene/scene_graph.h"
-#include "renderer/shapes/plane.h"
 
 namespace tessera {
 
@@ -83,10 +82,7 @@ class SceneBuilder {
     add_instances();
     add_camera(choice);
     add_lights(choice);
-    if (settings.integrator == IntegratorKind::path) {
-      add_area_lights();
-      scene_->environment = make_environment_sampler(scene_->background);
-    }
+    if (settings.integrator == IntegratorKind::path) add_path_lights();
     build_accelerators();
     scene_->seen = seen_rect(*scene_);
     count();
@@ -302,99 +298,35 @@ class SceneBuilder {
     }
   }
 
-  /// The surfaces that shine the same everywhere. Others are found by paths alone.
-  void add_area_lights() {
-    std::vector<AreaLight> lights;
-    for (uint32_t i = 0; i < scene_->instances.size(); ++i) {
-      const BuiltShape& built = shapes_[instance_shapes_[i]];
-      for (uint32_t slot = 0; slot < scene_->shading[i].material_count; ++slot) {
-        const Material& material = scene_->material(i, slot);
-        AreaLight light;
-        light.instance = i;
-        light.material = slot;
-        light.front = shine_of(material);
-        if (material.sides != Sides::front_only) {
-          light.back = shine_of(
-              material.sides == Sides::back_material ? scene_->materials[material.back] : material);
-        }
-        if (is_black(light.front) && is_black(light.back)) continue;
-        light.sampler = make_sampler(scene_->instances[i], built, slot);
-        if (light.sampler) lights.push_back(std::move(light));
-      }
-    }
-    scene_->area_lights = AreaLights(std::move(lights));
+  void add_path_lights() {
+    std::vector<const TriangleMesh*> meshes;
+    for (const uint32_t shape : instance_shapes_) meshes.push_back(shapes_[shape].mesh.get());
+    scene_->area_lights = find_area_lights(*scene_, meshes);
+    scene_->environment = make_environment_sampler(scene_->background);
     scene_->counters["area_lights"] = scene_->area_lights.size();
   }
-
-  static Color shine_of(const Material& material) {
-    const bool is_even = material.inputs == kNoMaterialInputs && material.is_opaque();
-    return material.model != MaterialModel::unlit && is_even ? material.emission : kBlack;
-  }
-
-  static std::shared_ptr<const SurfaceSampler> make_sampler(const Instance& instance,
-                                                            const BuiltShape& built,
-                                                            uint32_t slot) {
-    if (!built.mesh) {
-      return slot > 0 ? nullptr
-                      : make_surface_sampler(*instance.shape, instance.world_from_object,
-                                             instance.flip_normals);
-    }
-    std::vector<uint32_t> triangles;
-    for (uint32_t t = 0; t < built.mesh->triangles.size(); ++t) {
-      const auto& faces = built.mesh->face_materials;
-      if ((faces.empty() ? 0 : faces[t]) == slot) triangles.push_back(t);
-    }
-    return make_triangle_sampler(*built.mesh, triangles, instance.world_from_object,
-                                 instance.flip_normals);
-  }
-
-  /// Whether it is a plane that is seen, and casts shadows, from its front alone, where every light
-  /// is: what lies before it is on the lights' side too.
-  bool shades_nothing(const Instance& instance) const {
-    if (instance.shape->kind() != ShapeKind::plane || instance.cull != Cull::back) return false;
-    if (!instance.world_from_object.is_identity() || instance.flip_normals) return false;
-    const auto& plane = static_cast<const Plane&>(*instance.shape);
-    constexpr double kClearly = 1e-9;  // far above the rounding of what follows
-    return std::all_of(scene_->lights.begin(), scene_->lights.end(), [&](const Light& light) {
-      if (!light.casts_shadow) return true;
-      if (light.kind == LightKind::directional || light.kind == LightKind::cylinder) {
-        return dot(plane.normal(), light.direction) < -kClearly;
-      }
-      const double height = plane.signed_distance(light.position);
-      return height > kClearly * (std::abs(height) + length(light.position - Point3{}));
-    });
-  }
-
-  bool has_path_lights() const { return !scene_->area_lights.empty() || scene_->environment; }
 
   void build_accelerators() {
     const std::vector<Instance>& instances = scene_->instances;
     if (instances.empty()) return;
-    const auto make = [&](std::vector<Instance> of) -> std::shared_ptr<const Accelerator> {
-      if (of.empty()) return nullptr;
-      return make_instance_accelerator(std::move(of), source_.accelerator, source_.threads);
+    const TreeSettings settings{source_.accelerator, source_.threads};
+    scene_->surfaces = make_instance_accelerator(instances, settings.kind, settings.threads);
+    const auto occluders_of = [&](const std::vector<bool>& counts) {
+      return make_occluders(instances, is_clear_, counts, scene_->surfaces, settings);
     };
-    scene_->surfaces = make(instances);
-    if (!has_path_lights() && std::none_of(scene_->lights.begin(), scene_->lights.end(),
-                                           [](const Light& light) { return light.casts_shadow; })) {
-      return;
-    }
-    std::vector<Instance> opaque, clear;
-    bool has_casters = false;
-    for (size_t i = 0; i < instances.size(); ++i) {
+    std::vector<bool> casts(instances.size());
+    const bool has_shadows = std::any_of(scene_->lights.begin(), scene_->lights.end(),
+                                         [](const Light& light) { return light.casts_shadow; });
+    for (size_t i = 0; has_shadows && i < instances.size(); ++i) {
       if (!instances[i].casts_shadow) continue;
-      has_casters = true;
-      if (!has_path_lights() && shades_nothing(instances[i])) {
-        ++scene_->counters["planes_without_shadow"];
-        continue;
-      }
-      (is_clear_[i] ? clear : opaque).push_back(instances[i]);
-      if (is_clear_[i]) scene_->clear_instances.push_back(static_cast<uint32_t>(i));
+      scene_->features.shadows = true;
+      casts[i] = !shades_nothing(instances[i], scene_->lights);
+      if (!casts[i]) ++scene_->counters["planes_without_shadow"];
     }
-    scene_->features.shadows = has_casters;
-    const bool are_all = opaque.size() == instances.size();
-    scene_->opaque_occluders = are_all ? scene_->surfaces : make(std::move(opaque));
-    scene_->clear_occluders = make(std::move(clear));
+    if (scene_->features.shadows) scene_->occluders = occluders_of(casts);
+    if (scene_->area_lights.empty() && !scene_->environment) return;
+    const std::vector<bool> all(instances.size(), true);
+    scene_->path_occluders = casts == all ? scene_->occluders : occluders_of(all);
   }
 
   void count() {

@@ -99,6 +99,7 @@ void Bsdf::set_physical(const BsdfPoint& point) {
   if (material.clearcoat > 0) {
     coat_ = material.clearcoat;
     coat_alpha_ = alpha_of(material.clearcoat_roughness);
+    under_coat_ = point.from_inside && through > 0 && !thin_;
   }
   add_base(point.diffuse * (1 - material.metallic));
   const double kept = 1 - glass_;
@@ -132,7 +133,9 @@ void Bsdf::add_base(const Color& diffuse) {
     diffuse_ = diffuse / (kWhite - mean);
     return;
   }
-  const FacetAlbedo mean = mean_facet_albedo(alpha_);
+  facets_o_ = facet_albedo(alpha_, wo_.z);
+  facets_mean_ = mean_facet_albedo(alpha_);
+  const FacetAlbedo& mean = facets_mean_;
   const double white = mean.of_white();
   const Color again = mean_fresnel_ * (1 - white);
   if (white < 1 - 1e-9) {
@@ -147,14 +150,15 @@ Color Bsdf::facet_fresnel(double cosine) const {
   return is_black(mean_fresnel_) ? f0_ : fresnel_schlick(f0_, cosine);
 }
 
-Color Bsdf::base(double cos_o, double cos_i) const {
+Color Bsdf::base(double cos_i) const {
   if (!has_facets_ || is_black(mean_fresnel_)) return diffuse_;
   if (alpha_ == 0) {
-    return diffuse_ * (kWhite - fresnel_schlick(f0_, cos_o)) *
+    return diffuse_ * (kWhite - fresnel_schlick(f0_, wo_.z)) *
            (kWhite - fresnel_schlick(f0_, cos_i));
   }
-  const FacetAlbedo o = facet_albedo(alpha_, cos_o), i = facet_albedo(alpha_, cos_i);
-  const double mean = 1 - mean_facet_albedo(alpha_).of_white();
+  const FacetAlbedo& o = facets_o_;
+  const FacetAlbedo i = facet_albedo(alpha_, cos_i);
+  const double mean = 1 - facets_mean_.of_white();
   const double lost_o = 1 - o.of_white(), lost_i = 1 - i.of_white();
   Color sum = between_ * (lost_o * lost_i);
   if (!is_black(diffuse_)) {
@@ -165,22 +169,31 @@ Color Bsdf::base(double cos_o, double cos_i) const {
 }
 
 double Bsdf::coat_passes(double cosine) const {
-  if (coat_ == 0) return 1;
+  if (coat_ == 0 || under_coat_) return 1;
+  return 1 - coat_ * coat_albedo(cosine);
+}
+
+double Bsdf::coat_over_glass(double cos_i, bool beyond) const {
+  if (under_coat_) return beyond ? 1 - coat_ * coat_albedo(cos_i) : 1;
+  return beyond ? coat_passes(wo_.z) : coat_passes(wo_.z) * coat_passes(cos_i);
+}
+
+double Bsdf::coat_albedo(double cosine) const {
   const Color reflected = coat_alpha_ > 0 ? facet_albedo(coat_alpha_, cosine).of(kCoatReflectance)
                                           : fresnel_schlick(kCoatReflectance, cosine);
-  return 1 - coat_ * reflected.r;
+  return reflected.r;
 }
 
 void Bsdf::set_probabilities() {
   const double below = coat_passes(wo_.z);
   const auto kept = [&](const Color& c) { return max_component(c) * below; };
   if (!is_black(diffuse_) || !is_black(between_)) {
-    p_base_ = std::max(kept(base(wo_.z, 0.6)), 1e-3);
+    p_base_ = std::max(kept(base(0.6)), 1e-3);
   }
   if (has_facets_ && alpha_ > 0) p_facets_ = std::max(kept(facet_fresnel(wo_.z)), 1e-3);
   p_mirror_ = kept(mirror_);
   p_glass_ = glass_ * below;
-  if (coat_ > 0) (coat_alpha_ > 0 ? p_coat_ : p_coat_mirror_) = 1 - below;
+  if (coat_ > 0 && !under_coat_) (coat_alpha_ > 0 ? p_coat_ : p_coat_mirror_) = 1 - below;
   const double sum = p_base_ + p_facets_ + p_mirror_ + p_glass_ + p_coat_ + p_coat_mirror_;
   if (!(sum > 0)) return;
   for (double* p : {&p_base_, &p_facets_, &p_mirror_, &p_glass_, &p_coat_, &p_coat_mirror_}) {
@@ -200,7 +213,7 @@ BsdfValue Bsdf::evaluate_local(const Vec3& wi) const {
   if (wi.z == 0 || !(wo_.z > 0)) return value;
   if (wi.z > 0) {
     if (p_base_ > 0) {
-      value.share += base(wo_.z, wi.z) * (wi.z * kInversePi);
+      value.share += base(wi.z) * (wi.z * kInversePi);
       value.density += p_base_ * wi.z * kInversePi;
     }
     const Vec3 half = normalize(wi + wo_);
@@ -241,7 +254,7 @@ BsdfValue Bsdf::evaluate_glass(const Vec3& wi) const {
   const double fresnel = fresnel_dielectric(std::min(o, 1.0), eta_);
   const double d = ggx.distribution(half), g = ggx.shadowing(wi, wo_);
   const double visible = ggx.masking(wo_) * o * d / wo_.z;
-  const double passes = coat_passes(wo_.z);
+  const double passes = coat_over_glass(std::abs(wi.z), beyond);
   if (!beyond) {
     const double share = glass_ * passes * fresnel * d * g / (4 * wo_.z);
     return {kWhite * share, p_glass_ * fresnel * visible / (4 * o)};
@@ -258,18 +271,18 @@ bool Bsdf::sample_smooth_glass(double choice, BsdfSample& sample, Vec3& wi) cons
   double fresnel = fresnel_dielectric(std::min(wo_.z, 1.0), eta_);
   // Both faces of a sheet reflect, and what is between them does so again and again.
   if (thin_) fresnel = 2 * fresnel / (1 + fresnel);
-  const double weight = glass_ * coat_passes(wo_.z) / p_glass_;
+  const double weight = glass_ / p_glass_;
   sample.is_mirror = true;
   if (choice < fresnel) {
     wi = {-wo_.x, -wo_.y, wo_.z};
-    sample.weight = kWhite * weight;
+    sample.weight = kWhite * (weight * coat_over_glass(wo_.z, false));
     return true;
   }
   sample.is_beyond = true;
   wi = -wo_;
-  sample.weight = tint_ * weight;
+  if (!thin_ && !refract(-wo_, {0, 0, 1}, eta_, wi)) return false;
+  sample.weight = tint_ * (weight * coat_over_glass(-wi.z, true));
   if (thin_) return true;
-  if (!refract(-wo_, {0, 0, 1}, eta_, wi)) return false;
   sample.radiance_scale = 1 / (eta_ * eta_);
   sample.weight = sample.weight * sample.radiance_scale;
   return true;

@@ -90,8 +90,11 @@ class Bsdf {
   bool is_rough_glass() const { return p_glass_ > 0 && glass_alpha_ > 0; }
   Color facet_fresnel(double cosine) const;
   /// What several reflections between facets and the Lambert base under them send on, times pi.
-  Color base(double cos_o, double cos_i) const;
+  Color base(double cos_i) const;
+  double coat_albedo(double cosine) const;
   double coat_passes(double cosine) const;
+  /// What the coat, which lies outside, leaves of light through and off the glass.
+  double coat_over_glass(double cos_i, bool beyond) const;
   BsdfValue evaluate_local(const Vec3& wi) const;
   BsdfValue evaluate_glass(const Vec3& wi) const;
   bool sample_smooth_glass(double choice, BsdfSample& sample, Vec3& wi) const;
@@ -104,11 +107,13 @@ class Bsdf {
   Color f0_ = kBlack, mean_fresnel_ = kBlack;
   const Material* conductor_ = nullptr;
   bool has_facets_ = false;
+  FacetAlbedo facets_o_, facets_mean_;  ///< towards the viewer, and on the mean
   // What is under and between them.
   Color diffuse_ = kBlack;  ///< divided by what the mean of the rest is
   Color between_ = kBlack;  ///< what is reflected between facets, over 1 - its mean
   // Clear coat.
   double coat_ = 0, coat_alpha_ = 0;
+  bool under_coat_ = false;  ///< the viewer is inside glass whose outside is coated
   // Glass.
   double glass_ = 0, glass_alpha_ = 0, eta_ = 1;  ///< eta beyond over that on the viewer's side
   Color tint_ = kWhite;

@@ -33,9 +33,10 @@ std::vector<double> look_around(const Background& background) {
   std::vector<double> seen;
   for (int cell = 0; cell < kRows * kColumns; ++cell) {
     double mean = 0;
+    const int row = cell / kColumns, column = cell % kColumns;
     for (int i = 0; i < looks * looks; ++i) {
-      const Vec3 d = direction_in(cell / kColumns + (i / looks + 0.5) / looks,
-                                  cell % kColumns + (i % looks + 0.5) / looks);
+      const int down = i / looks, right = i % looks;
+      const Vec3 d = direction_in(row + (down + 0.5) / looks, column + (right + 0.5) / looks);
       const Color c = background.radiance({}, d, {});
       mean += std::max(0.0, c.r + c.g + c.b) / (looks * looks);
     }
@@ -67,8 +68,8 @@ EnvironmentSampler::EnvironmentSampler(const Background& background) {
   }
   const std::vector<double> seen = look_around(plain);
   const auto at = [&](int row, int column) {
-    return seen[static_cast<size_t>(std::clamp(row, 0, kRows - 1) * kColumns +
-                                    (column + kColumns) % kColumns)];
+    const int cell = std::clamp(row, 0, kRows - 1) * kColumns + (column + kColumns) % kColumns;
+    return seen[static_cast<size_t>(cell)];
   };
   for (int row = 0; row < kRows; ++row) {
     double sum = 0;

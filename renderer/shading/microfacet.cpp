@@ -49,11 +49,11 @@ struct AlbedoTable {
     FacetAlbedo sum{0, 0};
     double weights = 0;
     for (int i = 0; i < kAround * kOut; ++i) {
+      const int step = i / kAround, around = i % kAround;
       // Both sides of the plane of wo are alike. Few facets stand steep, and these lose the most:
       // the steps grow finer towards both ends.
-      const double v = (i / kAround + 0.5) / kOut, part = 6 * v * (1 - v);
-      const Vec3 h =
-          ggx.sample_visible(wo, {(i % kAround + 0.5) / (2 * kAround), v * v * (3 - 2 * v)});
+      const double v = (step + 0.5) / kOut, part = 6 * v * (1 - v);
+      const Vec3 h = ggx.sample_visible(wo, {(around + 0.5) / (2 * kAround), v * v * (3 - 2 * v)});
       const Vec3 wi = h * (2 * dot(wo, h)) - wo;
       weights += part;
       if (wi.z <= 0) continue;
@@ -110,10 +110,6 @@ Vec3 Ggx::sample_visible(const Vec3& wo, const Vec2& u) const {
   const Vec3 cap = direction_at((1 - u.y) * (1 + stretched.z) - stretched.z, u.x);
   const Vec3 h = cap + stretched;
   return normalize(Vec3{h.x * alpha_, h.y * alpha_, std::max(h.z, 0.0)});
-}
-
-double Ggx::visible_density(const Vec3& wo, const Vec3& h) const {
-  return masking(wo) * std::max(0.0, dot(wo, h)) * distribution(h) / wo.z;
 }
 
 FacetAlbedo facet_albedo(double alpha, double cosine) {

@@ -33,8 +33,6 @@ class Ggx {
   /// A facet's normal as seen from `wo`, wo.z > 0 (Dupuy and Benyoub 2023, "Sampling Visible GGX
   /// Normals with Spherical Caps").
   Vec3 sample_visible(const Vec3& wo, const Vec2& u) const;
-  /// Its density.
-  double visible_density(const Vec3& wo, const Vec3& h) const;
 
  private:
   double lambda(const Vec3& w) const;

@@ -81,8 +81,9 @@ Sky::Sky(const Vec3& to_sun, double turbidity, double intensity, const Color& gr
   constexpr int kSteps = 16;
   Color irradiance = kBlack;
   for (int i = 0; i < kSteps * kSteps; ++i) {
-    const double z = std::sqrt((i / kSteps + 0.5) / kSteps);  // spread by the cosine
-    const Vec3 d = direction_at(z, (i % kSteps + 0.5) / kSteps);
+    const int row = i / kSteps, column = i % kSteps;
+    const double z = std::sqrt((row + 0.5) / kSteps);  // spread by the cosine
+    const Vec3 d = direction_at(z, (column + 0.5) / kSteps);
     irradiance += radiance({d.x, d.z, d.y}) * (portable::kPi / (kSteps * kSteps));
   }
   irradiance += sun_ * (std::max(to_sun.y, 0.0) / sun_density());

@@ -1,8 +1,8 @@
 #include "renderer/shapes/surface_sampler.h"
 
 #include <algorithm>
-#include <array>
-#include <vector>
+#include <cmath>
+#include <utility>
 
 #include "renderer/math/frame.h"
 #include "renderer/math/rounding.h"
@@ -173,42 +173,69 @@ class RectangleSampler final : public AreaSampler {
   bool is_square_;
 };
 
-class TriangleSampler final : public AreaSampler {
+/// By area in the triangles' own frame; a transform that is no similarity spreads them unevenly.
+class TriangleSampler final : public SurfaceSampler {
  public:
-  explicit TriangleSampler(bool flip) : flip_(flip) {}
-  void add(const Point3& a, const Point3& b, const Point3& c) {
-    const double area = length(cross(b - a, c - a)) / 2;
-    if (!(area > 0)) return;
-    triangles_.push_back({a, b, c});
-    sums_.push_back(this->area() + area);
-    for (const Point3& p : {a, b, c}) bounds_.extend(p);
-  }
-  bool empty() const { return triangles_.empty(); }
-  double area() const override { return sums_.empty() ? 0 : sums_.back(); }
-  Bounds3 bounds() const override { return bounds_; }
+  TriangleSampler(std::shared_ptr<const TriangleSet> triangles, const Transform& to_world,
+                  bool flip)
+      : triangles_(std::move(triangles)),
+        to_world_(to_world),
+        determinant_(to_world.matrix().determinant()),
+        side_(flip != (determinant_ < 0) ? -1 : 1) {}
 
- private:
-  void choose(const Vec2& u, SurfaceSample& sample) const override {
-    const double at = u.x * area();
-    const auto found = std::upper_bound(sums_.begin(), sums_.end() - 1, at);
-    const auto index = static_cast<size_t>(found - sums_.begin());
-    const double below = index > 0 ? sums_[index - 1] : 0;
-    const double rest = std::clamp((at - below) / (*found - below), 0.0, 0x1.fffffffffffffp-1);
-    const auto& [a, b, c] = triangles_[index];
-    const Vec2 w = triangle_point({rest, u.y});
+  double sample(const Point3& from, const Vec2& u, SurfaceSample& sample) const override {
+    Vec2 rest = u;
+    const auto& [p, q, r] = triangles_->choose(rest);
+    const Point3 a = to_world_.point(p), b = to_world_.point(q), c = to_world_.point(r);
+    const Vec2 w = triangle_point(rest);
     sample.point = a + (b - a) * w.x + (c - a) * w.y;
     sample.point_error = rounding_of(sample.point, length(b - a) + length(c - a));
-    const Vec3 normal = normalize(cross(b - a, c - a));
-    sample.normal = flip_ ? -normal : normal;
+    const Vec3 across = cross(b - a, c - a);
+    if (!(length_squared(across) > 0)) return 0;  // flat once it is placed
+    sample.normal = normalize(across) * side_;
+    return density(from, sample.point, sample.normal);
   }
+  double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
+    // A unit of area grows by |det| |M^-T n'|, n' its normal before the transform.
+    const Affine& m = to_world_.matrix();
+    Vec3 before;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      before[static_cast<int>(axis)] =
+          m.m[0][axis] * normal.x + m.m[1][axis] * normal.y + m.m[2][axis] * normal.z;
+    }
+    const double growth = std::abs(determinant_) / length(before);
+    return by_area(triangles_->area() * growth, from, there, normal);
+  }
+  /// About, where the transform is no similarity.
+  double area() const override {
+    const double scale = portable::pow(std::abs(determinant_), 2.0 / 3);
+    return std::max(triangles_->area() * scale, 1e-300);
+  }
+  Bounds3 bounds() const override { return to_world_.bounds(triangles_->bounds()); }
 
-  bool flip_;
-  std::vector<std::array<Point3, 3>> triangles_;
-  std::vector<double> sums_;  ///< of areas up to and with each
-  Bounds3 bounds_;
+ private:
+  std::shared_ptr<const TriangleSet> triangles_;
+  Transform to_world_;
+  double determinant_, side_;
 };
 
-bool mirrors(const Transform& transform) { return transform.matrix().determinant() < 0; }
+/// Two triangles a face, counter-clockwise seen from outside.
+void add_faces(const Bounds3& extent, TriangleSet& triangles) {
+  const Vec3 size = extent.diagonal();
+  for (int axis = 0; axis < 3; ++axis) {
+    const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+    Vec3 across, u, v;
+    across[axis] = size[axis];
+    u[next] = size[next];
+    v[last] = size[last];
+    const auto add = [&](const Point3& p, const Vec3& s, const Vec3& t) {
+      triangles.add(p, p + s, p + s + t);
+      triangles.add(p, p + s + t, p + t);
+    };
+    add(extent.min + across, u, v);
+    add(extent.min, v, u);
+  }
+}
 
 /// The radius of what the sphere becomes; 0 where that is none.
 double sphere_radius(const Affine& m, double radius) {
@@ -248,48 +275,47 @@ std::unique_ptr<const SurfaceSampler> make_surface_sampler(const Shape& shape,
         to_world(rectangle->corner()), to_world(rectangle->edge_u()), to_world(rectangle->edge_v()),
         turned(cross(rectangle->edge_u(), rectangle->edge_v())));
   }
-  auto triangles = std::make_unique<TriangleSampler>(flip_normals != mirrors(world_from_object));
+  const auto triangles = std::make_shared<TriangleSet>();
   if (const auto* polygon = dynamic_cast<const ConvexPolygon*>(&shape)) {
     const auto points = polygon->points();
-    for (size_t i = 2; i < points.size(); ++i) {
-      triangles->add(to_world(points[0]), to_world(points[i - 1]), to_world(points[i]));
-    }
+    for (size_t i = 2; i < points.size(); ++i) triangles->add(points[0], points[i - 1], points[i]);
   } else if (const auto* box = dynamic_cast<const Box*>(&shape)) {
-    const Bounds3 extent = box->bounds();
-    const Vec3 d = extent.diagonal();
-    for (int axis = 0; axis < 3; ++axis) {
-      Vec3 u, v;
-      u[(axis + 1) % 3] = d[(axis + 1) % 3];
-      v[(axis + 2) % 3] = d[(axis + 2) % 3];
-      Vec3 across;
-      across[axis] = d[axis];
-      const Point3 far_corner = extent.min + across;
-      // Counter-clockwise from outside: u x v points along the axis.
-      for (const auto& [p, s, t] : {std::array<Vec3, 3>{far_corner - Point3{}, u, v},
-                                    std::array<Vec3, 3>{extent.min - Point3{}, v, u}}) {
-        const Point3 a = to_world(Point3{} + p), b = to_world(Point3{} + p + s),
-                     c = to_world(Point3{} + p + t), e = to_world(Point3{} + p + s + t);
-        triangles->add(a, b, e);
-        triangles->add(a, e, c);
-      }
-    }
+    add_faces(box->bounds(), *triangles);
   }
-  if (triangles->empty()) return nullptr;
-  return triangles;
+  return make_triangle_sampler(triangles, world_from_object, flip_normals);
 }
 
-std::unique_ptr<const SurfaceSampler> make_triangle_sampler(const TriangleMesh& mesh,
-                                                            std::span<const uint32_t> triangles,
-                                                            const Transform& world_from_object,
-                                                            bool flip_normals) {
-  auto sampler = std::make_unique<TriangleSampler>(flip_normals != mirrors(world_from_object));
-  const Affine& to_world = world_from_object.matrix();
-  for (const uint32_t triangle : triangles) {
-    const auto corners = mesh.corners(triangle);
-    sampler->add(to_world(corners[0]), to_world(corners[1]), to_world(corners[2]));
+std::unique_ptr<const SurfaceSampler> make_triangle_sampler(
+    std::shared_ptr<const TriangleSet> triangles, const Transform& world_from_object,
+    bool flip_normals) {
+  if (triangles->empty()) return nullptr;
+  return std::make_unique<TriangleSampler>(std::move(triangles), world_from_object, flip_normals);
+}
+
+TriangleSet TriangleSet::of(const TriangleMesh& mesh, uint32_t material) {
+  TriangleSet set;
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if ((mesh.face_materials.empty() ? 0 : mesh.face_materials[i]) != material) continue;
+    const auto [a, b, c] = mesh.corners(i);
+    set.add(a, b, c);
   }
-  if (sampler->empty()) return nullptr;
-  return sampler;
+  return set;
+}
+
+void TriangleSet::add(const Point3& a, const Point3& b, const Point3& c) {
+  const double size = length(cross(b - a, c - a)) / 2;
+  if (!(size > 0) || !std::isfinite(area() + size)) return;
+  corners_.push_back({a, b, c});
+  sums_.push_back(area() + size);
+  for (const Point3& p : {a, b, c}) bounds_.extend(p);
+}
+
+const TriangleSet::Corners& TriangleSet::choose(Vec2& u) const {
+  const double at = u.x * area();
+  const auto found = std::upper_bound(sums_.begin(), sums_.end() - 1, at);
+  const double below = found == sums_.begin() ? 0 : *(found - 1);
+  u.x = *found > below ? std::clamp((at - below) / (*found - below), 0.0, 0x1.fffffffffffffp-1) : 0;
+  return corners_[static_cast<size_t>(found - sums_.begin())];
 }
 
 }  // namespace tessera

@@ -1,7 +1,8 @@
 #pragma once
 
+#include <array>
 #include <memory>
-#include <span>
+#include <vector>
 
 #include "renderer/math/transform.h"
 #include "renderer/math/vec.h"
@@ -38,10 +39,29 @@ class SurfaceSampler {
 std::unique_ptr<const SurfaceSampler> make_surface_sampler(const Shape& shape,
                                                            const Transform& world_from_object,
                                                            bool flip_normals);
-/// For those triangles of `mesh` that `triangles` numbers, by area. Null where they have none.
-std::unique_ptr<const SurfaceSampler> make_triangle_sampler(const TriangleMesh& mesh,
-                                                            std::span<const uint32_t> triangles,
-                                                            const Transform& world_from_object,
-                                                            bool flip_normals);
+/// Triangles to choose from by area, in their own frame. Immutable; shared by all places where they
+/// stand.
+class TriangleSet {
+ public:
+  /// Those of `mesh` that have an area and whose face material is `material`.
+  static TriangleSet of(const TriangleMesh& mesh, uint32_t material);
+  void add(const Point3& a, const Point3& b, const Point3& c);
+  bool empty() const { return corners_.empty(); }
+  double area() const { return sums_.empty() ? 0 : sums_.back(); }
+  const Bounds3& bounds() const { return bounds_; }
+  using Corners = std::array<Point3, 3>;
+  /// The one that `u.x` chooses; what is left of the number goes back into it. Not of an empty set.
+  const Corners& choose(Vec2& u) const;
+
+ private:
+  std::vector<Corners> corners_;
+  std::vector<double> sums_;  ///< of areas up to and with each
+  Bounds3 bounds_;
+};
+
+/// Null where there are none.
+std::unique_ptr<const SurfaceSampler> make_triangle_sampler(
+    std::shared_ptr<const TriangleSet> triangles, const Transform& world_from_object,
+    bool flip_normals);
 
 }  // namespace tessera

@@ -7,12 +7,11 @@
 #include <numbers>
 #include <string>
 
-#include "tests/unit/renderer/scene_text.h"
+#include "tests/accuracy/support.h"
 
 namespace tessera {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kSeeds = 16;
 constexpr uint32_t kSamples = 1024;
 
@@ -43,17 +42,10 @@ void expect_estimate(double truth, const Estimate& found) {
   EXPECT_NEAR(found.mean, truth, 0.005 * truth);
 }
 
-std::string number(double v) { return std::to_string(v); }
-std::string grey(double v) {
-  return "{ value { r: " + number(v) + " g: " + number(v) + " b: " + number(v) + " } }";
-}
 std::string material(const std::string& name, double albedo, double emission = 0,
                      const std::string& more = "") {
   return "materials { name: '" + name + "' classic { diffuse " + grey(albedo) + " emission " +
          grey(emission) + " } " + more + " } ";
-}
-std::string node(const std::string& shape, const std::string& material) {
-  return "nodes { shape { materials: '" + material + "' " + shape + " } } ";
 }
 /// A black body of radiance 2 seen from its front alone, and the wall z = 0 that it shines on.
 const std::string kLampAndWall = material("lamp", 0, 2, "sides: FRONT_ONLY") +
@@ -118,12 +110,32 @@ TEST(ClosedForms, RectangleByAreaAndBySolidAngleAndAsTriangles) {
   }
 }
 
+TEST(ClosedForms, WhatStopsPathsStopsTheirLight) {
+  // A card that is said to cast no shadow: paths meet it all the same, so that light from surfaces
+  // must not go through it either, or the two ways of sampling would not add up.
+  const auto scene = [](const char* flag) {
+    return kLampAndWall + material("card", 0.3) +
+           node("disc { center { z: 4 } normal { z: -1 } radius: 2 }", "lamp") + "nodes { " + flag +
+           " shape { materials: 'card' rectangle { corner { x: .1 y: -3 z: 1 } "
+           "edge_u { y: 6 } edge_v { x: 3 } } } } ";
+  };
+  EXPECT_EQ(estimate(scene("casts_no_shadow: true")).mean, estimate(scene("")).mean);
+}
+
 TEST(ClosedForms, FurnaceToAnyDepth) {
   const std::string furnace = material("glow", 0.7, 0.3) + node("sphere { radius: 50 }", "glow");
   expect_estimate(1.0, estimate(furnace, "max_depth: 200"));
   for (const int n : {0, 1, 2, 7}) {
     expect_estimate(0.3 * (1 - std::pow(0.7, n + 1)) / 0.3,
                     estimate(furnace, "max_depth: " + std::to_string(n)));
+  }
+}
+
+TEST(ClosedForms, FurnacesOfNori) {  // N29
+  for (const double albedo : {0.5, 0.8}) {
+    const std::string furnace = material("glow", albedo, 1) + node("sphere { radius: 50 }", "glow");
+    expect_estimate(1 / (1 - albedo), estimate(furnace, "max_depth: 1000"));
+    expect_estimate(1 + albedo, estimate(furnace, "max_depth: 1"));
   }
 }
 
@@ -175,6 +187,24 @@ TEST(ClosedForms, WhiteSurfacesOfEveryKindReflectAllTheyGet) {
                               node("sphere { center { x: .4 z: 2 } radius: 1 }", "m");
     const Estimate found = estimate(scene, "max_depth: 200");
     EXPECT_NEAR(found.mean, 1, 0.005);
+  }
+}
+
+TEST(ClosedForms, WhiteShapesVanishInAWhiteFurnace) {  // N30
+  for (const char* shape :
+       {"sphere { radius: 1.2 }", "box { }", "torus { major_radius: 1 minor_radius: .4 }",
+        "cylinder { }", "cone { }", "disc { normal { x: 1 z: 1 } radius: 2 }",
+        "rectangle { corner { x: -1 y: -1 } edge_u { x: 2 } edge_v { y: 2 z: 1 } }",
+        "mesh { inline_positions: [-2, -2, 0, 2, -2, 1, 0, 2, 0] inline_triangles: [0, 1, 2] }",
+        "csg { operation: DIFFERENCE operands { shape { materials: 'white' box { } } } "
+        "operands { shape { materials: 'white' sphere { "
+        "center { z: 1 } radius: .8 } } } }"}) {
+    SCOPED_TRACE(shape);
+    const Estimate found = estimate(
+        "background { solid { r: 1 g: 1 b: 1 } } " + material("white", 1) + node(shape, "white"),
+        "max_depth: 1000");
+    EXPECT_NEAR(found.mean, 1, std::max(3 * found.error, 1e-6));
+    EXPECT_NEAR(found.mean, 1, 0.002);
   }
 }
 

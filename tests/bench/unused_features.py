@@ -25,6 +25,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WHITTED = "renderer/integrator/whitted.cpp"
 DIRECT = "renderer/integrator/direct_light.cpp"
+POINT_HEADER = "renderer/integrator/surface_point.h"
 POINT = "renderer/integrator/surface_point.cpp"
 MATERIAL = "renderer/shading/material.h"
 COMPILED = [WHITTED, DIRECT, POINT]
@@ -37,13 +38,13 @@ DELETIONS = [
     ("missing and other backs", POINT, "if (is_back && material->sides != Sides::two_sided) {",
      "if (false) {"),
     ("flat materials", POINT, "normal = material->flat ? geometric_normal : ", "normal = "),
-    ("vertex colours", DIRECT,
+    ("vertex colours", POINT_HEADER,
      "if (!point.surface.has_vertex_color) return material.diffuse;",
      "if (true) return material.diffuse;"),
     ("unlit materials", DIRECT, "if (material.model == MaterialModel::unlit) {", "if (false) {"),
     ("refraction beside reflection", DIRECT,
      "material.transmission == Transmission::refract ? 1 - material.transparency : 1.0;", "1.0;"),
-    ("clear shadows", DIRECT, "if (!scene.clear_occluders) return kWhite;",
+    ("clear shadows", DIRECT, "if (!occluders.clear) return kWhite;",
      "if (true) return kWhite;"),
     ("soft shadows", DIRECT, "return kWhite * (1 - light.shadow_intensity);", "return kBlack;"),
     ("bounded shadows", DIRECT, "if (std::isfinite(light.shadow_distance)) {", "if (false) {"),

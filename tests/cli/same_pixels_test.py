@@ -48,6 +48,9 @@ class SamePixels(TesseraTest):
     def test_mirror_and_glass(self):
         self.assert_all_equal(scenes.glass_scene())
 
+    def test_paths(self):
+        self.assert_all_equal(scenes.paths_scene())
+
     def test_many_lights(self):
         self.assert_all_equal(scenes.lights_scene())
 

@@ -1,7 +1,7 @@
 """Small scenes in text form, one a kind of work: a mesh, mirrors and glass, several lights."""
 import math
 
-CAMERA = """
+CAMERAS = """
 cameras {
   name: "front"
   world_from_camera { steps { look_at { eye { x: 0.5 y: 1.5 z: 5 } target { y: 0.5 } } } }
@@ -11,6 +11,9 @@ cameras {
   name: "side"
   world_from_camera { steps { look_at { eye { x: 5 y: 1 z: 0 } target { y: 0.5 } } } }
 }
+"""
+
+CAMERA = CAMERAS + """
 background { gradient { sky { r: 0.4 g: 0.6 b: 1 } ground { r: 0.8 g: 0.7 b: 0.6 } } }
 """
 
@@ -59,6 +62,23 @@ def glass_scene():
             'nodes { shape { materials: "mirror" sphere { center { x: -0.9 y: 0.8 } radius: 0.8 } } }\n'
             'nodes { shape { materials: "glass" sphere { center { x: 0.8 y: 0.6 z: 0.8 } radius: 0.6 } } }\n'
             'nodes { shape { box { min { x: 0.5 y: 0 z: -1.5 } max { x: 1.5 y: 1 z: -0.5 } } } }\n'
+            "nodes { shape { plane { } } }\n")
+
+
+def paths_scene():
+    """Lamps of three shapes, the sky, rough metal and glass, to be followed by paths."""
+    lamp = gray("diffuse", 0) + gray("emission", 6)
+    return (CAMERAS + material("lamp", lamp) +
+            'settings { sampling { samples_per_pixel: 4 } integrator { kind: "path" } }\n'
+            "background { sun_and_sky { sun_direction { x: 1 y: 2 z: 1 } intensity: .2 } }\n"
+            'materials { name: "metal" conductor { eta { r: .2 g: .9 b: 1.1 } k { r: 3.9 g: 2.5 b: 2.4 } '
+            "roughness { value: .3 } } }\n"
+            'materials { name: "frosted" dielectric { roughness { value: .4 } } }\n'
+            'nodes { shape { materials: "metal" sphere { center { x: -0.9 y: 0.8 } radius: 0.8 } } }\n'
+            'nodes { shape { materials: "frosted" sphere { center { x: 0.8 y: 0.6 z: 0.8 } radius: 0.6 } } }\n'
+            'nodes { shape { materials: "lamp" sphere { center { x: 1.2 y: 1.6 } radius: 0.2 } } }\n'
+            'nodes { shape { materials: "lamp" disc { center { y: 3 } normal { y: -1 } radius: .5 } } }\n'
+            'nodes { shape { materials: "lamp" box { min { x: -2 z: 1 } max { x: -1.8 y: .2 z: 1.2 } } } }\n'
             "nodes { shape { plane { } } }\n")
 
 

@@ -70,7 +70,7 @@ TEST(Scene, planes_that_no_light_is_behind_are_left_out_of_shadow_rays) {
                     below = "point { position { y: -2 } }";
   const auto lit_from_above = scene("sides: FRONT_ONLY", above);
   EXPECT_TRUE(left_out(lit_from_above));
-  EXPECT_EQ(lit_from_above->opaque_occluders->statistics().primitives, 1u);
+  EXPECT_EQ(lit_from_above->occluders.opaque->statistics().primitives, 1u);
   EXPECT_EQ(lit_from_above->surfaces->statistics().primitives, 2u);
   EXPECT_TRUE(left_out(scene("sides: FRONT_ONLY", "directional { direction { y: -1 } }")));
   EXPECT_FALSE(left_out(scene("sides: FRONT_ONLY", below)));
@@ -110,11 +110,11 @@ TEST(Scene, knows_what_tracing_may_leave_out) {
   const auto scene =
       build(lamp + "materials { name: 'm' classic { transparency { value: .1 } } } " + ball +
             "nodes { shape { sphere {} } }");
-  EXPECT_EQ(scene->clear_instances, (std::vector<uint32_t>{0}));
-  EXPECT_NE(scene->opaque_occluders, scene->surfaces);
+  EXPECT_EQ(scene->occluders.clear_instances, (std::vector<uint32_t>{0}));
+  EXPECT_NE(scene->occluders.opaque, scene->surfaces);
   const auto opaque = build(lamp + "nodes { shape { sphere {} } }");
-  EXPECT_EQ(opaque->opaque_occluders, opaque->surfaces);
-  EXPECT_EQ(opaque->clear_occluders, nullptr);
+  EXPECT_EQ(opaque->occluders.opaque, opaque->surfaces);
+  EXPECT_EQ(opaque->occluders.clear, nullptr);
 }
 
 TEST(Scene, degenerate_triangles_are_dropped_and_counted) {

@@ -67,6 +67,7 @@ std::vector<Case> smooth_cases() {
           physical("plastic", 0, 0.4),
           physical("coated", 0.3, 0.6, 1),
           physical("frosted", 0, 0.5, 0, 0.7),
+          physical("coated and frosted", 0, 0.5, 1, 1),
           gold(0.5),
           glass("into rough glass", 0.5, false),
           glass("out of rough glass", 0.6, true)};
@@ -217,6 +218,17 @@ TEST(Bsdf, IsTheSameFromEitherEnd) {
         EXPECT_NEAR(there.b, back.b, 1e-9 * (1 + there.b));
       }
     }
+  }
+}
+
+TEST(Bsdf, RadianceIsDenserInGlass) {
+  for (const bool from_inside : {false, true}) {
+    const Case c = glass("glass", 0, from_inside);
+    BsdfSample sample;
+    ASSERT_TRUE(bsdf_of(c, at_angle(20)).sample(0.99, {0.5, 0.5}, sample));
+    ASSERT_TRUE(sample.is_beyond);
+    EXPECT_NEAR(sample.weight.r, from_inside ? 2.25 : 1 / 2.25, 1e-12);
+    EXPECT_NEAR(sample.radiance_scale, sample.weight.r, 1e-12);
   }
 }
 

@@ -120,11 +120,14 @@ TEST(SurfaceSampler, LeavesOutWhatHasNoArea) {
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 1, 3}};
-  const uint32_t both[] = {0, 1}, flat[] = {0};
-  EXPECT_EQ(make_triangle_sampler(mesh, flat, {}, false), nullptr);
-  const auto sampler = make_triangle_sampler(mesh, both, {}, false);
-  ASSERT_NE(sampler, nullptr);
-  EXPECT_DOUBLE_EQ(sampler->area(), 0.5);
+  mesh.face_materials = {0, 1};
+  const auto sampler_of = [&](uint32_t material) {
+    return make_triangle_sampler(std::make_shared<TriangleSet>(TriangleSet::of(mesh, material)), {},
+                                 false);
+  };
+  EXPECT_EQ(sampler_of(0), nullptr);
+  ASSERT_NE(sampler_of(1), nullptr);
+  EXPECT_DOUBLE_EQ(sampler_of(1)->area(), 0.5);
 }
 
 }  // namespace

@@ -5,15 +5,6 @@
 
 namespace tessera {
 
-/// The radiance that the surface itself sends to the viewer.
-inline Color emission(const SurfacePoint& point) {
-  const Material& material = *point.material;
-  if (material.model != MaterialModel::unlit || !point.surface.has_vertex_color) {
-    return material.emission;
-  }
-  return material.emission * point.surface.vertex_color;
-}
-
 /// How often the background is chosen among what shines.
 inline double environment_share(const Scene& scene) {
   if (!scene.environment) return 0;
