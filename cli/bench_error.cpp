@@ -163,6 +163,9 @@ ErrorBenchOptions bench_options(const Options& options) {
                     ? options.threads
                     : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   out.cpu_time = options.cpu_time;
+  // Their error has to be a fifth of the last row's: that is 25 / 2 times the samples.
+  constexpr int kLeastReference = 256, kMostReference = 65536;
+  out.reference_samples = std::clamp(16 * out.most_samples, kLeastReference, kMostReference);
   out.cache_folder = options.cache.empty() ? usual_cache() : options.cache;
   for (const std::string& file : options.references)
     out.given_reference.push_back(read_picture(file));
