@@ -3,16 +3,19 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <numeric>
 #include <string>
 #include <vector>
 
 #include "base/file.h"
+#include "bench/error/metrics.h"
 #include "cli/command_line.h"
 #include "cli/option_values.h"
 #include "cli/say.h"
 #include "renderer/image/image_file.h"
+#include "renderer/math/encodings.h"
 
 namespace tessera {
 namespace {
@@ -20,6 +23,7 @@ namespace {
 struct CompareOptions {
   std::string first, second;
   double max_difference = 0;
+  bool metrics = false;
 };
 
 struct Difference {
@@ -113,6 +117,43 @@ void check_comparable(const CompareOptions& options, const FloatImage& a, const 
   }
 }
 
+/// Red, green and blue as linear light; files of whole numbers hold sRGB.
+Picture linear_picture(const FloatImage& image, const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  const bool is_linear = ending == ".exr" || ending == ".hdr" || ending == ".pfm";
+  std::vector<size_t> channels;
+  for (const char* name : {"R", "G", "B"}) {
+    const auto found = std::find(image.channels.begin(), image.channels.end(), name);
+    if (found == image.channels.end()) {
+      throw scene_error(fmt::format("{}: its channels are {}; --metrics expects R, G and B", path,
+                                    fmt::join(image.channels, ", ")));
+    }
+    channels.push_back(static_cast<size_t>(found - image.channels.begin()));
+  }
+  Picture out{image.width, image.height, {}};
+  out.values.reserve(3 * out.pixels());
+  for (size_t pixel = 0; pixel < out.pixels(); ++pixel) {
+    for (const size_t channel : channels) {
+      const float value = image.values[pixel * image.channels.size() + channel];
+      out.values.push_back(is_linear ? value : static_cast<float>(srgb_to_linear(double{value})));
+    }
+  }
+  return out;
+}
+
+void print_metrics(const CompareOptions& options, const FloatImage& a, const FloatImage& b) {
+  const PictureError e =
+      picture_error(linear_picture(a, options.first), linear_picture(b, options.second));
+  say("linear rmse       {:.9g}\n", e.rmse);
+  say("relMSE            {:.9g}, {:.9g} without the worst thousandth\n", e.rel_mse,
+      e.trimmed_rel_mse);
+  say("SMAPE             {:.9g}\n", e.smape);
+  say("FLIP              {:.9g}\n", e.flip);
+  say("99.9 % are within {:.9g}\n", e.error_99_9);
+  say("mean ratio        {:.9g}\n", e.mean_ratio);
+  if (e.not_finite > 0) say("not finite        {} values\n", e.not_finite);
+}
+
 ExitCode compare(const CompareOptions& options) {
   for (const std::string& path : {options.first, options.second}) {
     check_input_file(path, UINT64_MAX);
@@ -131,6 +172,7 @@ ExitCode compare(const CompareOptions& options) {
     print_where(a, b, d);
     print_channels(a.channels, d.greatest_of);
   }
+  if (options.metrics) print_metrics(options, a, b);
   if (d.pixels_beyond == 0) return ExitCode::done;
   say("{} by more than {}\n",
       d.pixels_beyond == 1 ? "1 pixel differs" : fmt::format("{} pixels differ", d.pixels_beyond),
@@ -170,6 +212,8 @@ void add_compare_command(CLI::App& app, Action& action) {
           },
           "The greatest difference of a channel that still counts as equal [0]")
       ->type_name("X");
+  command->add_flag("--metrics", options->metrics,
+                    "Tell relMSE, SMAPE, FLIP and their like of A with B as the truth, too");
   command->callback([options, &action] { action = [options] { return compare(*options); }; });
 }
 

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "bench/error/picture.h"
+
+namespace tessera {
+
+/// What a scene of make_accuracy_scene() looks like to the last digit of float, its pixels seen
+/// through the box filter; nothing where no closed form is known.
+std::optional<Picture> closed_form(std::string_view scene, int width, int height);
+
+}  // namespace tessera

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "bench/error/picture.h"
+
+namespace tessera {
+
+/// Of a 0.7 m wide screen of 3,840 pixels seen from 0.7 m: the paper's choice.
+inline constexpr double kUsualPixelsPerDegree = 67.0206;
+
+/// What a viewer who flips between both pictures notices, 0 to 1 a pixel: LDR-FLIP (Andersson,
+/// Nilsson, Akenine-Moeller, Oskarsson, Astroem, Fairchild 2020, "FLIP: A Difference Evaluator for
+/// Alternating Images", HPG). The pictures are linear and are clamped to [0, 1]
+/// first, which is our default tone curve; what is no number counts as 0. Symmetric in both.
+std::vector<float> flip_map(const Picture& a, const Picture& b,
+                            double pixels_per_degree = kUsualPixelsPerDegree);
+
+/// The mean of flip_map over the pixels that count.
+double mean_flip(const Picture& a, const Picture& b, const PixelMask& mask = {},
+                 double pixels_per_degree = kUsualPixelsPerDegree);
+
+}  // namespace tessera

@@ -1,0 +1,74 @@
+#!/usr/bin/env python3
+"""tessera bench error: what it writes, and what it says of a wrong command line."""
+import csv
+import json
+import unittest
+import xml.etree.ElementTree
+
+from tessera_process import TesseraTest
+
+KEYS = {"scene", "method", "samples", "seconds", "rmse", "bias"}
+EDGE = ("bench", "error", "edge", "--size", "16x16", "--samples", "1-4", "--seeds", "3", "--cache",
+        "references")
+
+
+class BenchError(TesseraTest):
+    def test_writes_rows_curves_and_plots(self):
+        (self.folder / "plots").mkdir()
+        run = self.run_program(*EDGE, "--methods", "owen", "independent+tent", "--threads", "2",
+                               "--json", "e.json", "--csv", "e.csv", "--svg", "plots")
+        self.assertEqual(0, run.code, run.err)
+        found = json.loads((self.folder / "e.json").read_text())
+        self.assertEqual(6, len(found["rows"]))
+        for row in found["rows"]:
+            self.assertLessEqual(KEYS, row.keys())
+            self.assertEqual("edge", row["scene"])
+            self.assertGreater(row["rmse"], 0)
+        self.assertEqual([1, 2, 4], [row["samples"] for row in found["rows"][:3]])
+        self.assertEqual({"owen", "independent+tent"}, {row["method"] for row in found["rows"]})
+        with open(self.folder / "e.csv") as file:
+            self.assertEqual(6, len(list(csv.DictReader(file))))
+        for name in ("edge.svg", "edge-efficiency.svg"):
+            root = xml.etree.ElementTree.parse(self.folder / "plots" / name).getroot()
+            self.assertTrue(root.tag.endswith("svg"))
+        self.assertIn("| edge | owen |", run.out)
+        self.assertTrue(list((self.folder / "references").iterdir()), "the tent's are rendered")
+
+    def test_other_pictures_and_files(self):
+        self.assertEqual(0, self.run_program("bench", "error", "edge", "--samples", "1", "--seeds", "2",
+                                             "--cache", "c").code)
+        self.write("s.tessera", "nodes { shape { sphere { radius: 2 } } } "
+                   "background { solid { r: .2 g: .5 b: .7 } } settings { width: 16 height: 16 }")
+        done = self.run_program("render", "s.tessera", "--spp", "64", "-o", "s.exr")
+        self.assertEqual(0, done.code, done.err)
+        run = self.run_program("bench", "error", "s.tessera", "--samples", "1-2", "--seeds", "2", "--cache",
+                               "c", "--reference", "s.exr", "--peer", "twin:1.5:64:s.exr", "--json",
+                               "s.json")
+        self.assertEqual(0, run.code, run.err)
+        peer = json.loads((self.folder / "s.json").read_text())["peers"][0]
+        self.run_program("render", "s.tessera", "--spp", "1", "-o", "one.exr")
+        told = self.run_program("compare", "one.exr", "s.exr", "--metrics").out
+        for name in ("relMSE", "SMAPE", "FLIP"):
+            self.assertRegex(told, rf"{name} +0\.\d*[1-9]")
+        self.assertRegex(self.run_program("compare", "s.exr", "s.exr", "--metrics").out, r"FLIP +0\n")
+        self.assertEqual(("twin", 1.5, 64, 0), tuple(peer[k] for k in ("method", "seconds", "samples", "rmse")))
+
+    def test_says_what_is_wrong(self):
+        for arguments, message in (
+                (("edg",), "did you mean 'edge'?"),
+                (("edge", "--methods", "owne"), "did you mean 'owen'?"),
+                (("edge", "--samples", "1-100"), "expected powers of two"),
+                (("edge", "--samples", "8-4"), "--samples"),
+                (("edge", "--svg", "missing"), "is no folder"),
+                (("edge", "--peer", "x:1:2"), "expected NAME:SECONDS:SAMPLES:FILE"),
+                (("edge", "--peer", "x:0:2:y.exr"), "above 0"),
+                (("--reference", "a.exr"), "expected one SCENE"),
+                (("edge", "--seeds", "1"), "--seeds")):
+            with self.subTest(arguments):
+                run = self.run_program("bench", "error", *arguments)
+                self.assertEqual(2, run.code, run.err)
+                self.assertIn(message, run.err)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,147 @@
+#include "bench/error/metrics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "bench/error/flip.h"
+
+namespace tessera {
+namespace {
+
+Picture constant(int width, int height, float r, float g, float b) {
+  Picture out{width, height, {}};
+  for (size_t i = 0; i < out.pixels(); ++i) out.values.insert(out.values.end(), {r, g, b});
+  return out;
+}
+
+Picture noise(int width, int height, uint64_t seed, double mean, double spread) {
+  std::mt19937_64 random(seed);
+  Picture out{width, height, {}};
+  for (size_t i = 0; i < 3 * out.pixels(); ++i) {
+    const double unit = static_cast<double>(random() >> 11) * 0x1p-53;
+    out.values.push_back(static_cast<float>(mean + spread * (unit - .5)));
+  }
+  return out;
+}
+
+TEST(ErrorMetrics, AreTheHandWorkedNumbers) {
+  // Differences .1, 0, 0 from .1, .2, .3 and 0, -.2, 0 from .1, .4, 0.
+  const Picture reference{2, 1, {.1F, .2F, .3F, .1F, .4F, 0}};
+  const Picture picture{2, 1, {.2F, .2F, .3F, .1F, .2F, 0}};
+  const PictureError e = picture_error(picture, reference);
+  EXPECT_NEAR(e.mse, (.01 + .04) / 6, 1e-8);
+  EXPECT_NEAR(e.rmse, std::sqrt(.05 / 6), 1e-7);
+  EXPECT_NEAR(e.rel_mse, (.01 / .02 + .04 / .17) / 6, 1e-6);
+  EXPECT_NEAR(e.smape, (2 * .1 / .31 + 2 * .2 / .61) / 6, 1e-6);
+  EXPECT_NEAR(e.max_error, .2, 1e-7);
+  EXPECT_NEAR(e.mean_ratio, 1. / 1.1, 1e-6);
+  EXPECT_EQ(e.not_finite, 0u);
+  EXPECT_NEAR(picture_error(picture, reference, {0, 1}).mse, .04 / 3, 1e-8);
+}
+
+TEST(ErrorMetrics, TrimmingTakesTheLargestThousandthOnly) {
+  const Picture reference = constant(20, 50, 1, 1, 1);  // 3,000 values: 3 are trimmed
+  Picture picture = constant(20, 50, 1.5F, 1, 1);
+  for (const size_t i : {1u, 301u, 901u}) picture.values[i] = 101;
+  const PictureError e = picture_error(picture, reference, {}, false);
+  EXPECT_NEAR(e.rel_mse, (1000 * .25 / 1.01 + 3 * 1e4 / 1.01) / 3000, 1e-4);
+  EXPECT_NEAR(e.trimmed_rel_mse, 1000 * .25 / 1.01 / 2997, 1e-8);
+  EXPECT_EQ(e.max_error, 100);
+  EXPECT_EQ(e.error_99_9, .5);
+}
+
+TEST(ErrorMetrics, WhatIsNoNumberCountsAsBlackAndIsCounted) {
+  Picture picture = constant(2, 2, .5F, .5F, .5F);
+  picture.values[4] = std::numeric_limits<float>::quiet_NaN();
+  picture.values[7] = std::numeric_limits<float>::infinity();
+  const PictureError e = picture_error(picture, constant(2, 2, .5F, .5F, .5F));
+  EXPECT_EQ(e.not_finite, 2u);
+  EXPECT_NEAR(e.mse, 2 * .25 / 12, 1e-9);
+  EXPECT_TRUE(std::isfinite(e.flip));
+}
+
+TEST(ErrorMetrics, TheReferencesNoiseCancels) {
+  const Reference reference{noise(64, 64, 1, .5, .4), noise(64, 64, 2, .5, .4)};
+  const Picture picture = noise(64, 64, 3, .5, .4);
+  const double variance = .4 * .4 / 12;
+  EXPECT_NEAR(mean_square_error(picture, reference), variance, .05 * variance);
+  EXPECT_NEAR(reference.error(), std::sqrt(variance / 2), .03 * std::sqrt(variance / 2));
+  EXPECT_NEAR(picture_error(picture, reference.mean(), {}, false).mse, 1.5 * variance,
+              .05 * variance);
+}
+
+TEST(BiasEstimate, FindsAPlantedBiasAndNoOther) {
+  const Reference truth{noise(48, 48, 1, .5, .02), noise(48, 48, 2, .5, .02)};
+  for (const double planted : {0., .008, .02}) {
+    BiasEstimator estimator(truth);
+    for (uint64_t seed = 10; seed < 26; ++seed)
+      estimator.add(noise(48, 48, seed, .5 + planted, .3));
+    const auto found = estimator.result();
+    EXPECT_NEAR(found.variance, .09 / 12, .03 * .09 / 12);
+    if (planted > 0) {
+      EXPECT_NEAR(found.bias, planted, .002) << planted;
+    } else {
+      EXPECT_LT(std::abs(found.sigmas), 4) << "false alarm in 1 of 16,000";
+    }
+    if (planted == .02) {
+      EXPECT_GT(found.sigmas, 20);
+    }
+  }
+}
+
+TEST(BiasEstimate, SaysNothingBeforeItHasTwo) {
+  BiasEstimator estimator({constant(2, 2, 0, 0, 0), constant(2, 2, 0, 0, 0)});
+  estimator.add(constant(2, 2, 1, 1, 1));
+  EXPECT_EQ(estimator.result().bias, 0);
+  estimator.add(constant(2, 2, 1, 1, 1));
+  EXPECT_EQ(estimator.result().bias, 1);
+}
+
+TEST(Flip, IsNothingForEqualPicturesAndAllForBlackAgainstWhite) {
+  const Picture picture = noise(40, 30, 1, .5, 1);
+  for (const float error : flip_map(picture, picture)) EXPECT_EQ(error, 0);
+  // A uniform pair has no features: the colour error alone. Black and white are 100 of L* apart,
+  // whereas 41.3 of them are the .4 of the range from green to blue where .95 is reached.
+  const double white = mean_flip(constant(8, 8, 0, 0, 0), constant(8, 8, 1, 1, 1));
+  EXPECT_NEAR(white, .9674, .0005);
+  // The farthest pair of colours: by definition all there is.
+  EXPECT_NEAR(mean_flip(constant(8, 8, 0, 1, 0), constant(8, 8, 0, 0, 1)), 1, 1e-6);
+}
+
+TEST(Flip, IsSymmetricInsideTheUnitIntervalAndClampsFirst) {
+  const Picture a = noise(40, 30, 1, .5, 2), b = noise(40, 30, 2, .4, 1);
+  const auto forth = flip_map(a, b), back = flip_map(b, a);
+  for (size_t i = 0; i < forth.size(); ++i) {
+    EXPECT_EQ(forth[i], back[i]);
+    EXPECT_GE(forth[i], 0);
+    EXPECT_LE(forth[i], 1);
+  }
+  EXPECT_EQ(mean_flip(constant(8, 8, 1, 1, 1), constant(8, 8, 7, 9, 1.5F)), 0);
+}
+
+TEST(Flip, FinePatternsAreSeenLessFromAfar) {
+  Picture stripes{64, 64, {}};
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x)
+      stripes.values.insert(stripes.values.end(), 3, .5F + (x % 2 == 0 ? .05F : -.05F));
+  const Picture grey = constant(64, 64, .5F, .5F, .5F);
+  EXPECT_LT(mean_flip(stripes, grey, {}, 100), mean_flip(stripes, grey, {}, 20));
+}
+
+TEST(Flip, MoreNoiseIsSeenMore) {
+  const Picture truth = constant(48, 48, .4F, .5F, .3F);
+  double last = 0;
+  for (const double spread : {.02, .08, .3}) {
+    Picture noisy = noise(48, 48, 5, 0, spread);
+    for (size_t i = 0; i < noisy.values.size(); ++i) noisy.values[i] += truth.values[i];
+    const double flip = mean_flip(noisy, truth);
+    EXPECT_GT(flip, last);
+    last = flip;
+  }
+}
+
+}  // namespace
+}  // namespace tessera
