@@ -15,6 +15,9 @@ Color squared(const Color& c) { return c * c; }
 /// The coverage of a pixel by an edge has this / sqrt(n) of the variance that independent samples
 /// give (measured); that counts as much as the differences of so many pixels.
 constexpr double kEdgeGain = 0.68, kPriorPixels = 4;
+/// A pixel's neighbours stand for so many samples of it, as four made-up ones do in the interval of
+/// a share (Agresti and Coull 1998).
+constexpr double kSamplesBeside = 4;
 
 }  // namespace
 
@@ -32,20 +35,18 @@ void BlockEstimate::add(int pixel, const Color& sample) {
 
 void BlockEstimate::look(uint32_t samples) {
   const double n = samples, count = static_cast<double>(count_);
+  const auto mean_of = [&](const Pixel& p) { return p.origin + p.sum * (1 / n); };
   Color block_mean = kBlack;
-  for (size_t i = 0; i < count_; ++i) {
-    block_mean += (pixels_[i].origin + pixels_[i].sum * (1 / n)) * (1 / count);
-  }
-  double halves = 0, own_sum = 0, own_squares = 0, spread = 0;
+  for (size_t i = 0; i < count_; ++i) block_mean += mean_of(pixels_[i]) * (1 / count);
+  double halves = 0, own_sum = 0, own_squares = 0, between = 0;
   for (size_t i = 0; i < count_; ++i) {
     Pixel& p = pixels_[i];
     halves += sum_of(squared((p.half * 2.0 - p.sum) * (1 / n)));
     p.half = p.sum;
-    const double own = std::max(0.0, sum_of(p.squares - squared(p.sum) * (1 / n))) / (n - 1);
-    own_sum += own;
-    own_squares += own * own;
-    spread_[i] = own + sum_of(squared(p.origin + p.sum * (1 / n) - block_mean)) / n;
-    spread += spread_[i];
+    spread_[i] = std::max(0.0, sum_of(p.squares - squared(p.sum) * (1 / n))) / (n - 1);
+    own_sum += spread_[i];
+    own_squares += spread_[i] * spread_[i];
+    between += sum_of(squared(mean_of(p) - block_mean));
   }
   variance_ = own_sum / n;
   if (nets_ && own_squares > 0) {
@@ -55,22 +56,24 @@ void BlockEstimate::look(uint32_t samples) {
   }
   variance_ *= gain_squared_ / (count * kChannels);
   unseen_ = 1 / (count * n * n);
-  // An edge's error goes with its length more than with the variance of what it covers.
-  spread_sum_ = 0;
+  share_pixels(n, own_sum / count, between / count, block_mean);
+}
+
+void BlockEstimate::share_pixels(double n, double own, double between, const Color& block_mean) {
+  const double unsure = n > 3 ? (n - 1) / (n - 3) : 3;
   for (size_t i = 0; i < count_; ++i) {
-    double& share = spread_[i];
-    share += std::sqrt(share * (spread / count));
-    spread_sum_ += share;
+    const Color away = pixels_[i].origin + pixels_[i].sum * (1 / n) - block_mean;
+    const double beside = own + between + sum_of(squared(away));
+    const double all = (n * spread_[i] + kSamplesBeside * beside) / (n + kSamplesBeside);
+    // Few samples do not know their own spread well: Student's t has this variance.
+    spread_[i] = own > 0 ? all / own * unsure : 1;
   }
 }
 
 double BlockEstimate::standard_error() const { return std::sqrt(variance_ + unseen_); }
 
 double BlockEstimate::standard_error(int pixel) const {
-  const double share = spread_sum_ > 0 ? spread_[static_cast<size_t>(pixel)] *
-                                             static_cast<double>(count_) / spread_sum_
-                                       : 1;
-  return std::sqrt(variance_ * share + unseen_);
+  return std::sqrt(variance_ * spread_[static_cast<size_t>(pixel)] + unseen_);
 }
 
 }  // namespace tessera

@@ -12,14 +12,14 @@ namespace tessera {
 ///
 /// The points of a (0,2)-sequence err less than independent ones, so the spread of a pixel's
 /// samples says too much of its error, and how much too much depends on the scene. What tells is
-/// the difference of the means of the first and the second half of the samples: the mean of its
-/// quarter square is the variance of the mean of all where samples are independent, up to 1.8 times
-/// that on edges, where they are better, and never less. A fluke of few pixels does not pass: what
-/// edges would have counts as much as the differences of four pixels.
+/// the difference of the means of the first and the second half of the samples: the mean over the
+/// block of its quarter square is the variance of a mean of all samples where they are independent,
+/// and more where they are better: 1.8 times that on edges, 3 times on edges along an axis. A fluke
+/// of few pixels does not pass: what edges would have counts as much as the differences of four.
 ///
-/// What was not seen is not known to be absent: a feature of display white that the samples of the
-/// whole block miss with chance 1/e is part of the error, and each pixel's mean counts as one
-/// more sample for its neighbours. So no block passes by having no variance.
+/// What was not seen is not known to be absent. A feature of display white that the samples of the
+/// whole block miss with chance 1/e is part of the error, so that no block passes by having no
+/// variance; and for each pixel, the block's other samples count as four more of its own.
 class BlockEstimate {
  public:
   static constexpr int kMaxPixels = 64;
@@ -35,10 +35,13 @@ class BlockEstimate {
   /// Of the latest look: root mean square of the pixels' means' standard errors over the block and
   /// the three channels.
   double standard_error() const;
-  /// Of one pixel's mean, over the three channels: the block's variance in the pixels' shares.
+  /// Of one pixel's mean, over the three channels: the block's, in the ratio of what its samples
+  /// vary. Of the pixels that vary at all, 95 % are to lie within 1.96 times this of the truth.
   double standard_error(int pixel) const;
 
  private:
+  void share_pixels(double n, double own, double between, const Color& block_mean);
+
   struct Pixel {
     Color origin, sum, squares;  ///< of the samples less the first one
     Color half;                  ///< the sum at the look before
@@ -46,9 +49,7 @@ class BlockEstimate {
   };
   std::array<Pixel, kMaxPixels> pixels_{};
   size_t count_;
-  std::array<double, kMaxPixels>
-      spread_{};  ///< each pixel's share of the variance, at the latest look
-  double spread_sum_ = 0;
+  std::array<double, kMaxPixels> spread_{};  ///< of each pixel, over the block's mean
   double variance_ = 0, unseen_ = 0;
   bool nets_;
   double gain_squared_;
