@@ -50,8 +50,8 @@ void assign_filter(RenderOptions& options, const std::string& text) {
   if (colon == std::string::npos) return;
   const double radius = parse_number("--filter", text.substr(colon + 1));
   if (!(radius > 0 && radius <= kMaxFilterRadius)) {
-    throw usage_error(fmt::format("--filter: a radius of {}; expected above 0, at most {} pixels",
-                                  radius, kMaxFilterRadius));
+    throw usage_error(fmt::format("--filter: '{}'; expected a radius above 0, at most {} pixels",
+                                  text, kMaxFilterRadius));
   }
   options.filter_radius = radius;
 }

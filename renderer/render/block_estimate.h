@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "renderer/film/block.h"
 #include "renderer/math/color.h"
 
 namespace tessera {
@@ -22,7 +23,7 @@ namespace tessera {
 /// variance; and for each pixel, the block's other samples count as four more of its own.
 class BlockEstimate {
  public:
-  static constexpr int kMaxPixels = 64;
+  static constexpr int kMaxPixels = kBlockSide * kBlockSide;
 
   /// `nets`: samples are of a (0,2)-sequence; or else independent. `gain`: of the filter's signs.
   BlockEstimate(int pixels, bool nets, double gain);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "renderer/film/block.h"
 #include "renderer/integrator/integrator.h"
 #include "renderer/render/block_estimate.h"
 #include "renderer/render/sample_sum.h"
@@ -29,9 +30,6 @@ bool all_coincide(const Scene& scene) {
          std::none_of(scene.materials.begin(), scene.materials.end(),
                       [](const Material& material) { return material.grain > 0; });
 }
-
-/// Adaptive sampling decides for squares of this side, aligned in the whole frame.
-constexpr int kBlockSide = 8;
 
 PixelRect block_at(int x, int y, const PixelRect& frame) {
   const int x0 = x / kBlockSide * kBlockSide, y0 = y / kBlockSide * kBlockSide;
