@@ -19,6 +19,9 @@ constexpr double kEdgeGain = 0.68, kPriorPixels = 4;
 /// a share (Agresti and Coull 1998).
 constexpr double kSamplesBeside = 4;
 
+/// The share of blocks that are taken to hide something from all of their samples.
+constexpr double kHidingBlocks = 1.0 / 16;
+
 }  // namespace
 
 BlockEstimate::BlockEstimate(int pixels, bool nets, double gain)
@@ -52,10 +55,12 @@ void BlockEstimate::look(uint32_t samples) {
   if (nets_ && own_squares > 0) {
     const double pixels_seen = own_sum * own_sum / own_squares;
     const double edges = kEdgeGain / std::sqrt(n) * variance_;
-    variance_ = (pixels_seen * halves + kPriorPixels * edges) / (pixels_seen + kPriorPixels);
+    const double with_prior =
+        (pixels_seen * halves + kPriorPixels * edges) / (pixels_seen + kPriorPixels);
+    variance_ = std::max(halves, with_prior);
   }
   variance_ *= gain_squared_ / (count * kChannels);
-  unseen_ = 1 / (count * n * n);
+  unseen_ = kHidingBlocks / (count * n * n);
   share_pixels(n, own_sum / count, between / count, block_mean);
 }
 

@@ -18,8 +18,8 @@ namespace tessera {
 /// and more where they are better: 1.8 times that on edges, 3 times on edges along an axis. A fluke
 /// of few pixels does not pass: what edges would have counts as much as the differences of four.
 ///
-/// What was not seen is not known to be absent. A feature of display white that the samples of the
-/// whole block miss with chance 1/e is part of the error, so that no block passes by having no
+/// What was not seen is not known to be absent. One block in 16 is taken to hide a feature of
+/// display white that all its samples miss with chance 1/e, so that no block passes by having no
 /// variance; and for each pixel, the block's other samples count as four more of its own.
 class BlockEstimate {
  public:

@@ -17,7 +17,7 @@ import tempfile
 SAMPLES = pathlib.Path(__file__).parents[2] / "scenes/samples"
 SCENES = ["still_life.tessera", "lanterns.tessera", "mosaic.tessera", "knot.tessera", "temple.x3d",
           "stage.tessera", "toolbox.tessera", "hall.tessera"]
-UNIFORM = [8, 16, 32, 64, 128, 256, 512]
+UNIFORM = [8, 16, 32, 64, 128, 256]
 TARGETS = [0.03, 0.01, 0.003]
 
 

@@ -107,10 +107,11 @@ TEST(Adaptive, blocks_of_one_colour_are_not_believed_at_once) {
   constexpr char kFlat[] = "background { gradient { sky { r: .5 } ground { r: .5 } } }";
   EXPECT_EQ(samples_of(kFlat, 1000, 0.5), 16u);
   EXPECT_EQ(samples_of(kFlat, 1000, 0.5, 100), 128u);
-  // A feature of display white that 64 n samples miss with chance 1/e errs by 1 / (8 n).
-  EXPECT_EQ(samples_of(kFlat, 1000, 0.001), 128u);
-  EXPECT_EQ(samples_of(kFlat, 1000, 0.00012), 1000u);
-  EXPECT_EQ(samples_of(kFlat, 100, 0.00012), 100u);
+  // A feature of display white that 64 n samples miss with chance 1/e errs by 1 / (8 n); of 16 such
+  // blocks one is to have it.
+  EXPECT_EQ(samples_of(kFlat, 1000, 0.001), 32u);
+  EXPECT_EQ(samples_of(kFlat, 1000, 0.00003), 1000u);
+  EXPECT_EQ(samples_of(kFlat, 100, 0.00003), 100u);
   EXPECT_EQ(samples_of(kFlat, 3, 0.5), 3u);
   EXPECT_EQ(samples_of(kFlat, 1, 0.5), 1u);
 }

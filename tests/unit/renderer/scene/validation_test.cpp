@@ -58,7 +58,6 @@ TEST(Validation, materials) {
 
 TEST(Validation, what_is_not_there_yet_is_named) {
   expect_error("background { sun_and_sky {} }", "sun_and_sky");
-  expect_error("settings { sampling { filter: MITCHELL } }", "MITCHELL");
   expect_error("settings { sampling { target_error: -.1 } }", "target_error is -0.1");
   expect_error("settings { sampling { target_error: nan } }", "target_error");
 }
