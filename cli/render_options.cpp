@@ -42,6 +42,68 @@ void add_output_file_option(CLI::App& command, RenderOptions& options) {
       ->group("Picture");
 }
 
+/// "NAME" or "NAME:RADIUS".
+void assign_filter(RenderOptions& options, const std::string& text) {
+  const size_t colon = text.find(':');
+  options.filter = parse_choice("--filter", text.substr(0, colon), pixel_filter_names());
+  options.filter_radius = 0;
+  if (colon == std::string::npos) return;
+  const double radius = parse_number("--filter", text.substr(colon + 1));
+  if (!(radius > 0 && radius <= kMaxFilterRadius)) {
+    throw usage_error(fmt::format("--filter: '{}'; expected a radius above 0, at most {} pixels",
+                                  text, kMaxFilterRadius));
+  }
+  options.filter_radius = radius;
+}
+
+void add_sampling_options(CLI::App& command, RenderOptions& options) {
+  const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
+    command.add_option_function<std::string>(name, assign, text)->type_name(type)->group("Samples");
+  };
+  add("--spp", "N",
+      fmt::format("Samples per pixel; with --target-error the most [the scene's, or 1: a quick "
+                  "look, with jagged edges; with --target-error {}]",
+                  kDefaultMostSamples),
+      [&options](const std::string& text) {
+        options.samples_per_pixel =
+            static_cast<uint32_t>(parse_whole("--spp", text, 1, kMaxSamplesPerPixel));
+      });
+  add("--target-error", "E",
+      "Sample each block of 8x8 pixels until its estimated standard error is below E, 1 being "
+      "display white; 0: all samples everywhere [the scene's, or 0]",
+      [&options](const std::string& text) {
+        options.target_error = parse_number("--target-error", text);
+        if (!(*options.target_error >= 0)) {
+          throw usage_error(
+              fmt::format("--target-error: {}; expected 0 or above", *options.target_error));
+        }
+      });
+  add("--min-spp", "N",
+      fmt::format("With --target-error: never stop before N samples [the scene's, or {}]",
+                  kDefaultMinSamples),
+      [&options](const std::string& text) {
+        options.min_samples =
+            static_cast<uint32_t>(parse_whole("--min-spp", text, 1, kMaxSamplesPerPixel));
+      });
+  add("--filter", "NAME[:RADIUS]",
+      fmt::format(
+          "{}: how samples weigh about a pixel's centre; RADIUS in pixels: .5, 1, 1.5, 2, 2 "
+          "if left out [the scene's, or box]",
+          fmt::join(pixel_filter_names(), ", ")),
+      [&options](const std::string& text) { assign_filter(options, text); });
+  add("--pattern", "NAME",
+      fmt::format("{}: how samples are spread; blue-noise evens their error out over the picture "
+                  "[the scene's, or owen-sobol; center for one sample]",
+                  fmt::join(sample_pattern_names(), ", ")),
+      [&options](const std::string& text) {
+        options.pattern = parse_choice("--pattern", text, sample_pattern_names());
+      });
+  add("--seed", "N", "Seed of the sample pattern [the scene's, or 0]",
+      [&options](const std::string& text) {
+        options.seed = static_cast<uint32_t>(parse_whole("--seed", text, 0, UINT32_MAX));
+      });
+}
+
 void add_picture_options(CLI::App& command, RenderOptions& options) {
   const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
     command.add_option_function<std::string>(name, assign, text)->type_name(type)->group("Picture");
@@ -50,15 +112,6 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       fmt::format("Width and height in pixels [the scene's, or {}x{}]", kDefaultFrameWidth,
                   kDefaultFrameHeight),
       [&options](const std::string& text) { options.size = parse_size("--size", text); });
-  add("--spp", "N", "Samples per pixel [the scene's, or 1: a quick look, with jagged edges]",
-      [&options](const std::string& text) {
-        options.samples_per_pixel =
-            static_cast<uint32_t>(parse_whole("--spp", text, 1, kMaxSamplesPerPixel));
-      });
-  add("--seed", "N", "Seed of the sample pattern [the scene's, or 0]",
-      [&options](const std::string& text) {
-        options.seed = static_cast<uint32_t>(parse_whole("--seed", text, 0, UINT32_MAX));
-      });
   add("--crop", "X0,Y0,X1,Y1", "Only these pixels of the frame, from X0,Y0 up to before X1,Y1",
       [&options](const std::string& text) { options.crop = parse_crop("--crop", text); });
   add("--camera", "CAMERA",
@@ -189,6 +242,7 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
       ->type_name("FILE");
   add_place_option(command, options.reading.placements);
   add_picture_options(command, options);
+  add_sampling_options(command, options);
   add_output_options(command, options.output);
   add_tracing_options(command, options);
   add_read_options(command, options.reading);
@@ -223,6 +277,11 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
     asked.set_height(static_cast<uint32_t>(options.size->height));
   }
   asked.set_samples_per_pixel(options.samples_per_pixel.value_or(0));
+  if (options.target_error) asked.set_target_error(*options.target_error);
+  asked.set_min_samples(options.min_samples.value_or(0));
+  asked.set_pattern(options.pattern.value_or(""));
+  asked.set_pixel_filter(options.filter.value_or(""));
+  asked.set_filter_radius(options.filter_radius);
   asked.set_seed(options.seed.value_or(settings.sampling().seed()));
   asked.set_integrator(options.integrator.value_or(""));
   asked.set_accelerator(options.accelerator.value_or(""));

@@ -25,6 +25,11 @@ struct RenderOptions {
   std::vector<std::filesystem::path> outputs;
   std::optional<FrameSize> size;
   std::optional<uint32_t> samples_per_pixel;
+  std::optional<double> target_error;
+  std::optional<uint32_t> min_samples;
+  std::optional<std::string> pattern;
+  std::optional<std::string> filter;
+  double filter_radius = 0;  ///< pixels; 0: the filter's own
   std::optional<uint32_t> seed;
   std::optional<std::string> accelerator;
   std::optional<std::string> integrator;

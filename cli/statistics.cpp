@@ -41,9 +41,11 @@ json rays_json(const CounterMap& counters) {
 
 /// Work that was not done: every counter that does not count work.
 json skips_json(const CounterMap& counters) {
-  constexpr std::array<std::string_view, 9> kWork{
-      "rays_primary", "rays_shadow",     "rays_reflection", "rays_refraction", "hits",
-      "node_visits",  "primitive_tests", "samples",         "nan_samples"};
+  constexpr std::array<std::string_view, 10> kWork{
+      "rays_primary",           "rays_shadow", "rays_reflection",
+      "rays_refraction",        "hits",        "node_visits",
+      "primitive_tests",        "samples",     "nan_samples",
+      "samples_beside_the_tile"};
   json skips = json::object();
   for (const auto& [name, count] : counters) {
     if (std::find(kWork.begin(), kWork.end(), name) == kWork.end()) skips[name] = count;
@@ -69,7 +71,8 @@ json statistics_json(const FrameStatistics& statistics) {
                        {"trace", report.trace_seconds},     {"assemble", report.assemble_seconds},
                        {"write", statistics.seconds.write}, {"total", statistics.seconds.total}};
   result["rays"] = rays_json(report.counters);
-  for (const char* name : {"hits", "node_visits", "primitive_tests", "samples", "nan_samples"}) {
+  for (const char* name : {"hits", "node_visits", "primitive_tests", "samples", "nan_samples",
+                           "samples_beside_the_tile"}) {
     result[name] = counter(report.counters, name);
   }
   result["skips"] = skips_json(report.counters);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "renderer/film/block.h"
 #include "renderer/film/tile.h"
 
 namespace tessera {
@@ -27,13 +28,19 @@ struct TilePiece {
   static TilePiece of(LeaseId lease) { return unpack(static_cast<uint32_t>(lease)); }
 
   /// Its rows of that rectangle of the tile; empty where it has fewer rows than parts, or this is
-  /// no part.
+  /// no part. Strips high enough end where a block of adaptive sampling does, which would otherwise
+  /// be traced for both.
   PixelRect rect(const PixelRect& tile_rect) const {
     const int64_t height = tile_rect.height();
     if (part >= parts || height < parts) return {};
     PixelRect strip = tile_rect;
-    strip.y0 = tile_rect.y0 + static_cast<int>(height * part / parts);
-    strip.y1 = tile_rect.y0 + static_cast<int>(height * (part + 1) / parts);
+    const auto line = [&](uint32_t i) {
+      const int y = tile_rect.y0 + static_cast<int>(height * i / parts);
+      const bool outer = i == 0 || i == parts;
+      return outer || height < int64_t{kBlockSide} * parts ? y : y / kBlockSide * kBlockSide;
+    };
+    strip.y0 = line(part);
+    strip.y1 = line(part + 1);
     return strip;
   }
   friend bool operator==(const TilePiece&, const TilePiece&) = default;

@@ -57,6 +57,8 @@ struct TraceState {
 class Integrator {
  public:
   virtual ~Integrator() = default;
+  /// Takes the memory that following rays may need, so that none is taken on the way.
+  virtual void make_room(TraceState&) const {}
   virtual Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const = 0;
   /// What radiance() returns, to the last bit, for a camera ray that meets nothing.
   virtual Color background(const Ray& ray) const = 0;

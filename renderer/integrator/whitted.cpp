@@ -21,6 +21,11 @@ class WhittedIntegrator final : public Integrator {
  public:
   explicit WhittedIntegrator(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
 
+  void make_room(TraceState& state) const override {
+    // A level of recursion leaves at most two segments waiting.
+    if (kSecondary) state.stack.reserve(2 * size_t{scene_->settings.max_depth} + 3);
+  }
+
   Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const override {
     ++state.counters.rays_primary;
     Color sum = follow(ray, kWholePath, key, state);

@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.h"
+#include "renderer/film/block.h"
 #include "renderer/integrator/integrator.h"
+#include "renderer/render/block_estimate.h"
+#include "renderer/render/sample_sum.h"
 #include "renderer/scene/scene_builder.h"
 
 namespace tessera {
@@ -27,12 +31,28 @@ bool all_coincide(const Scene& scene) {
                       [](const Material& material) { return material.grain > 0; });
 }
 
+PixelRect block_at(int x, int y, const PixelRect& frame) {
+  const int x0 = x / kBlockSide * kBlockSide, y0 = y / kBlockSide * kBlockSide;
+  return {x0, y0, std::min(x0 + kBlockSide, frame.x1), std::min(y0 + kBlockSide, frame.y1)};
+}
+
+bool contains_pixel(const PixelRect& rect, int x, int y) {
+  return rect.contains({x, y, x + 1, y + 1});
+}
+
+PixelRect intersection(const PixelRect& a, const PixelRect& b) {
+  return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+}
+
+bool is_power_of_two(uint32_t n) { return (n & (n - 1)) == 0; }
+
 class SceneTileRenderer final : public TileRenderer {
  public:
   explicit SceneTileRenderer(std::shared_ptr<const Scene> scene)
       : scene_(std::move(scene)),
         integrator_(make_integrator(scene_)),
-        samples_coincide_(all_coincide(*scene_)) {}
+        samples_coincide_(all_coincide(*scene_)),
+        adaptive_(scene_->settings.target_error > 0 && !samples_coincide_) {}
 
   CounterMap build_counters() const override { return scene_->counters; }
 
@@ -43,35 +63,16 @@ class SceneTileRenderer final : public TileRenderer {
                               task.rect.y0, task.rect.y1, frame.x1, frame.y1, task.sample_count));
     TilePixels tile;
     tile.rect = task.rect;
-    tile.values.reserve(static_cast<size_t>(task.rect.area()) * kFilmChannels);
     TraceState state;
-    // A level of recursion leaves at most two segments waiting.
-    state.stack.reserve(scene_->features.secondary &&
-                                scene_->settings.integrator == IntegratorKind::whitted
-                            ? 2 * scene_->settings.max_depth + 3
-                            : 0);
-    uint64_t unseen_pixels = 0;
-    uint64_t work_done = progress.work_done.load(std::memory_order_relaxed);
-    for (int y = task.rect.y0; y < task.rect.y1; ++y) {
-      for (int x = task.rect.x0; x < task.rect.x1; ++x) {
-        // A pixel of a million samples takes long: a row would be too coarse a step.
-        if (progress.cancelled.load(std::memory_order_relaxed)) return std::nullopt;
-        const bool seen = scene_->seen.contains({x, y, x + 1, y + 1});
-        if (!seen) ++unseen_pixels;
-        const Color mean = seen ? mean_of(x, y, task, state, &SceneTileRenderer::trace)
-                                : unseen_pixel(x, y, task, state);
-        for (const double channel : {mean.r, mean.g, mean.b}) {
-          tile.values.push_back(static_cast<float>(channel));
-        }
-        progress.work_done.store(++work_done, std::memory_order_relaxed);
-      }
-    }
+    integrator_->make_room(state);
+    tile.counters["rays_background_skipped"] = 0;
+    tile.counters["tiles_background"] = intersection(scene_->seen, task.rect).empty() ? 1 : 0;
+    const bool done = adaptive_ ? render_blocks(task, progress, state, tile)
+                                : render_pixels(task, progress, state, tile);
+    if (!done) return std::nullopt;
     state.counters.add_to(tile.counters);
     if (scene_->built_when_hit)
       tile.counters["meshes_built_when_hit"] = scene_->built_when_hit->exchange(0);
-    tile.counters["rays_background_skipped"] = unseen_pixels * task.sample_count;
-    tile.counters["tiles_background"] =
-        unseen_pixels == static_cast<uint64_t>(task.rect.area()) ? 1 : 0;
     return tile;
   }
 
@@ -91,62 +92,206 @@ class SceneTileRenderer final : public TileRenderer {
   }
 
  private:
-  using SampleFunction = Color (SceneTileRenderer::*)(const SampleKey&, TraceState&) const;
+  using SampleFunction = Sample (SceneTileRenderer::*)(const SampleKey&, TraceState&) const;
+
+  /// Whether it was not cancelled.
+  bool render_pixels(const RenderTask& task, TileProgress& progress, TraceState& state,
+                     TilePixels& tile) const {
+    tile.values.reserve(static_cast<size_t>(task.rect.area()) * kFilmChannels);
+    uint64_t unseen_pixels = 0;
+    uint64_t work_done = progress.work_done.load(std::memory_order_relaxed);
+    for (int y = task.rect.y0; y < task.rect.y1; ++y) {
+      for (int x = task.rect.x0; x < task.rect.x1; ++x) {
+        // A pixel of a million samples takes long: a row would be too coarse a step.
+        if (progress.cancelled.load(std::memory_order_relaxed)) return false;
+        const bool seen = is_seen(x, y);
+        if (!seen) ++unseen_pixels;
+        const Color mean = mean_of(x, y, task, state, way_of(seen));
+        for (const double channel : {mean.r, mean.g, mean.b}) {
+          tile.values.push_back(static_cast<float>(channel));
+        }
+        progress.work_done.store(++work_done, std::memory_order_relaxed);
+      }
+    }
+    tile.counters["rays_background_skipped"] = unseen_pixels * task.sample_count;
+    return true;
+  }
+
+  // ------------------------------------------------------------------------ adaptive sampling
+
+  /// A pixel of the block that is being traced.
+  struct BlockPixel {
+    int x = 0, y = 0;
+    bool wanted = false;  ///< it is of the task
+    bool seen = false;
+    SampleSum sum;
+  };
+  struct BlockCounters {
+    uint64_t background = 0, saved = 0, stopped = 0;
+  };
+
+  bool render_blocks(const RenderTask& task, TileProgress& progress, TraceState& state,
+                     TilePixels& tile) const {
+    const PixelRect frame{0, 0, scene_->settings.width, scene_->settings.height};
+    tile.values.resize(static_cast<size_t>(task.rect.area()) * kFilmChannels);
+    // What is traced for the decision alone is counted apart: the rest does not depend on how the
+    // frame is cut.
+    TraceState beside;
+    beside.stack.reserve(state.stack.capacity());
+    BlockCounters counters;
+    const PixelRect first = block_at(task.rect.x0, task.rect.y0, frame);
+    for (int y = first.y0; y < task.rect.y1; y += kBlockSide) {
+      for (int x = first.x0; x < task.rect.x1; x += kBlockSide) {
+        if (!render_block(block_at(x, y, frame), task, progress, state, beside, counters, tile)) {
+          return false;
+        }
+      }
+    }
+    tile.counters["rays_background_skipped"] = counters.background;
+    tile.counters["samples_saved"] = counters.saved;
+    tile.counters["blocks_stopped_early"] = counters.stopped;
+    tile.counters["samples_beside_the_tile"] = beside.counters.samples;
+    return true;
+  }
+
+  bool render_block(const PixelRect& block, const RenderTask& task, TileProgress& progress,
+                    TraceState& state, TraceState& beside, BlockCounters& counters,
+                    TilePixels& tile) const {
+    std::array<BlockPixel, BlockEstimate::kMaxPixels> pixels;
+    const size_t count = begin_block(block, task, state, counters, tile, pixels);
+    const SamplePattern pattern = scene_->settings.sampler.pattern;
+    BlockEstimate estimate(static_cast<int>(count), pattern != SamplePattern::independent,
+                           scene_->sampler->filter_gain());
+    uint32_t done = 0;
+    bool converged = count == 0;
+    while (!converged && done < task.sample_count) {
+      const uint32_t next = std::min(done == 0 ? 2 : 2 * done, task.sample_count);
+      for (size_t i = 0; i < count; ++i) {
+        if (progress.cancelled.load(std::memory_order_relaxed)) return false;
+        BlockPixel& pixel = pixels[i];
+        TraceState& counted = pixel.wanted ? state : beside;
+        for (uint32_t sample = done; sample < next; ++sample) {
+          const Sample found = finite_sample({pixel.x, pixel.y, task.first_sample + sample},
+                                             counted, way_of(pixel.seen));
+          pixel.sum.add(found);
+          estimate.add(static_cast<int>(i), found.color);
+        }
+        progress.work_done.fetch_add(1, std::memory_order_relaxed);
+      }
+      done = next;
+      if (done < 2 || !is_power_of_two(done)) continue;
+      estimate.look(done);
+      converged = done >= scene_->settings.min_samples &&
+                  estimate.standard_error() < scene_->settings.target_error;
+    }
+    const bool early = count > 0 && done < task.sample_count;
+    if (early && contains_pixel(task.rect, block.x0, block.y0)) ++counters.stopped;
+    for (size_t i = 0; i < count; ++i) {
+      if (!pixels[i].wanted) continue;
+      counters.saved += task.sample_count - done;
+      if (!pixels[i].seen) counters.background += done;
+      put(pixels[i].sum.mean(), pixels[i].x, pixels[i].y, tile);
+    }
+    return true;
+  }
+
+  /// The pixels that the decision is about. Those past everything, where all such pixels are alike,
+  /// are not: they have all their samples, as where a whole tile is filled with them.
+  size_t begin_block(const PixelRect& block, const RenderTask& task, TraceState& state,
+                     BlockCounters& counters, TilePixels& tile,
+                     std::array<BlockPixel, BlockEstimate::kMaxPixels>& pixels) const {
+    size_t count = 0;
+    for (int y = block.y0; y < block.y1; ++y) {
+      for (int x = block.x0; x < block.x1; ++x) {
+        const bool wanted = contains_pixel(task.rect, x, y), seen = is_seen(x, y);
+        if (seen || !scene_->background.is_constant()) {
+          pixels[count++] = {x, y, wanted, seen, SampleSum(scene_->sampler->filter_gain())};
+        } else if (wanted) {
+          put(mean_of(x, y, task, state, way_of(seen)), x, y, tile);
+          counters.background += task.sample_count;
+        }
+      }
+    }
+    return count;
+  }
+
+  static void put(const Color& mean, int x, int y, TilePixels& tile) {
+    const PixelRect& rect = tile.rect;
+    const size_t at = static_cast<size_t>(int64_t{y - rect.y0} * rect.width() + (x - rect.x0));
+    float* value = &tile.values[at * kFilmChannels];
+    for (const double channel : {mean.r, mean.g, mean.b}) *value++ = static_cast<float>(channel);
+  }
+
+  // ------------------------------------------------------------------------------------ samples
+
+  bool is_seen(int x, int y) const { return scene_->seen.contains({x, y, x + 1, y + 1}); }
+
+  /// How a pixel's samples are found. Of one past everything they are what tracing would give,
+  /// without tracing; where all such pixels are alike not even a ray is made.
+  SampleFunction way_of(bool seen) const {
+    return seen                               ? &SceneTileRenderer::trace
+           : scene_->background.is_constant() ? &SceneTileRenderer::constant_background
+                                              : &SceneTileRenderer::look_past;
+  }
 
   /// What `look` sees along the sample's camera ray, or the mean over the lens.
   template <typename Look>
-  Color through_camera(const SampleKey& key, const Look& look) const {
-    const Vec2 raster = scene_->sampler->raster_point(key.x, key.y, key.sample);
+  Sample through_camera(const SampleKey& key, const Look& look) const {
+    const Sampler::RasterSample raster = scene_->sampler->raster_sample(key.x, key.y, key.sample);
+    const Vec2& at = raster.point;
     const uint32_t lens_samples = scene_->camera->lens_samples();
-    if (lens_samples == 0) return look(scene_->camera->ray(raster.x, raster.y));
+    if (lens_samples == 0) return {look(scene_->camera->ray(at.x, at.y), key), raster.negative};
     Color sum = kBlack;
     for (uint32_t i = 0; i < lens_samples; ++i) {
-      const Vec2 u =
-          scene_->sampler->pair(key.x, key.y, key.sample * lens_samples + i, SampleUse::lens);
-      sum += look(scene_->camera->lens_ray(raster.x, raster.y, u));
+      // A ray through the lens has numbers of its own, whatever else it draws.
+      const SampleKey own{key.x, key.y, key.sample * lens_samples + i};
+      const Vec2 u = scene_->sampler->pair(own.x, own.y, own.sample, SampleUse::lens);
+      sum += look(scene_->camera->lens_ray(at.x, at.y, u), own);
     }
-    return sum * (1.0 / lens_samples);
+    return {sum * (1.0 / lens_samples), raster.negative};
   }
-  Color trace(const SampleKey& key, TraceState& state) const {
-    return through_camera(key,
-                          [&](const Ray& ray) { return integrator_->radiance(ray, key, state); });
+  Sample trace(const SampleKey& key, TraceState& state) const {
+    return through_camera(key, [&](const Ray& ray, const SampleKey& own) {
+      return integrator_->radiance(ray, own, state);
+    });
   }
-  Color look_past(const SampleKey& key, TraceState&) const {
-    return through_camera(key, [&](const Ray& ray) { return integrator_->background(ray); });
+  Sample look_past(const SampleKey& key, TraceState&) const {
+    return through_camera(
+        key, [&](const Ray& ray, const SampleKey&) { return integrator_->background(ray); });
   }
-  Color constant_background(const SampleKey&, TraceState&) const {
-    return integrator_->background({});
+  Sample constant_background(const SampleKey&, TraceState&) const {
+    return {integrator_->background({})};
   }
 
-  /// What tracing would give, without tracing. Where all pixels are alike not even a ray is made.
-  Color unseen_pixel(int x, int y, const RenderTask& task, TraceState& state) const {
-    return mean_of(x, y, task, state,
-                   scene_->background.is_constant() ? &SceneTileRenderer::constant_background
-                                                    : &SceneTileRenderer::look_past);
+  /// Counted; black where it is no colour that a pixel can hold.
+  Sample finite_sample(const SampleKey& key, TraceState& state,
+                       SampleFunction sample_function) const {
+    Sample sample = (this->*sample_function)(key, state);
+    ++state.counters.samples;
+    if (!is_representable(sample.color)) {
+      sample.color = kBlack;
+      ++state.counters.nan_samples;
+    }
+    return sample;
   }
 
   /// The mean of the task's samples, added in the order of their numbers.
   Color mean_of(int x, int y, const RenderTask& task, TraceState& state,
                 SampleFunction sample_function) const {
-    Color sum = kBlack;
+    SampleSum sum(scene_->sampler->filter_gain());
     // Samples that are all alike are traced once.
     const uint32_t traced = samples_coincide_ ? 1 : task.sample_count;
     state.counters.samples_skipped += task.sample_count - traced;
     for (uint32_t i = 0; i < traced; ++i) {
-      const Color color = (this->*sample_function)({x, y, task.first_sample + i}, state);
-      ++state.counters.samples;
-      if (is_representable(color)) {
-        sum += color;
-      } else {
-        ++state.counters.nan_samples;
-      }
+      sum.add(finite_sample({x, y, task.first_sample + i}, state, sample_function));
     }
-    return traced == 1 ? sum : sum * (1.0 / traced);
+    return sum.mean();
   }
 
   std::shared_ptr<const Scene> scene_;
   std::unique_ptr<const Integrator> integrator_;
   bool samples_coincide_;
+  bool adaptive_;
 };
 
 }  // namespace

@@ -64,6 +64,17 @@ Vec2 independent_pair(uint64_t key, uint32_t sample) {
           static_cast<uint32_t>(bits >> 32) * kTwoToMinus32};
 }
 
+/// The bits of both numbers in turns, of `x` first.
+uint32_t z_order(uint32_t x, uint32_t y) {
+  const auto spread = [](uint32_t v) {  // of 16 bits
+    v = (v | (v << 8)) & 0x00ff00ffu;
+    v = (v | (v << 4)) & 0x0f0f0f0fu;
+    v = (v | (v << 2)) & 0x33333333u;
+    return (v | (v << 1)) & 0x55555555u;
+  };
+  return spread(x) | (spread(y) << 1);
+}
+
 /// Distance from the centre, in radii, below which a share `u` of a tent lies.
 double tent(double u) { return u < 0.5 ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 * (1 - u)); }
 
@@ -71,6 +82,10 @@ double tent(double u) { return u < 0.5 ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 
 
 Sampler::Sampler(const SamplerSettings& settings) : settings_(settings) {
   while (uint64_t{grid_ + 1} * (grid_ + 1) <= settings_.samples_per_pixel) ++grid_;
+  while (uint64_t{1} << sample_bits_ < settings_.samples_per_pixel) ++sample_bits_;
+  if (settings_.filter != PixelFilter::box && settings_.filter != PixelFilter::tent) {
+    table_ = std::make_shared<const FilterTable>(settings_.filter, settings_.filter_radius);
+  }
 }
 
 Vec2 Sampler::pixel_square(int x, int y, uint32_t sample) const {
@@ -86,20 +101,26 @@ Vec2 Sampler::pixel_square(int x, int y, uint32_t sample) const {
     }
     case SamplePattern::owen_sobol:
     case SamplePattern::independent:
+    case SamplePattern::blue_noise:
       break;
   }
   return pair(x, y, sample, SampleUse::pixel);
 }
 
-Vec2 Sampler::raster_point(int x, int y, uint32_t sample) const {
+Sampler::RasterSample Sampler::raster_sample(int x, int y, uint32_t sample) const {
   Vec2 u = pixel_square(x, y, sample);
-  if (settings_.filter == PixelFilter::tent) {
+  bool negative = false;
+  if (table_) {
+    const FilterTable::Draw across = table_->draw(u.x), down = table_->draw(u.y);
+    u = {0.5 + across.offset, 0.5 + down.offset};
+    negative = across.negative != down.negative;
+  } else if (settings_.filter == PixelFilter::tent) {
     u = {0.5 + settings_.filter_radius * tent(u.x), 0.5 + settings_.filter_radius * tent(u.y)};
   } else if (settings_.filter_radius != 0.5) {
     const double side = 2 * settings_.filter_radius;
     u = {0.5 + side * (u.x - 0.5), 0.5 + side * (u.y - 0.5)};
   }
-  return {x + u.x, y + u.y};
+  return {{x + u.x, y + u.y}, negative};
 }
 
 Vec2 SampleStream::pair(SampleUse use) const {
@@ -108,11 +129,26 @@ Vec2 SampleStream::pair(SampleUse use) const {
 }
 
 SampleStream Sampler::stream(int x, int y, uint32_t sample) const {
-  const uint64_t pixel = (uint64_t{static_cast<uint32_t>(y)} << 32) | static_cast<uint32_t>(x);
+  const auto column = static_cast<uint32_t>(x), row = static_cast<uint32_t>(y);
+  if (settings_.pattern == SamplePattern::blue_noise) return picture_stream(column, row, sample);
   SampleStream stream;
-  stream.key_ = mix(pixel) ^ (uint64_t{settings_.seed} << 32);
+  stream.key_ = mix((uint64_t{row} << 32) | column) ^ (uint64_t{settings_.seed} << 32);
   stream.independent_ = settings_.pattern == SamplePattern::independent;
   stream.sample_ = stream.independent_ ? sample : reverse_bits(sample);
+  return stream;
+}
+
+SampleStream Sampler::picture_stream(uint32_t column, uint32_t row, uint32_t sample) const {
+  // What does not fit into the index, pixels far apart and samples beyond those announced, is
+  // keyed.
+  const uint32_t side_bits = (32 - sample_bits_) / 2, mask = (1u << side_bits) - 1;
+  const uint64_t square = (uint64_t{row >> side_bits} << 32) | (column >> side_bits);
+  const uint32_t order = z_order(column & mask, row & mask);
+  const uint32_t within = sample & ((1u << sample_bits_) - 1);
+  SampleStream stream;
+  stream.key_ =
+      mix(square ^ (uint64_t{sample >> sample_bits_} << 48)) ^ (uint64_t{settings_.seed} << 32);
+  stream.sample_ = reverse_bits((order << sample_bits_) | within);
   return stream;
 }
 

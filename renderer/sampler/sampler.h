@@ -1,16 +1,21 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "renderer/math/vec.h"
+#include "renderer/sampler/pixel_filter.h"
 
 namespace tessera {
 
-enum class SamplePattern { center, owen_sobol, centered_grid, corner_grid, independent };
-/// How samples spread about a pixel's centre; each by inverting its cumulative distribution, so
-/// that every sample weighs the same and pixels share none.
-enum class PixelFilter { box, tent };
-
+enum class SamplePattern {
+  center,
+  owen_sobol,
+  centered_grid,
+  corner_grid,
+  independent,
+  blue_noise
+};
 struct SamplerSettings {
   SamplePattern pattern = SamplePattern::center;
   uint32_t samples_per_pixel = 1;  ///< 1 to 2^20; a square for the grids
@@ -38,15 +43,33 @@ class SampleStream {
 /// Numbers in [0, 1) keyed by (seed, pixel, sample, use) and nothing else: any sample of any pixel
 /// can be drawn alone, in any order, on any host. Owen-scrambled Sobol pairs by hashing (Burley
 /// 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4)): every prefix of 2^k samples of a pair
-/// is a (0, k, 2)-net in base 2. A value; thread-safe.
+/// is a (0, k, 2)-net in base 2.
+///
+/// `blue_noise` is one such sequence over the picture: pixels in z-order take 2^k of its points
+/// each (Ahmed and Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via
+/// Hierarchical Ordering of Pixels", TOG 39(6)), so that the points of 2 x 2, 4 x 4 ... pixels are
+/// nets too, and their errors cancel. The Owen scramble of the index, hashed, does for the shuffle
+/// of each level. A pixel's own points are as good as before.
+/// A value; thread-safe.
 class Sampler {
  public:
   explicit Sampler(const SamplerSettings& settings);
 
   const SamplerSettings& settings() const { return settings_; }
   /// Where sample `sample` of pixel (x, y) looks, in raster coordinates: pixel (x, y) covers
-  /// [x, x + 1) x [y, y + 1), y downwards.
-  Vec2 raster_point(int x, int y, uint32_t sample) const;
+  /// [x, x + 1) x [y, y + 1), y downwards. What it finds counts with the filter's sign there.
+  struct RasterSample {
+    Vec2 point;
+    bool negative = false;
+  };
+  RasterSample raster_sample(int x, int y, uint32_t sample) const;
+  /// raster_sample(x, y, sample).point
+  Vec2 raster_point(int x, int y, uint32_t sample) const {
+    return raster_sample(x, y, sample).point;
+  }
+  /// By which the mean of signed samples is too small: the integral of |f| over that of f. Above 1
+  /// where some samples are negative.
+  double filter_gain() const { return table_ ? table_->gain() * table_->gain() : 1; }
   /// The numbers of a sample, by Owen-scrambled Sobol whatever the pixel pattern, but for
   /// `independent`.
   SampleStream stream(int x, int y, uint32_t sample) const;
@@ -55,9 +78,12 @@ class Sampler {
 
  private:
   Vec2 pixel_square(int x, int y, uint32_t sample) const;
+  SampleStream picture_stream(uint32_t column, uint32_t row, uint32_t sample) const;
 
   SamplerSettings settings_;
-  uint32_t grid_ = 1;  ///< cells on a side, for the grids
+  uint32_t grid_ = 1;                         ///< cells on a side, for the grids
+  uint32_t sample_bits_ = 0;                  ///< that number a pixel's samples
+  std::shared_ptr<const FilterTable> table_;  ///< null for box and tent, which have closed forms
 };
 
 }  // namespace tessera

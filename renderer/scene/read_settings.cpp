@@ -55,21 +55,31 @@ std::string choose(std::string_view field, const std::string& frame, const std::
   return name;
 }
 
-SamplePattern read_pattern(v1::Sampling::Pattern pattern, uint32_t samples) {
-  switch (pattern) {
-    case v1::Sampling::CENTER:
-      return SamplePattern::center;
-    case v1::Sampling::OWEN_SOBOL:
-      return SamplePattern::owen_sobol;
-    case v1::Sampling::CENTERED_GRID:
-      return SamplePattern::centered_grid;
-    case v1::Sampling::CORNER_GRID:
-      return SamplePattern::corner_grid;
-    case v1::Sampling::INDEPENDENT:
-      return SamplePattern::independent;
-    default:
-      return samples == 1 ? SamplePattern::center : SamplePattern::owen_sobol;
+/// Where the name is in the list, which has it.
+template <typename Enum>
+Enum named(const std::vector<std::string>& names, const std::string& name) {
+  return static_cast<Enum>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+/// The name of a number of the scene, of which the first of `names` is `first`.
+std::string name_of(std::string_view field, int number, int first,
+                    const std::vector<std::string>& names) {
+  const auto place = static_cast<size_t>(number - first);
+  if (number >= first && place < names.size()) return names[place];
+  fail_value(kSettings, field, std::to_string(number),
+             fmt::format("one of {}", fmt::join(names, ", ")));
+}
+
+void complete_pattern(v1::FrameSettings& frame, const v1::Sampling& in) {
+  const std::vector<std::string>& names = sample_pattern_names();
+  std::string scene;
+  if (frame.pattern().empty()) {
+    scene = in.pattern() != v1::Sampling::PATTERN_DEFAULT
+                ? name_of("sampling.pattern", in.pattern(), v1::Sampling::CENTER, names)
+            : frame.samples_per_pixel() == 1 ? names[0]
+                                             : names[1];
   }
+  frame.set_pattern(choose("sampling.pattern", frame.pattern(), scene, names));
 }
 
 void check_square(uint32_t samples) {
@@ -82,31 +92,43 @@ void check_square(uint32_t samples) {
   }
 }
 
-SamplerSettings read_sampling(const v1::Sampling& in, const v1::FrameSettings& frame) {
+/// The frame's filter and its radius, or the scene's. A filter named without a radius has its own.
+void complete_filter(v1::FrameSettings& frame, const v1::Sampling& in) {
+  const std::vector<std::string>& names = pixel_filter_names();
+  const bool of_scene = frame.pixel_filter().empty();
+  const std::string scene =
+      of_scene ? name_of("sampling.filter", in.filter(), v1::Sampling::BOX, names) : "";
+  frame.set_pixel_filter(choose("sampling.filter", frame.pixel_filter(), scene, names));
+  const double own = default_radius(named<PixelFilter>(names, frame.pixel_filter()));
+  if (frame.filter_radius() == 0) {
+    frame.set_filter_radius(of_scene && in.has_filter_radius() ? in.filter_radius() : own);
+  }
+  checked(kSettings, "sampling.filter_radius", frame.filter_radius(),
+          {.min = 0, .max = kMaxFilterRadius, .above_min = true});
+}
+
+void complete_adaptive(v1::FrameSettings& frame, const v1::Sampling& in) {
+  if (!frame.has_target_error()) frame.set_target_error(in.target_error());
+  checked(kSettings, "sampling.target_error", frame.target_error(), {.min = 0});
+  frame.set_min_samples(choose("sampling.min_samples", frame.min_samples(), in.min_samples() != 0,
+                               in.min_samples(), kDefaultMinSamples, kMaxSamplesPerPixel));
+}
+
+SamplerSettings read_sampler(const v1::FrameSettings& frame) {
   SamplerSettings out;
   out.samples_per_pixel = frame.samples_per_pixel();
   out.seed = frame.seed();
-  out.pattern = read_pattern(in.pattern(), out.samples_per_pixel);
-  if (out.pattern == SamplePattern::centered_grid || out.pattern == SamplePattern::corner_grid) {
-    check_square(out.samples_per_pixel);
+  out.pattern = named<SamplePattern>(sample_pattern_names(), frame.pattern());
+  const bool grid =
+      out.pattern == SamplePattern::centered_grid || out.pattern == SamplePattern::corner_grid;
+  if (grid) check_square(out.samples_per_pixel);
+  // The first samples of a grid are no sample of the pixel.
+  if (grid && frame.target_error() > 0) {
+    fail_value(kSettings, "sampling.pattern", fmt::format("'{}'", frame.pattern()),
+               "owen-sobol, independent or blue-noise with a target error");
   }
-  switch (in.filter()) {
-    case v1::Sampling::BOX:
-      out.filter_radius = 0.5;
-      break;
-    case v1::Sampling::TENT:
-      out.filter = PixelFilter::tent;
-      out.filter_radius = 1;
-      break;
-    default:
-      fail_unsupported(kSettings,
-                       fmt::format("pixel filter {}", v1::Sampling::Filter_Name(in.filter())));
-  }
-  if (in.has_filter_radius()) {
-    out.filter_radius = checked(kSettings, "sampling.filter_radius", in.filter_radius(),
-                                {.min = 0, .max = 16, .above_min = true});
-  }
-  if (in.has_target_error()) fail_unsupported(kSettings, "sampling.target_error");
+  out.filter = named<PixelFilter>(pixel_filter_names(), frame.pixel_filter());
+  out.filter_radius = frame.filter_radius();
   return out;
 }
 
@@ -115,6 +137,18 @@ SamplerSettings read_sampling(const v1::Sampling& in, const v1::FrameSettings& f
 const std::vector<std::string>& integrator_names() {
   static const std::vector<std::string> names{"auto",  "whitted", "path", "normals",
                                               "depth", "albedo",  "ids",  "cost"};
+  return names;
+}
+
+const std::vector<std::string>& sample_pattern_names() {
+  static const std::vector<std::string> names{"center",      "owen-sobol",  "centered-grid",
+                                              "corner-grid", "independent", "blue-noise"};
+  return names;
+}
+
+const std::vector<std::string>& pixel_filter_names() {
+  static const std::vector<std::string> names{"box", "tent", "gaussian", "mitchell",
+                                              "blackman-harris"};
   return names;
 }
 
@@ -128,9 +162,13 @@ v1::FrameSettings complete(v1::FrameSettings frame, const v1::Settings& in) {
                fmt::format("at most {} in all", kMaxFramePixels));
   }
   const v1::Sampling& sampling = in.sampling();
+  complete_adaptive(frame, sampling);
   frame.set_samples_per_pixel(choose("sampling.samples_per_pixel", frame.samples_per_pixel(),
                                      sampling.has_samples_per_pixel(), sampling.samples_per_pixel(),
-                                     1, kMaxSamplesPerPixel));
+                                     frame.target_error() > 0 ? kDefaultMostSamples : 1,
+                                     kMaxSamplesPerPixel));
+  complete_pattern(frame, sampling);
+  complete_filter(frame, sampling);
   frame.set_integrator(
       choose("integrator.kind", frame.integrator(), in.integrator().kind(), integrator_names()));
   frame.set_accelerator(
@@ -156,7 +194,9 @@ RenderSettings read_settings(const v1::Settings& in, const v1::FrameSettings& as
   out.shadows = integrator.shadows();
   out.background_at_max_depth = integrator.background_at_max_depth();
   out.ambient = checked(kSettings, "integrator.ambient", integrator.ambient());
-  out.sampler = read_sampling(in.sampling(), frame);
+  out.sampler = read_sampler(frame);
+  out.target_error = frame.target_error();
+  out.min_samples = frame.min_samples();
   return out;
 }
 

@@ -20,8 +20,18 @@ enum class View { none, normals, depth, albedo, ids, cost };
 /// The names of --integrator; the first is the default.
 const std::vector<std::string>& integrator_names();
 
+/// The names of --filter, in the order of PixelFilter and of v1::Sampling::Filter; the first is the
+/// default.
+const std::vector<std::string>& pixel_filter_names();
+
+/// The names of --pattern, in the order of SamplePattern.
+const std::vector<std::string>& sample_pattern_names();
+
+inline constexpr double kMaxFilterRadius = 16;  ///< pixels
 inline constexpr uint32_t kDefaultFrameWidth = 960, kDefaultFrameHeight = 540;
 inline constexpr uint32_t kMaxSamplesPerPixel = 1 << 20;
+/// Adaptive sampling's bounds where nothing else is asked for.
+inline constexpr uint32_t kDefaultMostSamples = 1024, kDefaultMinSamples = 16;
 /// Recursion deeper than this is refused.
 inline constexpr uint32_t kMaxDepth = 10000;
 
@@ -46,6 +56,8 @@ struct RenderSettings {
   bool background_at_max_depth = false;
   Color ambient = kBlack;
   SamplerSettings sampler;
+  double target_error = 0;  ///< of adaptive sampling; 0: every pixel has every sample
+  uint32_t min_samples = kDefaultMinSamples;
 };
 
 /// Completes `frame` first.

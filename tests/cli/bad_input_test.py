@@ -41,6 +41,9 @@ class BadCommandLine(TesseraTest):
 
     def test_numbers(self):
         for option, value in [("--spp", "0"), ("--spp", "1048577"), ("--spp", "many"),
+                              ("--target-error", "-1"), ("--target-error", "nan"),
+                              ("--min-spp", "0"), ("--filter", "cube"), ("--filter", "box:0"),
+                              ("--filter", "tent:17"), ("--pattern", "sobol"),
                               ("--workers", "-1"), ("--workers", "1000000000"), ("--threads", "0"),
                               ("--tile", "0"), ("--tile", "1e3"), ("--seed", "-1"),
                               ("--seed", "4294967296"), ("--time", "nan"), ("--time", "inf"),

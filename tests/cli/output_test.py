@@ -137,7 +137,8 @@ class OtherCommands(TesseraTest):
             self.assertRegex(own.out, r"Examples?[:,]")
         for option in ("-o", "--size", "--spp", "--workers", "--threads", "--tile", "--accel",
                        "--integrator", "--seed", "--crop", "--frames", "--time", "--camera",
-                       "--resume", "--stats", "--quiet", "--connect"):
+                       "--resume", "--stats", "--quiet", "--connect", "--target-error", "--min-spp",
+                       "--filter", "--pattern"):
             self.assertIn(option, self.run_program("render", "--help").out)
 
     def test_version(self):

@@ -32,11 +32,12 @@ class SamePixels(TesseraTest):
         self.assertEqual(0, stats["tiles"]["mismatches"], name)
         return stats["pixels_sha256"], stats["rays"], stats["hits"]
 
-    def assert_all_equal(self, text):
+    def assert_all_equal(self, text, *sampling, workers=WORKERS, threads=THREADS):
         scene = self.write("scene.tessera", text)
-        ways = [("--workers", w, "--threads", t, "--tile", tile)
-                for w in WORKERS for t in THREADS for tile in TILES]
-        reference = self.digest(scene, ("--workers", 0, "--threads", 1, "--accel", "linear"))
+        ways = [("--workers", w, "--threads", t, "--tile", tile, *sampling)
+                for w in workers for t in threads for tile in TILES]
+        reference = self.digest(scene, ("--workers", 0, "--threads", 1, "--accel", "linear",
+                                        *sampling))
         self.assertGreater(reference[2], WIDTH * HEIGHT / 2, "the picture shows next to nothing")
         with concurrent.futures.ThreadPoolExecutor(max(2, os.cpu_count() // 2)) as pool:
             for way, found in zip(ways, pool.map(lambda way: self.digest(scene, way), ways)):
@@ -54,13 +55,20 @@ class SamePixels(TesseraTest):
     def test_many_lights(self):
         self.assert_all_equal(scenes.lights_scene())
 
+    def test_as_many_samples_as_it_takes(self):
+        self.assert_all_equal(scenes.glass_scene(), "--target-error", ".05", "--spp", 40, "--filter",
+                              "mitchell", workers=[0, 3], threads=[2])
+
     def test_other_settings_give_other_pixels(self):
         """That the digests could differ at all."""
         scene = self.write("scene.tessera", scenes.lights_scene())
         digests = {self.digest(scene, options)[0]
                    for options in [("--spp", 1), ("--spp", 4), ("--spp", 4, "--seed", 1),
-                                   ("--camera", "side")]}
-        self.assertEqual(4, len(digests))
+                                   ("--camera", "side"), ("--spp", 4, "--filter", "mitchell"),
+                                   ("--spp", 4, "--filter", "mitchell:1.5"),
+                                   ("--spp", 4, "--pattern", "blue-noise"),
+                                   ("--target-error", ".1", "--spp", 64)]}
+        self.assertEqual(8, len(digests))
 
 
 class Crop(TesseraTest):

@@ -65,6 +65,47 @@ TEST(RenderOptions, DefaultsThenSceneThenOptions) {
   EXPECT_EQ(frame.time(), 2);
 }
 
+TEST(RenderOptions, SamplingIsTheDefaultThenTheScenesThenAsAsked) {
+  v1::Scene scene;
+  RenderOptions options;
+  v1::FrameSettings frame = frame_settings(options, scene, std::nullopt);
+  EXPECT_EQ(frame.pattern(), "center");
+  EXPECT_EQ(frame.pixel_filter(), "box");
+  EXPECT_EQ(frame.filter_radius(), 0.5);
+  EXPECT_EQ(frame.target_error(), 0);
+
+  options.target_error = 0.25;
+  frame = frame_settings(options, scene, std::nullopt);
+  EXPECT_EQ(frame.samples_per_pixel(), 1024u);
+  EXPECT_EQ(frame.min_samples(), 16u);
+  EXPECT_EQ(frame.pattern(), "owen-sobol");
+
+  v1::Sampling& sampling = *scene.mutable_settings()->mutable_sampling();
+  sampling.set_filter(v1::Sampling::MITCHELL);
+  sampling.set_filter_radius(1.75);
+  sampling.set_pattern(v1::Sampling::BLUE_NOISE);
+  sampling.set_target_error(0.5);
+  sampling.set_min_samples(64);
+  frame = frame_settings({}, scene, std::nullopt);
+  EXPECT_EQ(frame.pattern(), "blue-noise");
+  EXPECT_EQ(frame.pixel_filter(), "mitchell");
+  EXPECT_EQ(frame.filter_radius(), 1.75);
+  EXPECT_EQ(frame.target_error(), 0.5);
+  EXPECT_EQ(frame.min_samples(), 64u);
+
+  // A filter by name is not given the radius of another.
+  options.filter = "tent";
+  options.target_error = 0;
+  options.pattern = "independent";
+  options.samples_per_pixel = 9;
+  frame = frame_settings(options, scene, std::nullopt);
+  EXPECT_EQ(frame.filter_radius(), 1);
+  EXPECT_EQ(frame.target_error(), 0);
+  EXPECT_EQ(frame.pattern(), "independent");
+  options.filter_radius = 3;
+  EXPECT_EQ(frame_settings(options, scene, std::nullopt).filter_radius(), 3);
+}
+
 TEST(RenderOptions, AFrameHasItsTime) {
   v1::Scene scene;
   EXPECT_EQ(frame_settings({}, scene, 12).time(), 0.5);

@@ -152,5 +152,82 @@ TEST(Sampler, integrates_edges_far_better_than_independent_samples) {
   EXPECT_GT(error(SamplePattern::independent), 0.03);
 }
 
+/// Mean squares of the error of the pixels of a picture, and of the error after a blur of about
+/// four pixels, of an integral that each pixel has alike.
+struct BlueNoise {
+  double per_pixel = 0, blurred = 0;
+  void operator+=(const BlueNoise& o) { per_pixel += o.per_pixel, blurred += o.blurred; }
+};
+
+BlueNoise errors_of(SamplePattern pattern, uint32_t samples, SampleUse use, uint32_t seed) {
+  constexpr int kSide = 64, kTaps = 4;
+  const Sampler sampler = make(pattern, samples, seed);
+  std::vector<double> errors;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      double sum = 0;
+      for (uint32_t i = 0; i < samples; ++i) {
+        const Vec2 u = sampler.pair(x, y, i, use);
+        sum += u.x * u.x + 0.7 * u.y < 0.6 ? 1 : 0;
+      }
+      const double exact = 2.0 / 3 * 0.6 * std::sqrt(0.6) / 0.7;
+      errors.push_back(sum / samples - exact);
+    }
+  }
+  BlueNoise result;
+  for (const double e : errors) result.per_pixel += e * e / (kSide * kSide);
+  for (int y = 0; y + kTaps <= kSide; ++y) {
+    for (int x = 0; x + kTaps <= kSide; ++x) {
+      double mean = 0;
+      for (int j = 0; j < kTaps * kTaps; ++j) {
+        const int at = (y + j / kTaps) * kSide + x + j % kTaps;
+        mean += errors[static_cast<size_t>(at)] / (kTaps * kTaps);
+      }
+      result.blurred += mean * mean / ((kSide - kTaps + 1.0) * (kSide - kTaps + 1));
+    }
+  }
+  return result;
+}
+
+// Over 64 x 64 pixels and 12 seeds, the mean square of the error after the blur was .44, .44 and
+// .51 of that of independent scrambles with 1, 4 and 16 samples; that of single pixels the same.
+TEST(Sampler, blue_noise_evens_its_error_out_over_the_picture) {
+  constexpr uint32_t kSeeds = 12;
+  for (const uint32_t samples : {1u, 4u, 16u}) {
+    BlueNoise blue, white;
+    for (uint32_t seed = 0; seed < kSeeds; ++seed) {
+      const SampleUse use = seed % 2 == 0 ? SampleUse::lens : SampleUse{1 << 20};
+      blue += errors_of(SamplePattern::blue_noise, samples, use, seed);
+      white += errors_of(SamplePattern::owen_sobol, samples, use, seed);
+    }
+    EXPECT_NEAR(blue.per_pixel / white.per_pixel, 1, 0.15) << samples;
+    EXPECT_LT(blue.blurred, 0.6 * white.blurred) << samples;
+  }
+}
+
+TEST(Sampler, blue_noise_is_nets_of_pixels_and_of_blocks_of_pixels) {
+  constexpr int kBits = 4;  // samples of a pixel
+  const Sampler sampler = make(SamplePattern::blue_noise, 1 << kBits, 9);
+  std::vector<Vec2> points;
+  for (int i = 0; i < 16; ++i) {  // of 4 x 4 pixels in z-order, from (20, 8) on
+    const int x = 20 + (i & 1) + (i >> 1 & 2), y = 8 + (i >> 1 & 1) + (i >> 2 & 2);
+    for (uint32_t n = 0; n < 1u << kBits; ++n)
+      points.push_back(sampler.pair(x, y, n, SampleUse::lens));
+    for (int k = 0; k <= kBits; ++k) {
+      EXPECT_TRUE(is_net({points.end() - (1 << kBits), points.end()}, k)) << i;
+    }
+  }
+  EXPECT_TRUE(is_net({points.begin(), points.begin() + (4 << kBits)}, kBits + 2));
+  EXPECT_TRUE(is_net(points, kBits + 4));
+}
+
+TEST(Sampler, blue_noise_repeats_nothing_far_away_nor_beyond_its_samples) {
+  const Sampler sampler = make(SamplePattern::blue_noise, 1 << 20);
+  const Vec2 p = sampler.pair(1, 2, 3, SampleUse::pixel);
+  EXPECT_FALSE(p == sampler.pair(1 + 64, 2, 3, SampleUse::pixel));
+  EXPECT_FALSE(p == sampler.pair(1, 2 + 64, 3, SampleUse::pixel));
+  EXPECT_FALSE(p == sampler.pair(1, 2, 3 + (1 << 20), SampleUse::pixel));
+}
+
 }  // namespace
 }  // namespace tessera

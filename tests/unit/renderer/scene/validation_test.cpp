@@ -58,8 +58,8 @@ TEST(Validation, materials) {
 
 TEST(Validation, what_is_not_there_yet_is_named) {
   expect_error("background { sun_and_sky {} }", "sun_and_sky");
-  expect_error("settings { sampling { filter: MITCHELL } }", "MITCHELL");
-  expect_error("settings { sampling { target_error: .1 } }", "target_error");
+  expect_error("settings { sampling { target_error: -.1 } }", "target_error is -0.1");
+  expect_error("settings { sampling { target_error: nan } }", "target_error");
 }
 
 TEST(Validation, lenses) {
@@ -294,6 +294,13 @@ TEST(Validation, settings) {
   expect_error("settings { integrator { max_depth: 10001 } }", "max_depth is 10001");
   expect_error("settings { integrator { ambient { r: nan } } }", "integrator.ambient");
   expect_error("settings { sampling { filter_radius: 0 } }", "filter_radius is 0");
+  expect_error("settings { sampling { filter: 77 } }", "one of box, tent, gaussian");
+  expect_error("settings { sampling { pattern: -1 } }", "one of center, owen-sobol");
+  expect_error("settings { sampling { min_samples: 2000000 } }", "min_samples is 2000000");
+  EXPECT_NE(with([](auto& f) { f.set_pixel_filter("gausian"); }).find("did you mean 'gaussian'"),
+            std::string::npos);
+  EXPECT_NE(with([](auto& f) { f.set_pattern("blue"); }).find("pattern is 'blue'"),
+            std::string::npos);
   expect_error("includes { file: 'x' }", "includes other files");
 }
 

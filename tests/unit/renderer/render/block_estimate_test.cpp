@@ -1,0 +1,156 @@
+#include "renderer/render/block_estimate.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "tests/unit/renderer/scene_text.h"
+
+namespace tessera {
+namespace {
+
+// Turned boxes of one colour before a black background, straight through or through a lens that
+// blurs them over several pixels.
+std::string boxes(const std::string& camera) {
+  std::string text = "cameras { perspective { field_of_view: 28 } " + camera +
+                     " world_from_camera { steps { translate { z: 4 } } } } "
+                     "background { solid {} } "
+                     "materials { name: 'm' unlit { color { value { r: .8 g: .8 b: .8 } } } } ";
+  for (int i = 0; i < 7; ++i) {
+    text += fmt::format(
+        "nodes {{ transform {{ steps {{ translate {{ x: {} y: {} z: {} }} }} "
+        "steps {{ rotate {{ axis {{ z: 1 }} angle: {} }} }} }} shape {{ materials: 'm' "
+        "box {{ min {{ x: -.25 y: -.04 z: -.1 }} max {{ x: .25 y: .04 z: 0 }} }} }} }} ",
+        0.6 * std::sin(2.4 * i), 0.6 * std::cos(2.4 * i), 0.05 * i, 29 + 41 * i);
+  }
+  return text;
+}
+
+constexpr char kLens[] = "lens { radius_x: .3 radius_y: .3 focal_distance: 2.6 }";
+constexpr int kFrame = 24, kSide = 8;
+
+struct Calibration {
+  double claimed = 0, real = 0;    ///< sums of squares over blocks
+  double pixels = 0, covered = 0;  ///< that vary; in their 95 % intervals
+  double ratio() const { return std::sqrt(claimed / real); }
+  double coverage() const { return covered / pixels; }
+};
+
+/// Draws `seeds` independent pictures of `samples` a pixel and holds what is claimed of them
+/// against what a picture of `reference_samples` says.
+class Experiment {
+ public:
+  Experiment(const std::string& text, const std::string& pattern, uint32_t reference_samples)
+      : scene_(parse_scene(text)), pattern_(pattern) {
+    const auto reference = renderer(1u << 20, "owen-sobol", reference_samples);
+    reference_ = render_rect(*reference, kRect, reference_samples).values;
+  }
+
+  Calibration run(uint32_t samples, uint32_t seeds) {
+    std::vector<std::vector<float>> means(seeds);
+    std::vector<std::vector<BlockEstimate>> estimates(seeds);
+    std::vector<bool> varies(kPixels);
+    for (uint32_t seed = 0; seed < seeds; ++seed) {
+      draw(samples, seed, means[seed], estimates[seed], varies);
+    }
+    Calibration result;
+    for (uint32_t seed = 0; seed < seeds; ++seed) {
+      for (const BlockEstimate& block : estimates[seed]) {
+        result.claimed += block.standard_error() * block.standard_error() * kSide * kSide;
+      }
+      for (size_t i = 0; i < kPixels; ++i) {
+        const double error = means[seed][i] - reference_[3 * i];
+        result.real += error * error;
+        if (!varies[i]) continue;
+        const BlockEstimate& block = estimates[seed][block_of(i)];
+        ++result.pixels;
+        if (std::abs(error) <= 1.96 * block.standard_error(place_of(i))) ++result.covered;
+      }
+    }
+    return result;
+  }
+
+ private:
+  static constexpr PixelRect kRect{0, 0, kFrame, kFrame};
+  static constexpr size_t kPixels = size_t{kFrame} * kFrame;
+
+  static size_t block_of(size_t i) {
+    return i / kFrame / kSide * (kFrame / kSide) + i % kFrame / kSide;
+  }
+  static int place_of(size_t i) {
+    return static_cast<int>(i / kFrame % kSide * kSide + i % kFrame % kSide);
+  }
+
+  std::shared_ptr<const TileRenderer> renderer(uint32_t seed, const std::string& pattern,
+                                               uint32_t samples) {
+    v1::FrameSettings frame = frame_of(kFrame, kFrame);
+    frame.set_samples_per_pixel(samples);
+    frame.set_seed(seed);
+    frame.set_pattern(pattern);
+    return make_tile_renderer(scene_, {}, frame, 1);
+  }
+
+  void draw(uint32_t samples, uint32_t seed, std::vector<float>& means,
+            std::vector<BlockEstimate>& blocks, std::vector<bool>& varies) {
+    const auto tracer = renderer(seed, pattern_, samples);
+    means.assign(kPixels, 0);
+    blocks.assign(kPixels / (kSide * kSide), {kSide * kSide, pattern_ != "independent", 1});
+    std::vector<float> first;
+    for (uint32_t n = 0; n < samples; ++n) {
+      const std::vector<float> values = render_rect(*tracer, kRect, 1, n).values;
+      if (n == 0) first = values;
+      for (size_t i = 0; i < kPixels; ++i) {
+        const float v = values[3 * i];
+        means[i] += v / static_cast<float>(samples);
+        blocks[block_of(i)].add(place_of(i), {v, v, v});
+        if (v != first[3 * i]) varies[i] = true;
+      }
+      const uint32_t done = n + 1;
+      if (done < 2 || (done & n) != 0) continue;
+      for (BlockEstimate& block : blocks) block.look(done);
+    }
+  }
+
+  v1::Scene scene_;
+  std::string pattern_;
+  std::vector<float> reference_;
+};
+
+/// How often the experiments are repeated: TESSERA_SEEDS, or a few times.
+uint32_t seeds() {
+  const char* asked = std::getenv("TESSERA_SEEDS");
+  return asked ? static_cast<uint32_t>(std::max(1, std::atoi(asked))) : 4;
+}
+
+void expect_honest(const std::string& camera, const std::string& pattern, double most = 0.97) {
+  Experiment experiment(boxes(camera), pattern, seeds() > 4 ? 32768 : 4096);
+  Calibration all;
+  for (const uint32_t samples : {16u, 32u, 64u}) {
+    const Calibration c = experiment.run(samples, seeds());
+    std::cout << fmt::format("{:>11} {:4} samples: claimed/real {:.3f}, {:.2f} % of {} covered\n",
+                             pattern, samples, c.ratio(), 100 * c.coverage(), c.pixels);
+    // Never much too small; what nets gain on edges it may leave out.
+    EXPECT_GT(c.ratio(), 0.95);
+    EXPECT_LT(c.ratio(), 1.6);
+    all.pixels += c.pixels, all.covered += c.covered;
+  }
+  std::cout << fmt::format("{:>11} in all: {:.2f} %\n", pattern, 100 * all.coverage());
+  EXPECT_GT(all.coverage(), 0.93);
+  EXPECT_LT(all.coverage(), most);
+}
+
+// Nets are better there than is claimed.
+TEST(BlockEstimate, is_honest_on_hard_edges) { expect_honest("", "owen-sobol", 0.985); }
+TEST(BlockEstimate, is_honest_on_blurred_edges) { expect_honest(kLens, "owen-sobol"); }
+TEST(BlockEstimate, is_honest_on_blurred_edges_of_independent_samples) {
+  expect_honest(kLens, "independent");
+}
+
+}  // namespace
+}  // namespace tessera
