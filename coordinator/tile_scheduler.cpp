@@ -264,7 +264,7 @@ size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& 
     ++foreign;
     const uint32_t tile = tile_of(progress.lease);
     if (tile >= tiles_.size() || tiles_[tile].state == State::done) {
-      events.cancelled.push_back({.id = progress.lease, .tile = tile, .worker = worker});
+      events.unwanted.push_back(progress.lease);
     }
   }
   const auto holder = holders_.find(worker);

@@ -47,7 +47,8 @@ enum class LossCause {
 
 /// What else follows from a call.
 struct SchedulerEvents {
-  std::vector<Lease> cancelled;     ///< wanted no longer: tell their workers
+  std::vector<Lease> cancelled;     ///< dropped, and wanted no longer: tell their workers
+  std::vector<LeaseId> unwanted{};  ///< that the worker which reports has, and that are none of ours
   std::optional<Lease> recalled{};  ///< given to another, unless its worker has begun with it
   std::vector<uint32_t> given_up;   ///< tiles that failed too often
   std::vector<WorkerId> blamed;     ///< workers that failed a tile, once for each
@@ -97,7 +98,8 @@ class TileScheduler {
   /// Whether the worker holds a tile that failed before: beside that, nothing else runs.
   bool isolates(WorkerId worker) const;
   /// All leases that the worker holds, as of now. Returns how many of them are not ours any more
-  /// yet still take up the worker; those of finished tiles are cancelled.
+  /// yet still take up the worker; those of tiles that are finished, or that there are none of, are
+  /// unwanted.
   /// `leaves`: it gives back all that it does not list.
   size_t report(WorkerId worker, const std::vector<LeaseProgress>& held, Time now,
                 SchedulerEvents& events, bool leaves = false);

@@ -129,6 +129,7 @@ void WorkerDesk::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbe
     worker.foreign +=
         job->scheduler().report(worker.id, held[job->id()], now, events, heartbeat.leaves());
     held.erase(job->id());
+    for (const LeaseId lease : events.unwanted) cancel(worker, *job, lease);
     act(*job, events, now);
   }
   // What is left is of jobs that are no more: it is cancelled, but runs as yet.

@@ -70,6 +70,7 @@ class WorkerDesk {
   bool give_tile(WorkerRecord& worker, Time now);
   bool give_at_end(WorkerRecord& worker, const std::vector<ActiveJob*>& jobs, Time now);
   void give(WorkerRecord& worker, ActiveJob& job, const Lease& lease, Time now);
+  void cancel(const WorkerRecord& worker, const ActiveJob& job, LeaseId lease);
   /// Takes it back from its worker, unless that has begun.
   void recall(const ActiveJob& job, const Lease& lease);
   size_t held_by(const WorkerRecord& worker) const;

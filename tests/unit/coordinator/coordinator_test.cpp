@@ -247,6 +247,33 @@ TEST_F(CoordinatorTest, PixelsThatAreNotFiniteCountAgainstTheirWorker) {
   EXPECT_EQ(coordinator.progress({}).tiles_done, 0u);
 }
 
+TEST_F(CoordinatorTest, LeasesThatAreNotOursAreCancelledAndLeaveNoTrace) {
+  const uint64_t id = coordinator.submit(job(), {});
+  say("p", hello(1));
+  ready("p", id);
+  const auto assigns = heard(v1::Envelope::kAssign);
+  say("p", band(assigns.at(0).assign(), 1), seconds(1));
+  const LeaseId of_done = assigns[0].assign().lease(), beyond = uint64_t{5} << 32 | 0xfffff;
+  v1::Envelope heartbeat;
+  heartbeat.mutable_heartbeat()->set_session(1);
+  for (const LeaseId lease : {of_done, beyond}) {
+    auto& progress = *heartbeat.mutable_heartbeat()->add_progress();
+    progress.set_job(id);
+    progress.set_lease(lease);
+  }
+  say("p", heartbeat, seconds(1));
+  const auto cancels = heard(v1::Envelope::kCancelTile);
+  ASSERT_EQ(cancels.size(), 2u);
+  EXPECT_EQ(cancels[0].cancel_tile().lease(), of_done);
+  EXPECT_EQ(cancels[1].cancel_tile().lease(), beyond);
+  coordinator.interrupt(id, seconds(1));
+  const auto result = coordinator.take_result(id);
+  EXPECT_EQ(result->report.trace->spans.size(), 2u) << "of the scene and the tile";
+  for (const auto& span : result->report.trace->spans) {
+    EXPECT_NE(span.kind, FrameTrace::Kind::wasted);
+  }
+}
+
 TEST_F(CoordinatorTest, JobsThatCannotBeAreRefused) {
   const auto refused = [&](auto change) {
     JobSpec spec = job();

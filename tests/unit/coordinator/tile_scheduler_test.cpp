@@ -126,12 +126,20 @@ TEST_F(TileSchedulerTest, CountsForeignTilesAndCancelsTheFinishedOnes) {
   ASSERT_EQ(fresh.tile, 1u);
   SchedulerEvents events;
   EXPECT_EQ(scheduler.report(kA, {{old.id, 5, true}}, {}, events), 1u);
-  EXPECT_THAT(events.cancelled, IsEmpty());
+  EXPECT_THAT(events.unwanted, IsEmpty());
   scheduler.complete(0, 999, {});
   EXPECT_EQ(scheduler.report(kA, {{old.id, 5, true}}, {}, events), 1u);
-  ASSERT_EQ(events.cancelled.size(), 1u);
-  EXPECT_EQ(events.cancelled[0].id, old.id);
-  EXPECT_EQ(events.cancelled[0].worker, kA);
+  EXPECT_THAT(events.unwanted, ElementsAre(old.id));
+  EXPECT_THAT(events.cancelled, IsEmpty()) << "it was dropped before";
+}
+
+TEST_F(TileSchedulerTest, LeasesOfTilesThatThereAreNoneOfAreUnwanted) {
+  TileScheduler scheduler = make(2, {kA});
+  SchedulerEvents events;
+  const LeaseId made_up = uint64_t{5} << 32 | 0xfffff;
+  EXPECT_EQ(scheduler.report(kA, {{made_up, 0, false}}, {}, events), 1u);
+  EXPECT_THAT(events.unwanted, ElementsAre(made_up));
+  EXPECT_THAT(events.cancelled, IsEmpty());
 }
 
 TEST_F(TileSchedulerTest, CopiesAStragglerOnceWhenTheQueueIsEmpty) {
