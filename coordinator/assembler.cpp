@@ -19,18 +19,21 @@ namespace {
 constexpr size_t kMaxCounters = 256;
 constexpr size_t kMaxCounterName = 64;
 
-/// Ranges of rows that begin at `first` and follow one upon the other until `last`.
+/// Ranges of rows that begin at `first` and follow one upon the other until `last`; none where
+/// there is no such chain. `counts` are by first row: who would continue a range comes after it.
 template <typename Counts>
-bool find_chain(const Counts& counts, int first, int last,
-                std::vector<const std::vector<uint64_t>*>& chain) {
-  if (first == last) return true;
-  for (auto it = counts.lower_bound({first, 0}); it != counts.end() && it->first.first == first;
-       ++it) {
-    chain.push_back(&it->second);
-    if (find_chain(counts, it->first.second, last, chain)) return true;
-    chain.pop_back();
+std::vector<const std::vector<uint64_t>*> find_chain(const Counts& counts, int first, int last) {
+  std::map<int, typename Counts::const_iterator> reached_by;  // rows behind a chain from `first`
+  for (auto it = counts.begin(); it != counts.end(); ++it) {
+    const auto [from, to] = it->first;
+    if (from == first || reached_by.contains(from)) reached_by.try_emplace(to, it);
   }
-  return false;
+  std::vector<const std::vector<uint64_t>*> chain;
+  if (!reached_by.contains(last)) return chain;
+  for (int row = last; row != first; row = reached_by.at(row)->first.first) {
+    chain.push_back(&reached_by.at(row)->second);
+  }
+  return chain;
 }
 
 uint64_t saturating_sum(uint64_t a, uint64_t b) {
@@ -234,8 +237,8 @@ void Assembler::complete_tile(uint32_t index, std::vector<uint64_t> counts, Work
 
 std::optional<std::vector<uint64_t>> Assembler::counts_of(const Partial& partial,
                                                           const PixelRect& tile) const {
-  std::vector<const std::vector<uint64_t>*> chain;
-  if (!find_chain(partial.counts, tile.y0, tile.y1, chain)) return std::nullopt;
+  const auto chain = find_chain(partial.counts, tile.y0, tile.y1);
+  if (chain.empty()) return std::nullopt;
   if (chain.size() == 1) return *chain.front();
   std::vector<uint64_t> sums(names_.size());
   for (const auto& [name, place] : names_) {

@@ -101,6 +101,8 @@ class JobTable {
   void begin(FarmJob& job, uint32_t frame, Time now, Changes& changes);
   void finish(FarmJob& job, FarmJob::Running& running, Changes& changes);
   void file_end(FarmJob& job, uint32_t frame, v1::JobEnd end);
+  /// For a frame of that job.
+  CoordinatorOptions options_for(uint64_t job) const;
   JobSpec spec_of(FarmJob& job, uint32_t frame);
   // Of the store; each throws where they are not there, or not what they should be.
   BlobData load_blob(const std::string& hex);
@@ -115,7 +117,7 @@ class JobTable {
   std::map<uint64_t, uint64_t> by_submission_;
   std::map<uint64_t, JobResult> results_;  ///< of jobs of this process
   std::optional<TileCosts> local_costs_;   ///< of the last of those
-  uint64_t last_job_ = 0;
+  uint64_t last_job_ = 0, last_job_before_ = 0;  ///< ever; of a coordinator before us
   uint32_t threads_ = 0;
   Changes changes_;                                             ///< that advance() has not told yet
   std::vector<std::pair<uint64_t, v1::KeptJob::End>> unsaved_;  ///< ends that the store must take

@@ -200,8 +200,8 @@ void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
     if (least) job.catch_up(*least);
   }
   try {
-    auto active =
-        std::make_unique<ActiveJob>(frame_id(job.id(), frame), spec_of(job, frame), options_, now);
+    auto active = std::make_unique<ActiveJob>(frame_id(job.id(), frame), spec_of(job, frame),
+                                              options_for(job.id()), now);
     tiles_restored_ += active->report().tiles_restored;
     if (const TileCosts* earlier = earlier_costs(job)) {
       active->scheduler().costs().learn_from(*earlier);

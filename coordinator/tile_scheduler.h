@@ -132,8 +132,9 @@ class TileScheduler {
 
   /// Whether this worker was ever given that lease.
   bool issued(LeaseId lease, WorkerId worker) const;
-  /// Takes a lease for issued that a coordinator before us gave, on the same store: what was traced
-  /// under it is as good. False where it cannot be one.
+  /// Takes a lease of a whole tile for issued that a coordinator before us gave, on the same store:
+  /// what was traced under it is as good. Whether this worker got it nobody knows any more. False
+  /// where it cannot be one.
   bool adopt(LeaseId lease, WorkerId worker);
   /// Nobody has it or ever had it.
   bool untouched(uint32_t tile) const {

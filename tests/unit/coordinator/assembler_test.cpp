@@ -238,6 +238,28 @@ TEST(Assembler, AWholeTileAndItsPartsRace) {
   EXPECT_EQ(mismatch->first, 1u);
 }
 
+TEST(Assembler, LooksForPartsThatMakeATileOnceARow) {
+  // Ways through the rows, of which none reaches the end, are more than anybody can go.
+  constexpr PixelRect kTile{0, 0, 1, 64};
+  Assembler assembler(kTile, {kTile});
+  const auto add = [&](uint32_t part, uint32_t parts, bool last) {
+    const TilePiece piece{0, part, parts};
+    const PixelRect rows = piece.rect(kTile);
+    const std::vector<float> values(static_cast<size_t>(rows.height()) * 3, 1.0f);
+    v1::TileBand band = encode_bands(values, 1, rows.y0, false)[0];
+    band.set_lease(piece.packed());
+    band.set_last(last);
+    if (last) (*band.mutable_counters()->mutable_values())["samples"] = 64 / parts;
+    return assembler.add(band, 1).completed_tile;
+  };
+  for (const uint32_t parts : {2u, 4u, 8u, 16u, 32u, 64u}) {
+    for (uint32_t part = 0; part + 1 < parts; ++part) EXPECT_FALSE(add(part, parts, true));
+  }
+  EXPECT_FALSE(add(63, 64, false)) << "of that part the counters are missing";
+  EXPECT_TRUE(add(63, 64, true));
+  EXPECT_EQ(assembler.counters().at("samples"), 64u);
+}
+
 TEST(Assembler, AWholeTilesRowsDoNotCountForPartsOfIt) {
   Assembler assembler(kCrop, kTiles);
   const auto parts = parts_of_first_tile();

@@ -142,6 +142,23 @@ TEST_F(TileSchedulerTest, LeasesOfTilesThatThereAreNoneOfAreUnwanted) {
   EXPECT_THAT(events.cancelled, IsEmpty());
 }
 
+TEST_F(TileSchedulerTest, AdoptsWholeTilesOfCoordinatorsBeforeAlone) {
+  constexpr int kEpochShift = 52;
+  const auto adopts = [&](uint64_t epoch, TilePiece piece, uint64_t farm = 7) {
+    CoordinatorOptions options;
+    options.farm = farm;
+    options.epoch = 3;
+    return TileScheduler(2, options).adopt(epoch << kEpochShift | piece.packed(), kA);
+  };
+  EXPECT_TRUE(adopts(2, {1}));
+  EXPECT_TRUE(adopts(1, {0}));
+  EXPECT_FALSE(adopts(3, {1})) << "our own, which we have not given";
+  EXPECT_FALSE(adopts(4, {1})) << "of a coordinator to come";
+  EXPECT_FALSE(adopts(2, {2})) << "no tile of ours";
+  EXPECT_FALSE(adopts(2, {1, 0, 2})) << "a part";
+  EXPECT_FALSE(adopts(2, {1}, 0)) << "without a store there was nobody before";
+}
+
 TEST_F(TileSchedulerTest, CopiesAStragglerOnceWhenTheQueueIsEmpty) {
   TileScheduler scheduler = make(3);
   const Lease slow = *scheduler.assign(kA, {});
