@@ -130,14 +130,40 @@ TEST(Assembler, ComparesBitsAndNotNumbers) {
   EXPECT_TRUE(assembler.add(other, 2).mismatch);
 }
 
-TEST(Assembler, BoundsTheNamesOfAllTilesTogether) {
+TEST(Assembler, DropsSurplusCountersAndNeverPixels) {
   Assembler assembler(kCrop, kTiles);
-  v1::TileBand band = rows_of_first_tile()[2];
-  for (int i = 0; i < 255; ++i) (*band.mutable_counters()->mutable_values())[std::to_string(i)] = 1;
-  EXPECT_TRUE(assembler.add(band, 1).valid);
-  band.mutable_counters()->clear_values();
-  (*band.mutable_counters()->mutable_values())["one more"] = 1;
-  EXPECT_FALSE(assembler.add(band, 1).valid);
+  const auto bands = rows_of_first_tile();
+  v1::TileBand of_other = encode_bands(std::vector<float>(3 * 3 * 3, 1.0f), 3, 20, false)[0];
+  of_other.set_tile(1);
+  of_other.set_lease(uint64_t{8} << 32 | 1);
+  auto& junk = *of_other.mutable_counters()->mutable_values();
+  for (int i = 0; i < 300; ++i) junk["x" + std::to_string(i)] = 1;
+  junk[std::string(65, 'x')] = 1;
+  for (const auto& band : bands) EXPECT_TRUE(assembler.add(band, 1).valid);
+  EXPECT_TRUE(assembler.add(of_other, 2).completed_tile);
+  EXPECT_EQ(assembler.counters().size(), 256u) << "of all tiles together";
+  EXPECT_EQ(assembler.counters().at("rays_primary"), 12u);
+  EXPECT_FALSE(assembler.counters().contains(std::string(65, 'x')));
+  assembler.reopen(0);
+  v1::TileBand last = bands[2];
+  (*last.mutable_counters()->mutable_values())["one more"] = 1;
+  EXPECT_TRUE(assembler.add(last, 3).valid);
+  for (int i = 0; i < 2; ++i) assembler.add(bands[static_cast<size_t>(i)], 3);
+  EXPECT_TRUE(assembler.complete(0));
+  EXPECT_FALSE(assembler.counters().contains("one more"));
+}
+
+TEST(Assembler, TakesNoNamesOfBandsThatAreDamagedOrCameBefore) {
+  Assembler assembler(kCrop, kTiles);
+  const auto bands = rows_of_first_tile();
+  v1::TileBand damaged = bands[2];
+  (*damaged.mutable_counters()->mutable_values())["junk"] = 1;
+  damaged.set_pixel_crc(damaged.pixel_crc() + 1);
+  EXPECT_FALSE(assembler.add(damaged, 2).valid);
+  for (const auto& band : bands) assembler.add(band, 1);
+  damaged.set_pixel_crc(bands[2].pixel_crc());
+  EXPECT_TRUE(assembler.add(damaged, 2).duplicate_tile);
+  EXPECT_EQ(assembler.counters().size(), 1u);
 }
 
 TEST(Assembler, CountsAReopenedTileAnew) {
@@ -174,16 +200,6 @@ TEST(Assembler, RefusesWhatDoesNotFit) {
   EXPECT_TRUE(refused([](auto& band) { band.set_rows(2); }));
   EXPECT_TRUE(refused([](auto& band) { band.set_pixel_crc(band.pixel_crc() ^ 1); }));
   EXPECT_TRUE(refused([](auto& band) { band.mutable_pixels()->push_back('x'); }));
-  EXPECT_TRUE(refused([](auto& band) {
-    band.set_last(true);
-    for (int i = 0; i < 300; ++i) {
-      (*band.mutable_counters()->mutable_values())[std::to_string(i)] = 1;
-    }
-  }));
-  EXPECT_TRUE(refused([](auto& band) {
-    band.set_last(true);
-    (*band.mutable_counters()->mutable_values())[std::string(65, 'x')] = 1;
-  }));
   EXPECT_EQ(assembler.film().values()[7 * 3], 0) << "nothing was written";
   EXPECT_FALSE(refused([](auto&) {}));
 }
