@@ -286,10 +286,14 @@ void WorkerDesk::fail_undecided(ActiveJob& job, Time now) {
 void WorkerDesk::on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now) {
   ActiveJob* const job = jobs_.running(failed.job());
   if (!job) return;
+  const SchedulerEvents events = job->scheduler().fail(failed.lease(), worker.id, now);
+  // Of a lease that it does not hold it has nothing to tell.
+  if (events.blamed.empty()) return;
   const std::string text = printable(failed.text());
-  spdlog::warn("worker {} failed tile {}: {}", worker.name(), failed.tile(), text);
+  spdlog::warn("worker {} failed tile {}: {}", worker.name(), TileScheduler::tile_of(failed.lease()),
+               text);
   job->report().failure = text;
-  act(*job, job->scheduler().fail(failed.lease(), worker.id, now), now);
+  act(*job, events, now);
 }
 
 void WorkerDesk::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed) {

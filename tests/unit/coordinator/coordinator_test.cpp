@@ -274,6 +274,33 @@ TEST_F(CoordinatorTest, LeasesThatAreNotOursAreCancelledAndLeaveNoTrace) {
   }
 }
 
+TEST_F(CoordinatorTest, OnlyWhoHoldsATileSaysWhyItFailed) {
+  const uint64_t id = coordinator.submit(job(16), {});
+  for (const auto& [peer, worker] : {std::pair("p", 1), {"q", 2}, {"r", 3}}) {
+    say(peer, hello(static_cast<WorkerId>(worker)));
+    ready(peer, id);
+  }
+  const auto failed = [&](LeaseId lease, const char* text) {
+    v1::Envelope message;
+    message.mutable_tile_failed()->set_job(id);
+    message.mutable_tile_failed()->set_lease(lease);
+    message.mutable_tile_failed()->set_text(text);
+    return message;
+  };
+  for (const char* holder : {"p", "q", "r"}) {
+    const LeaseId lease = heard(v1::Envelope::kAssign).back().assign().lease();
+    for (const char* peer : {"p", "q", "r"}) {
+      if (std::string(peer) != holder) say(peer, failed(lease, "made up"));
+    }
+    say(holder, failed(lease, "no memory"));
+    say(holder, failed(lease, "made up"));
+    say(holder, failed(lease + 1, "made up"));
+  }
+  const auto result = coordinator.take_result(id);
+  ASSERT_TRUE(result);
+  EXPECT_THAT(result->report.failure, ::testing::HasSubstr("no memory"));
+}
+
 TEST_F(CoordinatorTest, JobsThatCannotBeAreRefused) {
   const auto refused = [&](auto change) {
     JobSpec spec = job();

@@ -130,6 +130,7 @@ TEST_F(WebApiTest, TakesOrders) {
   EXPECT_EQ(Json::parse(*post(of_job + "/resume").body)["state"], "running");
   EXPECT_EQ(Json::parse(*post(of_job + "/priority", "{\"priority\": -3}").body)["priority"], -3);
   for (const char* wrong : {"", "{}", "3", "{\"priority\": 1.5}", "{\"priority\": 3000000000}",
+                            "{\"priority\": 18446744073709551615}", "{\"priority\": -2147483649}",
                             "{\"priority\": \"1\"}", "[[[[", "{\"priority\": null}"}) {
     EXPECT_EQ(post(of_job + "/priority", wrong).status, 400) << wrong;
   }
