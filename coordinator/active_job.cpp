@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -130,6 +131,7 @@ void ActiveJob::keep_rest() {
 void ActiveJob::reopen(uint32_t tile) {
   assembler_.reopen(tile);
   verifier_.forget(tile);
+  filled_.erase(tile);
   std::erase(unkept_, tile);
   if (store_) store_->drop(key_, assembler_.tiles()[tile]);
 }
@@ -159,7 +161,7 @@ ActiveJob::Completion ActiveJob::complete(uint32_t tile, LeaseId lease, WorkerId
     } else {
       result.undecided = about;
     }
-  } else if (verifier_.selects(tile)) {
+  } else if (verifier_.wants_second(tile)) {
     scheduler_.want_check(tile, verifier_.traced_by(tile));
   }
   return result;
@@ -176,7 +178,9 @@ void ActiveJob::fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from)
   const std::vector<float> value(unseen.value().begin(), unseen.value().end());
   const auto finite = [](float channel) { return std::isfinite(channel); };
   if (value.size() != kFilmChannels || !std::all_of(value.begin(), value.end(), finite)) return;
+  if (unseen_distrusted_) return;
   const PixelRect seen = rect_of(unseen.seen());
+  if (!unseen_) unseen_ = UnseenWord{from, seen, value};
   const auto& tiles = assembler_.tiles();
   std::vector<uint32_t> filled;
   for (uint32_t tile = 0; tile < tiles.size(); ++tile) {
@@ -189,11 +193,44 @@ void ActiveJob::fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from)
   }
   scheduler_.restore(filled);
   report_.filled += filled.size();
+  filled_.insert(filled.begin(), filled.end());
   for (const uint32_t tile : filled) {
     keep(tile);
     verifier_.note_rows(tile, from);
     if (verifier_.selects(tile)) scheduler_.want_check(tile, {from});
   }
+}
+
+std::optional<WorkerId> ActiveJob::contradicted(const v1::SceneReady::Unseen& unseen) const {
+  if (!unseen_ || unseen_distrusted_) return std::nullopt;
+  // As bits: neither a zero's sign nor what is no number may hide a difference.
+  const auto same = [](float a, float b) {
+    return std::bit_cast<uint32_t>(a) == std::bit_cast<uint32_t>(b);
+  };
+  if (rect_of(unseen.seen()) == unseen_->seen &&
+      std::equal(unseen_->value.begin(), unseen_->value.end(), unseen.value().begin(),
+                 unseen.value().end(), same)) {
+    return std::nullopt;
+  }
+  return unseen_->from;
+}
+
+SchedulerEvents ActiveJob::distrust_unseen(WorkerId one, WorkerId other) {
+  unseen_distrusted_ = true;
+  SchedulerEvents events;
+  for (const uint32_t tile : std::exchange(filled_, {})) {
+    reopen(tile);
+    --report_.filled;
+    const SchedulerEvents more = scheduler_.requeue(tile);
+    events.cancelled.insert(events.cancelled.end(), more.cancelled.begin(), more.cancelled.end());
+  }
+  for (const WorkerId worker : {one, other}) {
+    verifier_.suspect(worker);
+    for (const uint32_t tile : verifier_.tiles_of(worker)) {
+      if (assembler_.complete(tile)) scheduler_.want_check(tile, verifier_.traced_by(tile));
+    }
+  }
+  return events;
 }
 
 SchedulerEvents ActiveJob::dispute(Mismatch mismatch, Time now) {

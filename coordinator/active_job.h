@@ -67,6 +67,11 @@ class ActiveJob {
   Completion complete(uint32_t tile, LeaseId lease, WorkerId from, Time now);
   /// Completes, as traced by that worker, the tiles that look past everything, as it says.
   void fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from);
+  /// Who said before what is past everything, and something else; nobody: all said the same.
+  std::optional<WorkerId> contradicted(const v1::SceneReady::Unseen& unseen) const;
+  /// These two said so: neither is believed. What was filled is traced, none is filled any more,
+  /// and a second worker traces all that either has traced or will.
+  SchedulerEvents distrust_unseen(WorkerId one, WorkerId other);
   /// Two workers traced it differently: it is traced again by a third.
   SchedulerEvents dispute(Mismatch mismatch, Time now);
   /// All that the worker has traced is traced again by others.
@@ -126,6 +131,15 @@ class ActiveJob {
   bool ended_ = false;
   std::map<WorkerId, ExitCode> scene_failures_;
   std::set<WorkerId> workers_seen_;
+  /// What the first worker said of what is past everything.
+  struct UnseenWord {
+    WorkerId from = 0;
+    PixelRect seen;
+    std::vector<float> value;
+  };
+  std::optional<UnseenWord> unseen_;
+  bool unseen_distrusted_ = false;
+  std::set<uint32_t> filled_;        ///< tiles
   std::vector<float> tile_seconds_;  ///< by tile; empty: of none
   FrameTrace trace_;
 };

@@ -179,8 +179,21 @@ void WorkerDesk::on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Tim
   double& longest = job->report().build_seconds;
   if (ready.build_seconds() > longest) longest = ready.build_seconds();
   job->scheduler().join(worker.id, worker.hello.threads());
-  if (ready.has_unseen()) job->fill_unseen(ready.unseen(), worker.id);
+  if (ready.has_unseen()) on_unseen(worker, *job, ready.unseen(), now);
   fill(worker, now);
+}
+
+void WorkerDesk::on_unseen(const WorkerRecord& worker, ActiveJob& job,
+                           const v1::SceneReady::Unseen& unseen, Time now) {
+  const auto other = job.contradicted(unseen);
+  if (!other) return job.fill_unseen(unseen, worker.id);
+  ++job.report().mismatches;
+  ++counters_.mismatches;
+  spdlog::error(
+      "workers {} and {} differ in what lies past everything; expected the same: it is traced, and "
+      "all that they trace of the job is traced by others too",
+      name_of(*other), worker.name());
+  act(job, job.distrust_unseen(*other, worker.id), now);
 }
 
 void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBand& band, Time now) {
@@ -290,8 +303,8 @@ void WorkerDesk::on_tile_failed(WorkerRecord& worker, const v1::TileFailed& fail
   // Of a lease that it does not hold it has nothing to tell.
   if (events.blamed.empty()) return;
   const std::string text = printable(failed.text());
-  spdlog::warn("worker {} failed tile {}: {}", worker.name(), TileScheduler::tile_of(failed.lease()),
-               text);
+  spdlog::warn("worker {} failed tile {}: {}", worker.name(),
+               TileScheduler::tile_of(failed.lease()), text);
   job->report().failure = text;
   act(*job, events, now);
 }

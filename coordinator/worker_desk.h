@@ -54,6 +54,8 @@ class WorkerDesk {
   void on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId lease, Time now);
   void on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now);
   void on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now);
+  void on_unseen(const WorkerRecord& worker, ActiveJob& job, const v1::SceneReady::Unseen& unseen,
+                 Time now);
   void on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed);
   void on_mismatch(ActiveJob& job, Mismatch mismatch, Time now);
   /// A worker gave wrong pixels: it is set aside, and what it traced is traced again.
