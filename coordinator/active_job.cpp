@@ -62,22 +62,24 @@ Digest tile_key(const Digest& scene, const v1::FrameSettings& frame, const Pixel
                                 crop.x0, crop.y0, crop.x1, crop.y1, kNumericsId));
 }
 
-ActiveJob::ActiveJob(uint64_t id, JobSpec spec, const CoordinatorOptions& options, Time now)
-    : ActiveJob(id, spec, spec.store ? spec.store->find(key_of(spec)) : std::vector<FinishedTile>(),
+ActiveJob::ActiveJob(uint64_t id, JobSpec spec, const TileKeeping& keeping,
+                     const CoordinatorOptions& options, Time now)
+    : ActiveJob(id, spec, keeping,
+                keeping.store ? keeping.store->find(key_of(spec)) : std::vector<FinishedTile>(),
                 options, now) {}
 
-ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>& kept,
-                     const CoordinatorOptions& options, Time now)
+ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const TileKeeping& keeping,
+                     const std::vector<FinishedTile>& kept, const CoordinatorOptions& options,
+                     Time now)
     : id_(id),
-      store_(spec.store),
-      must_keep_(spec.must_keep),
+      keeping_(keeping),
       tile_size_(tile_size_of(spec, kept, options)),
       samples_(spec.frame.samples_per_pixel()),
       assembler_(spec.crop, cut_tiles(spec.crop, tile_size_)),
       scheduler_(assembler_.tiles(), tile_size_, options),
       verifier_(assembler_.tiles().size(), options.verify, options.verify_key ^ id),
       submitted_(now) {
-  if (store_) key_ = key_of(spec);
+  if (keeping_.store) key_ = key_of(spec);
   std::vector<std::byte> scene = as_bytes(serialize_scene(spec.scene));
   const uint64_t scene_size = scene.size();
   start_ = start_of(id, spec, Digest::of(scene), scene_size);
@@ -102,7 +104,7 @@ void ActiveJob::restore(const std::vector<FinishedTile>& kept) {
 }
 
 void ActiveJob::keep(uint32_t tile) {
-  if (!store_) return;
+  if (!keeping_.store) return;
   unkept_.push_back(tile);
   keep_rest();
 }
@@ -116,12 +118,12 @@ void ActiveJob::keep_rest() {
         *finished.kept.add_bands() = std::move(band);
       }
       finished.kept.set_tile_size(static_cast<uint32_t>(tile_size_));
-      store_->keep(key_, finished);
+      keeping_.store->keep(key_, finished);
       unkept_.pop_back();
     }
     store_trouble_.clear();
   } catch (const Error& error) {
-    if (store_trouble_.empty() && !must_keep_) {
+    if (store_trouble_.empty() && !keeping_.must) {
       spdlog::warn("{}; it will be tried again", error.what());
     }
     store_trouble_ = error.what();
@@ -133,7 +135,7 @@ void ActiveJob::reopen(uint32_t tile) {
   verifier_.forget(tile);
   filled_.erase(tile);
   std::erase(unkept_, tile);
-  if (store_) store_->drop(key_, assembler_.tiles()[tile]);
+  if (keeping_.store) keeping_.store->drop(key_, assembler_.tiles()[tile]);
 }
 
 SchedulerEvents ActiveJob::note_band(const v1::TileBand& band, WorkerId from, bool was_complete) {

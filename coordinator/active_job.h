@@ -30,12 +30,19 @@ struct Conviction {
   WorkerId judge = 0;
 };
 
+/// Where the finished tiles of a frame are kept and found.
+struct TileKeeping {
+  std::shared_ptr<TileStore> store{};  ///< null: nowhere
+  bool must = false;  ///< where a tile cannot be kept, the frame waits until it can be
+};
+
 /// One frame, which is what workers know as a job, from its start to its end: its tiles, its film
 /// and its numbers.
 class ActiveJob {
  public:
   /// `spec` has passed check_job().
-  ActiveJob(uint64_t id, JobSpec spec, const CoordinatorOptions& options, Time now);
+  ActiveJob(uint64_t id, JobSpec spec, const TileKeeping& keeping,
+            const CoordinatorOptions& options, Time now);
 
   uint64_t id() const { return id_; }
   const v1::JobStart& start_message() const { return start_; }
@@ -80,7 +87,7 @@ class ActiveJob {
   void keep_rest();
   /// Why tiles are not kept now; empty: they are. Where they must be, no more are to be traced.
   const std::string& store_trouble() const { return store_trouble_; }
-  bool waits_for_store() const { return must_keep_ && !unkept_.empty(); }
+  bool waits_for_store() const { return keeping_.must && !unkept_.empty(); }
 
   /// There is this worker; one that was there is lost.
   void note_worker(WorkerId worker) { workers_seen_.insert(worker); }
@@ -103,8 +110,8 @@ class ActiveJob {
   JobResult finish();
 
  private:
-  ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>& kept,
-            const CoordinatorOptions& options, Time now);
+  ActiveJob(uint64_t id, JobSpec& spec, const TileKeeping& keeping,
+            const std::vector<FinishedTile>& kept, const CoordinatorOptions& options, Time now);
   void restore(const std::vector<FinishedTile>& kept);
   void note_cost(const v1::TileBand& band);
   /// Lets a complete tile outlive this process.
@@ -113,8 +120,7 @@ class ActiveJob {
   void reopen(uint32_t tile);
 
   uint64_t id_;
-  std::shared_ptr<TileStore> store_;
-  bool must_keep_;
+  TileKeeping keeping_;
   Digest key_;  ///< in the store
   int tile_size_ = 0;
   std::vector<uint32_t> unkept_;  ///< complete tiles that the store could not take yet

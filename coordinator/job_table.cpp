@@ -142,10 +142,10 @@ uint64_t JobTable::frame_id(uint64_t job, uint32_t frame) const {
 
 // ------------------------------------------------------------------------- jobs of this process
 
-uint64_t JobTable::submit(JobSpec spec, Time now) {
+uint64_t JobTable::submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles) {
   check_job(spec);
   const uint64_t id = ++last_job_;
-  add(std::make_unique<FarmJob>(id, std::move(spec), now));
+  add(std::make_unique<FarmJob>(id, std::move(spec), std::move(tiles), now));
   return frame_id(id, 0);
 }
 
@@ -153,8 +153,10 @@ void JobTable::interrupt(uint64_t frame, Time now) {
   for (const auto& [id, job] : open_) {
     if (!job->local() || frame_id(id, 0) != frame) continue;
     if (job->running().empty()) {
-      job->begin(
-          0, std::make_unique<ActiveJob>(frame, job->take_local_spec(), options_for(id), now), now);
+      job->begin(0,
+                 std::make_unique<ActiveJob>(frame, job->take_local_spec(), keeping_of(*job),
+                                             options_for(id), now),
+                 now);
     }
     job->running().front().active->interrupt();
   }
