@@ -47,8 +47,9 @@ enum class LossCause {
 
 /// What else follows from a call.
 struct SchedulerEvents {
-  std::vector<Lease> cancelled;     ///< dropped, and wanted no longer: tell their workers
-  std::vector<LeaseId> unwanted{};  ///< that the worker which reports has, and that are none of ours
+  std::vector<Lease> cancelled;  ///< dropped, and wanted no longer: tell their workers
+  std::vector<LeaseId>
+      unwanted{};  ///< that the worker which reports has, and that are none of ours
   std::optional<Lease> recalled{};  ///< given to another, unless its worker has begun with it
   std::vector<uint32_t> given_up;   ///< tiles that failed too often
   std::vector<WorkerId> blamed;     ///< workers that failed a tile, once for each
