@@ -238,8 +238,8 @@ class RenderRun {
                 .blobs = loaded_.blobs,
                 .frame = settings,
                 .crop = crop_window(options_, settings),
-                .tile_size = options_.tile_size,
-                .store = store_};
+                .tile_size = options_.tile_size};
+    farm_->keep_tiles(store_);
     const auto start = Clock::now();
     JobResult result = farm_->run(
         std::move(job),

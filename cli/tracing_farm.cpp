@@ -84,10 +84,11 @@ class LocalFarm : public TracingFarm {
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {
-    JobResult result = loop_.run(std::move(job), progress, stop);
+    JobResult result = loop_.run(std::move(job), progress, stop, tiles_);
     if (tev_) tev_->finish(result.film);
     return result;
   }
+  void keep_tiles(std::shared_ptr<TileStore> tiles) override { tiles_ = std::move(tiles); }
   void share(BlobStore& blobs) const override { share_large_blobs(blobs); }
   uint64_t peak_worker_bytes() const override {
     uint64_t peak = 0;
@@ -106,6 +107,7 @@ class LocalFarm : public TracingFarm {
   LocalWorkers workers_;
   std::optional<TevViewer> tev_;
   RenderLoop loop_;
+  std::shared_ptr<TileStore> tiles_;
   bool dismissed_ = false;
 };
 
@@ -134,12 +136,14 @@ class InProcessFarm : public TracingFarm {
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {
-    return loop_.run(std::move(job), progress, stop);
+    return loop_.run(std::move(job), progress, stop, tiles_);
   }
+  void keep_tiles(std::shared_ptr<TileStore> tiles) override { tiles_ = std::move(tiles); }
 
  private:
   MemoryNetwork network_;
   RenderLoop loop_;
+  std::shared_ptr<TileStore> tiles_;
   std::atomic<bool> stop_{false};
   std::thread worker_;
 };

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cli/farm_connection.h"
+#include "coordinator/tile_store.h"
 #include "job/job.h"
 
 namespace tessera {
@@ -18,6 +19,8 @@ class TracingFarm {
   /// Renders one frame; until `stop` is set.
   virtual JobResult run(JobSpec job, const ProgressCallback& progress,
                         const std::atomic<bool>& stop) = 0;
+  /// Where finished tiles of jobs to come are kept and found, by those who trace them here.
+  virtual void keep_tiles(std::shared_ptr<TileStore>) {}
   /// Moves blobs of jobs to come to where its workers can share them.
   virtual void share(BlobStore&) const {}
   /// The largest resident set of a worker process so far; 0 where that is not known.

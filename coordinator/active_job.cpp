@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -61,22 +62,24 @@ Digest tile_key(const Digest& scene, const v1::FrameSettings& frame, const Pixel
                                 crop.x0, crop.y0, crop.x1, crop.y1, kNumericsId));
 }
 
-ActiveJob::ActiveJob(uint64_t id, JobSpec spec, const CoordinatorOptions& options, Time now)
-    : ActiveJob(id, spec, spec.store ? spec.store->find(key_of(spec)) : std::vector<FinishedTile>(),
+ActiveJob::ActiveJob(uint64_t id, JobSpec spec, const TileKeeping& keeping,
+                     const CoordinatorOptions& options, Time now)
+    : ActiveJob(id, spec, keeping,
+                keeping.store ? keeping.store->find(key_of(spec)) : std::vector<FinishedTile>(),
                 options, now) {}
 
-ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>& kept,
-                     const CoordinatorOptions& options, Time now)
+ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const TileKeeping& keeping,
+                     const std::vector<FinishedTile>& kept, const CoordinatorOptions& options,
+                     Time now)
     : id_(id),
-      store_(spec.store),
-      must_keep_(spec.must_keep),
+      keeping_(keeping),
       tile_size_(tile_size_of(spec, kept, options)),
       samples_(spec.frame.samples_per_pixel()),
       assembler_(spec.crop, cut_tiles(spec.crop, tile_size_)),
       scheduler_(assembler_.tiles(), tile_size_, options),
       verifier_(assembler_.tiles().size(), options.verify, options.verify_key ^ id),
       submitted_(now) {
-  if (store_) key_ = key_of(spec);
+  if (keeping_.store) key_ = key_of(spec);
   std::vector<std::byte> scene = as_bytes(serialize_scene(spec.scene));
   const uint64_t scene_size = scene.size();
   start_ = start_of(id, spec, Digest::of(scene), scene_size);
@@ -101,7 +104,7 @@ void ActiveJob::restore(const std::vector<FinishedTile>& kept) {
 }
 
 void ActiveJob::keep(uint32_t tile) {
-  if (!store_) return;
+  if (!keeping_.store) return;
   unkept_.push_back(tile);
   keep_rest();
 }
@@ -115,12 +118,12 @@ void ActiveJob::keep_rest() {
         *finished.kept.add_bands() = std::move(band);
       }
       finished.kept.set_tile_size(static_cast<uint32_t>(tile_size_));
-      store_->keep(key_, finished);
+      keeping_.store->keep(key_, finished);
       unkept_.pop_back();
     }
     store_trouble_.clear();
   } catch (const Error& error) {
-    if (store_trouble_.empty() && !must_keep_) {
+    if (store_trouble_.empty() && !keeping_.must) {
       spdlog::warn("{}; it will be tried again", error.what());
     }
     store_trouble_ = error.what();
@@ -130,8 +133,9 @@ void ActiveJob::keep_rest() {
 void ActiveJob::reopen(uint32_t tile) {
   assembler_.reopen(tile);
   verifier_.forget(tile);
+  filled_.erase(tile);
   std::erase(unkept_, tile);
-  if (store_) store_->drop(key_, assembler_.tiles()[tile]);
+  if (keeping_.store) keeping_.store->drop(key_, assembler_.tiles()[tile]);
 }
 
 SchedulerEvents ActiveJob::note_band(const v1::TileBand& band, WorkerId from, bool was_complete) {
@@ -159,7 +163,7 @@ ActiveJob::Completion ActiveJob::complete(uint32_t tile, LeaseId lease, WorkerId
     } else {
       result.undecided = about;
     }
-  } else if (verifier_.selects(tile)) {
+  } else if (verifier_.wants_second(tile)) {
     scheduler_.want_check(tile, verifier_.traced_by(tile));
   }
   return result;
@@ -176,7 +180,9 @@ void ActiveJob::fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from)
   const std::vector<float> value(unseen.value().begin(), unseen.value().end());
   const auto finite = [](float channel) { return std::isfinite(channel); };
   if (value.size() != kFilmChannels || !std::all_of(value.begin(), value.end(), finite)) return;
+  if (unseen_distrusted_) return;
   const PixelRect seen = rect_of(unseen.seen());
+  if (!unseen_) unseen_ = UnseenWord{from, seen, value};
   const auto& tiles = assembler_.tiles();
   std::vector<uint32_t> filled;
   for (uint32_t tile = 0; tile < tiles.size(); ++tile) {
@@ -189,11 +195,44 @@ void ActiveJob::fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from)
   }
   scheduler_.restore(filled);
   report_.filled += filled.size();
+  filled_.insert(filled.begin(), filled.end());
   for (const uint32_t tile : filled) {
     keep(tile);
     verifier_.note_rows(tile, from);
     if (verifier_.selects(tile)) scheduler_.want_check(tile, {from});
   }
+}
+
+std::optional<WorkerId> ActiveJob::contradicted(const v1::SceneReady::Unseen& unseen) const {
+  if (!unseen_ || unseen_distrusted_) return std::nullopt;
+  // As bits: neither a zero's sign nor what is no number may hide a difference.
+  const auto same = [](float a, float b) {
+    return std::bit_cast<uint32_t>(a) == std::bit_cast<uint32_t>(b);
+  };
+  if (rect_of(unseen.seen()) == unseen_->seen &&
+      std::equal(unseen_->value.begin(), unseen_->value.end(), unseen.value().begin(),
+                 unseen.value().end(), same)) {
+    return std::nullopt;
+  }
+  return unseen_->from;
+}
+
+SchedulerEvents ActiveJob::distrust_unseen(WorkerId one, WorkerId other) {
+  unseen_distrusted_ = true;
+  SchedulerEvents events;
+  for (const uint32_t tile : std::exchange(filled_, {})) {
+    reopen(tile);
+    --report_.filled;
+    const SchedulerEvents more = scheduler_.requeue(tile);
+    events.cancelled.insert(events.cancelled.end(), more.cancelled.begin(), more.cancelled.end());
+  }
+  for (const WorkerId worker : {one, other}) {
+    verifier_.suspect(worker);
+    for (const uint32_t tile : verifier_.tiles_of(worker)) {
+      if (assembler_.complete(tile)) scheduler_.want_check(tile, verifier_.traced_by(tile));
+    }
+  }
+  return events;
 }
 
 SchedulerEvents ActiveJob::dispute(Mismatch mismatch, Time now) {

@@ -30,12 +30,19 @@ struct Conviction {
   WorkerId judge = 0;
 };
 
+/// Where the finished tiles of a frame are kept and found.
+struct TileKeeping {
+  std::shared_ptr<TileStore> store{};  ///< null: nowhere
+  bool must = false;  ///< where a tile cannot be kept, the frame waits until it can be
+};
+
 /// One frame, which is what workers know as a job, from its start to its end: its tiles, its film
 /// and its numbers.
 class ActiveJob {
  public:
   /// `spec` has passed check_job().
-  ActiveJob(uint64_t id, JobSpec spec, const CoordinatorOptions& options, Time now);
+  ActiveJob(uint64_t id, JobSpec spec, const TileKeeping& keeping,
+            const CoordinatorOptions& options, Time now);
 
   uint64_t id() const { return id_; }
   const v1::JobStart& start_message() const { return start_; }
@@ -67,6 +74,11 @@ class ActiveJob {
   Completion complete(uint32_t tile, LeaseId lease, WorkerId from, Time now);
   /// Completes, as traced by that worker, the tiles that look past everything, as it says.
   void fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from);
+  /// Who said before what is past everything, and something else; nobody: all said the same.
+  std::optional<WorkerId> contradicted(const v1::SceneReady::Unseen& unseen) const;
+  /// These two said so: neither is believed. What was filled is traced, none is filled any more,
+  /// and a second worker traces all that either has traced or will.
+  SchedulerEvents distrust_unseen(WorkerId one, WorkerId other);
   /// Two workers traced it differently: it is traced again by a third.
   SchedulerEvents dispute(Mismatch mismatch, Time now);
   /// All that the worker has traced is traced again by others.
@@ -75,7 +87,7 @@ class ActiveJob {
   void keep_rest();
   /// Why tiles are not kept now; empty: they are. Where they must be, no more are to be traced.
   const std::string& store_trouble() const { return store_trouble_; }
-  bool waits_for_store() const { return must_keep_ && !unkept_.empty(); }
+  bool waits_for_store() const { return keeping_.must && !unkept_.empty(); }
 
   /// There is this worker; one that was there is lost.
   void note_worker(WorkerId worker) { workers_seen_.insert(worker); }
@@ -98,8 +110,8 @@ class ActiveJob {
   JobResult finish();
 
  private:
-  ActiveJob(uint64_t id, JobSpec& spec, const std::vector<FinishedTile>& kept,
-            const CoordinatorOptions& options, Time now);
+  ActiveJob(uint64_t id, JobSpec& spec, const TileKeeping& keeping,
+            const std::vector<FinishedTile>& kept, const CoordinatorOptions& options, Time now);
   void restore(const std::vector<FinishedTile>& kept);
   void note_cost(const v1::TileBand& band);
   /// Lets a complete tile outlive this process.
@@ -108,8 +120,7 @@ class ActiveJob {
   void reopen(uint32_t tile);
 
   uint64_t id_;
-  std::shared_ptr<TileStore> store_;
-  bool must_keep_;
+  TileKeeping keeping_;
   Digest key_;  ///< in the store
   int tile_size_ = 0;
   std::vector<uint32_t> unkept_;  ///< complete tiles that the store could not take yet
@@ -126,6 +137,15 @@ class ActiveJob {
   bool ended_ = false;
   std::map<WorkerId, ExitCode> scene_failures_;
   std::set<WorkerId> workers_seen_;
+  /// What the first worker said of what is past everything.
+  struct UnseenWord {
+    WorkerId from = 0;
+    PixelRect seen;
+    std::vector<float> value;
+  };
+  std::optional<UnseenWord> unseen_;
+  bool unseen_distrusted_ = false;
+  std::set<uint32_t> filled_;        ///< tiles
   std::vector<float> tile_seconds_;  ///< by tile; empty: of none
   FrameTrace trace_;
 };

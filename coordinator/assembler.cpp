@@ -19,18 +19,21 @@ namespace {
 constexpr size_t kMaxCounters = 256;
 constexpr size_t kMaxCounterName = 64;
 
-/// Ranges of rows that begin at `first` and follow one upon the other until `last`.
+/// Ranges of rows that begin at `first` and follow one upon the other until `last`; none where
+/// there is no such chain. `counts` are by first row: who would continue a range comes after it.
 template <typename Counts>
-bool find_chain(const Counts& counts, int first, int last,
-                std::vector<const std::vector<uint64_t>*>& chain) {
-  if (first == last) return true;
-  for (auto it = counts.lower_bound({first, 0}); it != counts.end() && it->first.first == first;
-       ++it) {
-    chain.push_back(&it->second);
-    if (find_chain(counts, it->first.second, last, chain)) return true;
-    chain.pop_back();
+std::vector<const std::vector<uint64_t>*> find_chain(const Counts& counts, int first, int last) {
+  std::map<int, typename Counts::const_iterator> reached_by;  // rows behind a chain from `first`
+  for (auto it = counts.begin(); it != counts.end(); ++it) {
+    const auto [from, to] = it->first;
+    if (from == first || reached_by.contains(from)) reached_by.try_emplace(to, it);
   }
-  return false;
+  std::vector<const std::vector<uint64_t>*> chain;
+  if (!reached_by.contains(last)) return chain;
+  for (int row = last; row != first; row = reached_by.at(row)->first.first) {
+    chain.push_back(&reached_by.at(row)->second);
+  }
+  return chain;
 }
 
 uint64_t saturating_sum(uint64_t a, uint64_t b) {
@@ -51,12 +54,12 @@ bool Assembler::plausible(const v1::TileBand& band) const {
          band.first_row() < tile.y1 && band.rows() <= tile.y1 - band.first_row();
 }
 
-std::optional<std::vector<uint64_t>> Assembler::counts_of(const v1::Counters& counters) {
+std::vector<uint64_t> Assembler::counts_of(const v1::Counters& counters) {
   std::vector<uint64_t> counts(names_.size());
   for (const auto& [name, value] : counters.values()) {
-    if (name.size() > kMaxCounterName) return std::nullopt;
     const auto known = names_.find(name);
-    if (known == names_.end() && names_.size() >= kMaxCounters) return std::nullopt;
+    const bool surplus = name.size() > kMaxCounterName || names_.size() >= kMaxCounters;
+    if (known == names_.end() && surplus) continue;
     const size_t place = known != names_.end() ? known->second : names_.size();
     if (known == names_.end()) names_.emplace(name, place);
     if (counts.size() <= place) counts.resize(place + 1);
@@ -171,8 +174,6 @@ BandResult Assembler::add(const v1::TileBand& band, WorkerId from) {
   const uint32_t index = band.tile();
   const PixelRect& tile = tiles_[index];
   const size_t row_values = static_cast<size_t>(tile.width()) * kFilmChannels;
-  auto counts = band.last() ? counts_of(band.counters()) : std::nullopt;
-  if (band.last() && !counts) return result;
   if (!decode_band(band, tile.width(), scratch_)) return result;
   // A TileRenderer gives none.
   const auto finite = [](float value) { return std::isfinite(value); };
@@ -209,7 +210,9 @@ BandResult Assembler::add(const v1::TileBand& band, WorkerId from) {
     return result;
   }
   const PixelRect counted = TilePiece::of(band.lease()).rect(tile);
-  if (band.last()) partial->counts.try_emplace({counted.y0, counted.y1}, std::move(*counts));
+  if (band.last()) {
+    partial->counts.try_emplace({counted.y0, counted.y1}, counts_of(band.counters()));
+  }
   if (partial->rows_missing > 0) return result;
   if (auto sums = counts_of(*partial, tile)) {
     complete_tile(index, std::move(*sums), from);
@@ -234,8 +237,8 @@ void Assembler::complete_tile(uint32_t index, std::vector<uint64_t> counts, Work
 
 std::optional<std::vector<uint64_t>> Assembler::counts_of(const Partial& partial,
                                                           const PixelRect& tile) const {
-  std::vector<const std::vector<uint64_t>*> chain;
-  if (!find_chain(partial.counts, tile.y0, tile.y1, chain)) return std::nullopt;
+  const auto chain = find_chain(partial.counts, tile.y0, tile.y1);
+  if (chain.empty()) return std::nullopt;
   if (chain.size() == 1) return *chain.front();
   std::vector<uint64_t> sums(names_.size());
   for (const auto& [name, place] : names_) {
@@ -265,12 +268,11 @@ bool Assembler::has_piece(LeaseId lease) const {
 bool Assembler::fill(uint32_t index, std::span<const float> value, const v1::Counters& of_pixel,
                      WorkerId from) {
   if (complete(index) || partial_.contains(index)) return false;
-  auto counts = counts_of(of_pixel);
-  if (!counts) return false;
+  std::vector<uint64_t> counts = counts_of(of_pixel);
   const PixelRect& tile = tiles_[index];
   for (const auto& [name, place] : names_) {
-    if (place >= counts->size() || name.starts_with("tiles_")) continue;
-    uint64_t& count = (*counts)[place];
+    if (place >= counts.size() || name.starts_with("tiles_")) continue;
+    uint64_t& count = counts[place];
     if (__builtin_mul_overflow(count, static_cast<uint64_t>(tile.area()), &count)) {
       count = std::numeric_limits<uint64_t>::max();
     }
@@ -278,7 +280,7 @@ bool Assembler::fill(uint32_t index, std::span<const float> value, const v1::Cou
   scratch_.resize(static_cast<size_t>(tile.width()) * kFilmChannels);
   for (size_t i = 0; i < scratch_.size(); ++i) scratch_[i] = value[i % kFilmChannels];
   for (int row = tile.y0; row < tile.y1; ++row) film_.write(tile, row, 1, scratch_);
-  complete_tile(index, std::move(*counts), from);
+  complete_tile(index, std::move(counts), from);
   return true;
 }
 

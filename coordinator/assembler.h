@@ -30,7 +30,7 @@ inline constexpr WorkerId kFromStore = ~WorkerId{0};
 
 /// What became of a band.
 struct BandResult {
-  bool valid = false;  ///< false: damaged, not finite, or not of this job's tiles or counters
+  bool valid = false;  ///< false: damaged, not finite, or not of this job's tiles
   bool completed_tile = false;
   bool duplicate_tile = false;  ///< the last band of a tile that was complete already
   std::optional<Mismatch> mismatch;
@@ -46,7 +46,7 @@ class Assembler {
   /// Whether all rows of the piece that this lease is of are there, and counters of just these.
   bool has_piece(LeaseId lease) const;
   /// Completes a tile of which nothing is there: each pixel is `value`, each counter as many times
-  /// as it has pixels. False where something of it is there, or there are too many counters.
+  /// as it has pixels. False where something of it is there.
   bool fill(uint32_t tile, std::span<const float> value, const v1::Counters& of_pixel,
             WorkerId from);
   /// Takes up tiles that were kept, as far as they are sound and of this grid. Which are complete.
@@ -83,8 +83,9 @@ class Assembler {
     std::map<std::pair<int, int>, std::vector<uint64_t>> counts;
   };
   bool plausible(const v1::TileBand& band) const;
-  /// The numbers by names_, which grow; nothing if there would be too many, or too long ones.
-  std::optional<std::vector<uint64_t>> counts_of(const v1::Counters& counters);
+  /// The numbers by names_, which grow, but for those that are too long or too many: a report need
+  /// not have them all. Of sound bands alone.
+  std::vector<uint64_t> counts_of(const v1::Counters& counters);
   /// Counts of all of the tile, out of those of its parts; nothing where some are missing.
   std::optional<std::vector<uint64_t>> counts_of(const Partial& partial,
                                                  const PixelRect& tile) const;

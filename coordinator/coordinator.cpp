@@ -25,8 +25,8 @@ Coordinator::Coordinator(CoordinatorOptions options, std::shared_ptr<JobStore> s
   clients_ = std::make_unique<ClientDesk>(options_, *jobs_, std::move(store));
 }
 
-uint64_t Coordinator::submit(JobSpec spec, Time now) {
-  const uint64_t id = jobs_->submit(std::move(spec), now);
+uint64_t Coordinator::submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles) {
+  const uint64_t id = jobs_->submit(std::move(spec), now, std::move(tiles));
   settle(now);
   return id;
 }

@@ -36,8 +36,9 @@ class Coordinator {
   /// where the store cannot be read.
   explicit Coordinator(CoordinatorOptions options, std::shared_ptr<JobStore> store = nullptr);
 
-  /// Queues a job of this process. Throws usage_error if its frame, crop or tile size cannot be.
-  uint64_t submit(JobSpec spec, Time now);
+  /// Queues a job of this process. `tiles`: where its finished tiles are kept and found; null:
+  /// nowhere. Throws usage_error if its frame, crop or tile size cannot be.
+  uint64_t submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles = nullptr);
   /// Ends it now, as interrupted, with what there is.
   void interrupt(uint64_t job, Time now);
   /// Ends the jobs that run, as failed, for a reason outside.

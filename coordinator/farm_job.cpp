@@ -31,8 +31,8 @@ FarmJob::FarmJob(v1::KeptJob kept, std::optional<Time> now)
   kept_.clear_ends();
 }
 
-FarmJob::FarmJob(uint64_t id, JobSpec spec, Time now)
-    : local_(std::move(spec)), ends_(1), accepted_(now) {
+FarmJob::FarmJob(uint64_t id, JobSpec spec, std::shared_ptr<TileStore> tiles, Time now)
+    : local_(std::move(spec)), local_tiles_(std::move(tiles)), ends_(1), accepted_(now) {
   kept_.set_job(id);
 }
 

@@ -20,8 +20,9 @@ class FarmJob {
  public:
   /// As it was kept. `now`: when it was accepted, if that was in this process.
   explicit FarmJob(v1::KeptJob kept, std::optional<Time> now = {});
-  /// Of this process: one frame, whose result is taken and kept nowhere.
-  FarmJob(uint64_t id, JobSpec spec, Time now);
+  /// Of this process: one frame, whose result is taken and kept nowhere; its tiles are kept in
+  /// `tiles`, unless that is null.
+  FarmJob(uint64_t id, JobSpec spec, std::shared_ptr<TileStore> tiles, Time now);
 
   uint64_t id() const { return kept_.job(); }
   const v1::SubmitJob& request() const { return kept_.request(); }
@@ -30,6 +31,7 @@ class FarmJob {
   bool local() const { return local_.has_value(); }
   /// The frame of a job of this process, once.
   JobSpec take_local_spec() { return std::move(*local_); }
+  const std::shared_ptr<TileStore>& local_tiles() const { return local_tiles_; }
 
   uint32_t frame_count() const { return static_cast<uint32_t>(ends_.size()); }
   const std::optional<v1::JobEnd>& end_of(uint32_t frame) const { return ends_[frame]; }
@@ -70,6 +72,7 @@ class FarmJob {
 
   v1::KeptJob kept_;
   std::optional<JobSpec> local_;
+  std::shared_ptr<TileStore> local_tiles_;
   std::vector<std::optional<v1::JobEnd>> ends_;  ///< by frame
   uint32_t frames_ended_ = 0, next_frame_ = 0;
   uint64_t tiles_per_frame_ = 0;

@@ -7,17 +7,15 @@
 #include "job/tile_grid.h"
 
 namespace tessera {
-namespace {
-
-constexpr size_t kAtHand = 4;
-
-}  // namespace
-
 BlobData FilmShelf::keep_at_hand(const Digest& digest, const Film& film) {
   const auto pixels = std::as_bytes(film.values());
   at_hand_.emplace_front(
       digest, std::make_shared<const Blob>(std::vector<std::byte>(pixels.begin(), pixels.end())));
-  if (at_hand_.size() > kAtHand) at_hand_.pop_back();
+  uint64_t bytes = 0;
+  for (const auto& [film_digest, data] : at_hand_) bytes += data->size();
+  for (; at_hand_.size() > 1 && bytes > most_bytes_; at_hand_.pop_back()) {
+    bytes -= at_hand_.back().second->size();
+  }
   return at_hand_.front().second;
 }
 
@@ -36,7 +34,10 @@ void FilmShelf::forget(const Digest& film) {
 BlobData FilmShelf::find(const Digest& digest) {
   const auto there = std::find_if(at_hand_.begin(), at_hand_.end(),
                                   [&](const auto& entry) { return entry.first == digest; });
-  if (there != at_hand_.end()) return there->second;
+  if (there != at_hand_.end()) {
+    std::rotate(at_hand_.begin(), there, there + 1);
+    return at_hand_.front().second;
+  }
   const auto recipe = recipes_.find(digest);
   if (recipe == recipes_.end()) return nullptr;
   const auto& [key, crop, tile_size] = recipe->second;

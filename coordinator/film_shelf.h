@@ -12,11 +12,14 @@
 
 namespace tessera {
 
-/// The films of frames that have ended, as blobs: the last ones at hand, others put together again
-/// from their tiles.
+/// The films of frames that have ended, as blobs: those asked for last at hand, others put together
+/// again from their tiles.
 class FilmShelf {
  public:
-  explicit FilmShelf(std::shared_ptr<TileStore> store) : store_(std::move(store)) {}
+  /// Films at hand take so many bytes together, or one takes more.
+  static constexpr uint64_t kAtHandBytes = uint64_t{1} << 30;
+  explicit FilmShelf(std::shared_ptr<TileStore> store, uint64_t at_hand_bytes = kAtHandBytes)
+      : store_(std::move(store)), most_bytes_(at_hand_bytes) {}
 
   /// How to make the film of that digest again.
   struct Recipe {
@@ -36,7 +39,8 @@ class FilmShelf {
 
   std::shared_ptr<TileStore> store_;
   std::unordered_map<Digest, Recipe> recipes_;
-  std::deque<std::pair<Digest, BlobData>> at_hand_;  ///< the latest first
+  uint64_t most_bytes_;
+  std::deque<std::pair<Digest, BlobData>> at_hand_;  ///< the one asked for last first
 };
 
 }  // namespace tessera

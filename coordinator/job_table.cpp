@@ -34,7 +34,7 @@ FilmShelf::Recipe JobTable::recipe_of(const v1::KeptJob& kept, uint32_t frame) {
 
 JobTable::JobTable(const CoordinatorOptions& options, std::shared_ptr<JobStore> store)
     : options_(options), store_(std::move(store)), films_(store_) {
-  last_job_ = store_->last_job();
+  last_job_ = last_job_before_ = store_->last_job();
   std::unordered_set<Digest> blobs;
   for (v1::KeptJob& kept : store_->jobs()) {
     for (const std::string& hex : kept.blobs()) blobs.insert(digest_of(hex));
@@ -47,6 +47,13 @@ JobTable::JobTable(const CoordinatorOptions& options, std::shared_ptr<JobStore> 
     add(std::move(job));
   }
   store_->keep_only_blobs(blobs);
+}
+
+CoordinatorOptions JobTable::options_for(uint64_t job) const {
+  CoordinatorOptions options = options_;
+  // Of what came to us alone, nobody before us has given leases.
+  if (job > last_job_before_) options.farm = 0;
+  return options;
 }
 
 void JobTable::add(std::unique_ptr<FarmJob> job) {
@@ -145,10 +152,10 @@ uint64_t JobTable::frame_id(uint64_t job, uint32_t frame) const {
 
 // ------------------------------------------------------------------------- jobs of this process
 
-uint64_t JobTable::submit(JobSpec spec, Time now) {
+uint64_t JobTable::submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles) {
   check_job(spec);
   const uint64_t id = ++last_job_;
-  add(std::make_unique<FarmJob>(id, std::move(spec), now));
+  add(std::make_unique<FarmJob>(id, std::move(spec), std::move(tiles), now));
   return frame_id(id, 0);
 }
 
@@ -156,7 +163,10 @@ void JobTable::interrupt(uint64_t frame, Time now) {
   for (const auto& [id, job] : open_) {
     if (!job->local() || frame_id(id, 0) != frame) continue;
     if (job->running().empty()) {
-      job->begin(0, std::make_unique<ActiveJob>(frame, job->take_local_spec(), options_, now), now);
+      job->begin(0,
+                 std::make_unique<ActiveJob>(frame, job->take_local_spec(), keeping_of(*job),
+                                             options_for(id), now),
+                 now);
     }
     job->running().front().active->interrupt();
   }

@@ -28,7 +28,7 @@ class JobTable {
 
   // Jobs of this process.
   /// Throws usage_error if its frame, crop or tile size cannot be.
-  uint64_t submit(JobSpec spec, Time now);
+  uint64_t submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles);
   /// Ends it now, as interrupted, with what there is; also where it was not begun.
   void interrupt(uint64_t frame, Time now);
   /// The result of a job from submit() once it has ended; told once.
@@ -101,6 +101,9 @@ class JobTable {
   void begin(FarmJob& job, uint32_t frame, Time now, Changes& changes);
   void finish(FarmJob& job, FarmJob::Running& running, Changes& changes);
   void file_end(FarmJob& job, uint32_t frame, v1::JobEnd end);
+  /// For a frame of that job.
+  CoordinatorOptions options_for(uint64_t job) const;
+  TileKeeping keeping_of(const FarmJob& job) const;
   JobSpec spec_of(FarmJob& job, uint32_t frame);
   // Of the store; each throws where they are not there, or not what they should be.
   BlobData load_blob(const std::string& hex);
@@ -113,9 +116,9 @@ class JobTable {
   std::map<uint64_t, std::unique_ptr<FarmJob>> jobs_;
   std::map<uint64_t, FarmJob*> open_;  ///< those of them that have not ended
   std::map<uint64_t, uint64_t> by_submission_;
-  std::map<uint64_t, JobResult> results_;  ///< of jobs of this process
-  std::optional<TileCosts> local_costs_;   ///< of the last of those
-  uint64_t last_job_ = 0;
+  std::map<uint64_t, JobResult> results_;        ///< of jobs of this process
+  std::optional<TileCosts> local_costs_;         ///< of the last of those
+  uint64_t last_job_ = 0, last_job_before_ = 0;  ///< ever; of a coordinator before us
   uint32_t threads_ = 0;
   Changes changes_;                                             ///< that advance() has not told yet
   std::vector<std::pair<uint64_t, v1::KeptJob::End>> unsaved_;  ///< ends that the store must take

@@ -168,6 +168,10 @@ const TileCosts* JobTable::earlier_costs(const FarmJob& job) const {
   return job.last_costs() ? &*job.last_costs() : nullptr;
 }
 
+TileKeeping JobTable::keeping_of(const FarmJob& job) const {
+  return job.local() ? TileKeeping{job.local_tiles(), false} : TileKeeping{store_, true};
+}
+
 JobSpec JobTable::spec_of(FarmJob& job, uint32_t frame) {
   if (job.local()) return job.take_local_spec();
   const v1::SubmitJob& request = job.request();
@@ -181,8 +185,6 @@ JobSpec JobTable::spec_of(FarmJob& job, uint32_t frame) {
   spec.frame = wanted.settings();
   spec.crop = rect_of(request.crop());
   spec.tile_size = static_cast<int>(request.tile_size());
-  spec.store = store_;
-  spec.must_keep = true;
   check_job(spec);
   return spec;
 }
@@ -200,8 +202,8 @@ void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
     if (least) job.catch_up(*least);
   }
   try {
-    auto active =
-        std::make_unique<ActiveJob>(frame_id(job.id(), frame), spec_of(job, frame), options_, now);
+    auto active = std::make_unique<ActiveJob>(frame_id(job.id(), frame), spec_of(job, frame),
+                                              keeping_of(job), options_for(job.id()), now);
     tiles_restored_ += active->report().tiles_restored;
     if (const TileCosts* earlier = earlier_costs(job)) {
       active->scheduler().costs().learn_from(*earlier);

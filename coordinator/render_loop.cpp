@@ -58,8 +58,8 @@ RenderLoop::RenderLoop(std::unique_ptr<ServerTransport> transport,
 RenderLoop::~RenderLoop() = default;
 
 JobResult RenderLoop::run(JobSpec job, const ProgressCallback& progress,
-                          const std::atomic<bool>& stop) {
-  const uint64_t id = coordinator_->submit(std::move(job), monotonic_now());
+                          const std::atomic<bool>& stop, std::shared_ptr<TileStore> tiles) {
+  const uint64_t id = coordinator_->submit(std::move(job), monotonic_now(), std::move(tiles));
   tiles_done_ = 0;
   Time next_progress{};
   while (true) {

@@ -18,6 +18,7 @@ namespace tessera {
 
 class Coordinator;
 class JobStore;
+class TileStore;
 
 /// Moves messages between a ServerTransport, which it owns, and a Coordinator. Used by one thread.
 class RenderLoop {
@@ -36,8 +37,10 @@ class RenderLoop {
   /// Renders one job to its end, or until `stop` is set (then its end is `interrupted`, and the
   /// film holds what came until then; `stop` is looked at every 50 ms). May be called again for
   /// further jobs: workers stay. If local workers cannot be kept alive, the job fails. Throws
-  /// usage_error for a frame, crop or tile size that cannot be.
-  JobResult run(JobSpec job, const ProgressCallback& progress, const std::atomic<bool>& stop);
+  /// usage_error for a frame, crop or tile size that cannot be. `tiles` as of
+  /// Coordinator::submit().
+  JobResult run(JobSpec job, const ProgressCallback& progress, const std::atomic<bool>& stop,
+                std::shared_ptr<TileStore> tiles = nullptr);
 
   /// Calls `look` from now on about so often, on the thread that runs or serves: for a page or a
   /// monitor.

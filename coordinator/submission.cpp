@@ -53,7 +53,7 @@ void Submission::want(const Digest& digest, uint64_t size, JobStore& store) {
   if (!store.has_blob(digest)) fetch_.want(digest, size);
 }
 
-void Submission::read_scene(const Digest& digest, JobStore& store) {
+uint64_t Submission::read_scene(const Digest& digest, JobStore& store) {
   const BlobData bytes = store.find_blob(digest);
   if (!bytes) throw render_error("a scene is damaged in the coordinator's store; submit it again");
   const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
@@ -64,6 +64,7 @@ void Submission::read_scene(const Digest& digest, JobStore& store) {
     throw scene_error("the submitted bytes are no scene");
   for (const v1::BlobRef& blob : *blobs) want(*Digest::parse(blob.digest()), blob.size(), store);
   if (needed_.size() > kMaxBlobs) throw scene_error("a submission of too many blobs");
+  return bytes->size();
 }
 
 std::vector<v1::BlobRequest> Submission::advance(JobStore& store, Time now) {
@@ -73,9 +74,8 @@ std::vector<v1::BlobRequest> Submission::advance(JobStore& store, Time now) {
   while (!unread_.empty() && read < kReadBytes && store.has_blob(unread_.front())) {
     const Digest digest = unread_.front();
     unread_.pop_front();
-    read_scene(digest, store);
     constexpr uint64_t kLeast = 4096;
-    read += kLeast;
+    read += std::max(kLeast, read_scene(digest, store));
   }
   if (!fetch_.failure().empty()) throw render_error(fetch_.failure());
   return fetch_.requests(now);

@@ -43,7 +43,8 @@ class Submission {
 
  private:
   void want(const Digest& digest, uint64_t size, JobStore& store);
-  void read_scene(const Digest& digest, JobStore& store);
+  /// Returns how many bytes it has.
+  uint64_t read_scene(const Digest& digest, JobStore& store);
 
   v1::SubmitJob request_;
   uint64_t claimed_bytes_ = 0, scene_bytes_ = 0;

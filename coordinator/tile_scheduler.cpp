@@ -264,7 +264,7 @@ size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& 
     ++foreign;
     const uint32_t tile = tile_of(progress.lease);
     if (tile >= tiles_.size() || tiles_[tile].state == State::done) {
-      events.cancelled.push_back({.id = progress.lease, .tile = tile, .worker = worker});
+      events.unwanted.push_back(progress.lease);
     }
   }
   const auto holder = holders_.find(worker);
@@ -291,8 +291,13 @@ size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& 
 uint64_t TileScheduler::epoch_tag() const { return options_.epoch % kEpochTags; }
 
 bool TileScheduler::adopt(LeaseId lease, WorkerId worker) {
-  const bool of_another = options_.farm != 0 && lease >> kEpochShift != epoch_tag();
-  if (!of_another || tile_of(lease) >= tiles_.size() || issued_.contains(lease)) return false;
+  const uint64_t tag = lease >> kEpochShift;
+  // Where epochs have not come round yet, those to come have given none.
+  const bool of_before = options_.farm != 0 && tag != epoch_tag() &&
+                         (options_.epoch >= kEpochTags || tag < options_.epoch);
+  if (!of_before || tile_of(lease) >= tiles_.size() || issued_.contains(lease)) return false;
+  // Into which parts that coordinator had split what is not known any more.
+  if (!TilePiece::of(lease).whole()) return false;
   // No more than there are honest ones.
   if (adopted_ >= tiles_.size() * kMaxLeasesOfTile) return false;
   ++adopted_;
@@ -303,9 +308,7 @@ bool TileScheduler::adopt(LeaseId lease, WorkerId worker) {
 void TileScheduler::go_on(const LeaseProgress& progress, WorkerId worker, Time now) {
   const uint32_t index = tile_of(progress.lease);
   Tile& tile = tiles_[index];
-  // Parts are no longer known; what comes of one is still taken.
-  const bool whole = TilePiece::of(progress.lease).whole();
-  if (!whole || tile.state != State::pending || !may_trace(tile, worker, now, false)) return;
+  if (tile.state != State::pending || !may_trace(tile, worker, now, false)) return;
   std::erase(pending_, index);
   Lease lease{.id = progress.lease, .tile = index, .worker = worker, .issued = now};
   lease.deadline = now + lease_length(tile);

@@ -47,7 +47,9 @@ enum class LossCause {
 
 /// What else follows from a call.
 struct SchedulerEvents {
-  std::vector<Lease> cancelled;     ///< wanted no longer: tell their workers
+  std::vector<Lease> cancelled;  ///< dropped, and wanted no longer: tell their workers
+  std::vector<LeaseId>
+      unwanted{};  ///< that the worker which reports has, and that are none of ours
   std::optional<Lease> recalled{};  ///< given to another, unless its worker has begun with it
   std::vector<uint32_t> given_up;   ///< tiles that failed too often
   std::vector<WorkerId> blamed;     ///< workers that failed a tile, once for each
@@ -100,7 +102,8 @@ class TileScheduler {
   /// Whether the worker holds a tile that failed before: beside that, nothing else runs.
   bool isolates(WorkerId worker) const;
   /// All leases that the worker holds, as of now. Returns how many of them are not ours any more
-  /// yet still take up the worker; those of finished tiles are cancelled.
+  /// yet still take up the worker; those of tiles that are finished, or that there are none of, are
+  /// unwanted.
   /// `leaves`: it gives back all that it does not list.
   size_t report(WorkerId worker, const std::vector<LeaseProgress>& held, Time now,
                 SchedulerEvents& events, bool leaves = false);
@@ -136,8 +139,9 @@ class TileScheduler {
 
   /// Whether this worker was ever given that lease.
   bool issued(LeaseId lease, WorkerId worker) const;
-  /// Takes a lease for issued that a coordinator before us gave, on the same store: what was traced
-  /// under it is as good. False where it cannot be one.
+  /// Takes a lease of a whole tile for issued that a coordinator before us gave, on the same store:
+  /// what was traced under it is as good. Whether this worker got it nobody knows any more. False
+  /// where it cannot be one.
   bool adopt(LeaseId lease, WorkerId worker);
   /// Nobody has it or ever had it.
   bool untouched(uint32_t tile) const {

@@ -24,6 +24,13 @@ bool TileVerifier::selects(uint32_t tile) const {
   return static_cast<double>(word >> 11) * 0x1p-53 < share_;
 }
 
+bool TileVerifier::wants_second(uint32_t tile) const {
+  const std::vector<WorkerId>& by = traced_by_[tile];
+  return selects(tile) || std::any_of(by.begin(), by.end(), [this](WorkerId worker) {
+           return suspects_.contains(worker);
+         });
+}
+
 void TileVerifier::note_rows(uint32_t tile, WorkerId worker) {
   std::vector<WorkerId>& by = traced_by_[tile];
   if (std::find(by.begin(), by.end(), worker) == by.end()) by.push_back(worker);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -23,6 +24,10 @@ class TileVerifier {
       : share_(share), key_(key), traced_by_(tiles) {}
 
   bool selects(uint32_t tile) const;
+  /// Whether a second worker is to trace it too: selects(), or a suspect has traced of it.
+  bool wants_second(uint32_t tile) const;
+  /// What this worker said is not what another did: all that it traces is looked at.
+  void suspect(WorkerId worker) { suspects_.insert(worker); }
 
   /// Rows of the tile were taken from the worker.
   void note_rows(uint32_t tile, WorkerId worker);
@@ -53,6 +58,7 @@ class TileVerifier {
   std::vector<std::vector<WorkerId>> traced_by_;                     ///< by tile
   std::map<std::pair<uint32_t, WorkerId>, std::vector<bool>> same_;  ///< rows
   std::map<uint32_t, Mismatch> disputes_;
+  std::set<WorkerId> suspects_;
 };
 
 }  // namespace tessera

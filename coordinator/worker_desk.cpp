@@ -130,6 +130,7 @@ void WorkerDesk::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbe
     worker.foreign +=
         job->scheduler().report(worker.id, held[job->id()], now, events, heartbeat.leaves());
     held.erase(job->id());
+    for (const LeaseId lease : events.unwanted) cancel(worker, *job, lease);
     act(*job, events, now);
   }
   // What is left is of jobs that are no more: it is cancelled, but runs as yet.
@@ -179,7 +180,7 @@ void WorkerDesk::on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Tim
   double& longest = job->report().build_seconds;
   if (ready.build_seconds() > longest) longest = ready.build_seconds();
   job->scheduler().join(worker.id, worker.hello.threads());
-  if (ready.has_unseen()) job->fill_unseen(ready.unseen(), worker.id);
+  if (ready.has_unseen()) on_unseen(worker, *job, ready.unseen(), now);
   fill(worker, now);
 }
 
@@ -240,57 +241,17 @@ void WorkerDesk::on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId leas
   }
 }
 
-std::string WorkerDesk::name_of(WorkerId id) {
-  if (id == kFromStore) return "(before)";
-  const WorkerRecord* worker = workers_.by_id(id);
-  return worker ? worker->name() : "(forgotten)";
-}
-
-void WorkerDesk::convict(ActiveJob& job, const Conviction& conviction, Time now) {
-  const Mismatch& about = conviction.dispute;
-  const WorkerId right = about.first == conviction.wrong ? about.second : about.first;
-  const std::string what = fmt::format(
-      "worker {} traced wrong pixels in row {} of tile {}, as workers {} and {} agree",
-      name_of(conviction.wrong), about.row, about.tile, name_of(right), name_of(conviction.judge));
-  spdlog::error("{}; it is set aside, and all its tiles are traced again", what);
-  ++job.report().liars;
-  set_aside(conviction.wrong, what, now);
-  // What is kept from before is of this job alone.
-  const auto jobs = conviction.wrong == kFromStore ? std::vector{&job} : jobs_.running();
-  for (ActiveJob* each : jobs) act(*each, each->redo_tiles_of(conviction.wrong), now);
-}
-
-void WorkerDesk::on_mismatch(ActiveJob& job, Mismatch mismatch, Time now) {
-  ++job.report().mismatches;
-  ++counters_.mismatches;
-  const bool again = !job.scheduler().disputed_by(mismatch.tile).empty();
-  const std::string what = fmt::format(
-      "tile {} from row {}: workers {} and {} traced different "
-      "pixels; expected the same bits",
-      mismatch.tile, mismatch.row, name_of(mismatch.first), name_of(mismatch.second));
-  spdlog::error("{}", what);
-  const auto events = job.dispute(std::move(mismatch), now);
-  if (again) return job.fail(ExitCode::render_failed, what);
-  act(job, events, now);
-}
-
-void WorkerDesk::fail_undecided(ActiveJob& job, Time now) {
-  const auto tile = job.scheduler().undecided(now);
-  if (!tile) return;
-  const auto& by = job.scheduler().disputed_by(*tile);
-  job.fail(ExitCode::render_failed,
-           fmt::format("tile {}: workers {} and {} traced different pixels, and there is no "
-                       "third to decide",
-                       *tile, name_of(by[0]), name_of(by[1])));
-}
-
 void WorkerDesk::on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now) {
   ActiveJob* const job = jobs_.running(failed.job());
   if (!job) return;
+  const SchedulerEvents events = job->scheduler().fail(failed.lease(), worker.id, now);
+  // Of a lease that it does not hold it has nothing to tell.
+  if (events.blamed.empty()) return;
   const std::string text = printable(failed.text());
-  spdlog::warn("worker {} failed tile {}: {}", worker.name(), failed.tile(), text);
+  spdlog::warn("worker {} failed tile {}: {}", worker.name(),
+               TileScheduler::tile_of(failed.lease()), text);
   job->report().failure = text;
-  act(*job, job->scheduler().fail(failed.lease(), worker.id, now), now);
+  act(*job, events, now);
 }
 
 void WorkerDesk::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed) {

@@ -56,6 +56,8 @@ class WorkerDesk {
   void on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId lease, Time now);
   void on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now);
   void on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now);
+  void on_unseen(const WorkerRecord& worker, ActiveJob& job, const v1::SceneReady::Unseen& unseen,
+                 Time now);
   void on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed);
   void on_mismatch(ActiveJob& job, Mismatch mismatch, Time now);
   /// A worker gave wrong pixels: it is set aside, and what it traced is traced again.
@@ -75,6 +77,7 @@ class WorkerDesk {
   bool give_tile(WorkerRecord& worker, Time now);
   bool give_at_end(WorkerRecord& worker, const std::vector<ActiveJob*>& jobs, Time now);
   void give(WorkerRecord& worker, ActiveJob& job, const Lease& lease, Time now);
+  void cancel(const WorkerRecord& worker, const ActiveJob& job, LeaseId lease);
   /// Takes it back from its worker, unless that has begun.
   void recall(const ActiveJob& job, const Lease& lease);
   size_t held_by(const WorkerRecord& worker) const;

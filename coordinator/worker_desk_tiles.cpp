@@ -66,6 +66,12 @@ bool WorkerDesk::give_at_end(WorkerRecord& worker, const std::vector<ActiveJob*>
   return false;
 }
 
+void WorkerDesk::cancel(const WorkerRecord& worker, const ActiveJob& job, LeaseId lease) {
+  v1::CancelTile& cancel = *send(worker.peer).mutable_cancel_tile();
+  cancel.set_lease(lease);
+  cancel.set_job(job.id());
+}
+
 void WorkerDesk::recall(const ActiveJob& job, const Lease& lease) {
   const WorkerRecord* holder = workers_.by_id(lease.worker);
   if (!holder) return;
@@ -158,9 +164,7 @@ void WorkerDesk::act(ActiveJob& job, const SchedulerEvents& events, Time now) {
     if (!worker) continue;
     job.note_span(FrameTrace::Kind::wasted, worker->id, worker->name(), lease.tile, lease.issued,
                   now);
-    v1::CancelTile& cancel = *send(worker->peer).mutable_cancel_tile();
-    cancel.set_lease(lease.id);
-    cancel.set_job(job.id());
+    cancel(*worker, job, lease.id);
   }
   counters_.tiles_given_up += events.given_up.size();
   for (const uint32_t tile : events.given_up) {

@@ -16,8 +16,6 @@
 
 namespace tessera {
 
-class TileStore;
-
 /// One frame to render. A value; the blobs are shared.
 struct JobSpec {
   v1::Scene scene;  ///< without blobs in it
@@ -25,8 +23,6 @@ struct JobSpec {
   v1::FrameSettings frame;
   PixelRect crop;     ///< in frame coordinates; the film covers exactly this
   int tile_size = 0;  ///< pixels a side; 0: as kept, or chosen from the frame and the workers
-  std::shared_ptr<TileStore> store{};  ///< where finished tiles are kept and found; null: nowhere
-  bool must_keep = false;  ///< where a tile cannot be kept, the frame waits until it can be
 };
 
 /// What became of a job; every number is a total over its life.

@@ -1,6 +1,7 @@
 #include "coordinator/web/farm_monitor.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "base/process_usage.h"
@@ -19,6 +20,8 @@ constexpr int kPreviewSide = 1024;
 constexpr Time kWatched = std::chrono::seconds(10);
 constexpr size_t kMostWatched = 16;
 constexpr size_t kMostWaiting = 1024;
+/// Orders that are carried out in one look: each may write to the store, and wait for the disk.
+constexpr size_t kOrdersOfLook = 4;
 
 /// When what took `spent` of the processor may be done again: each kind takes at most a fiftieth.
 Time next_after(Time now, Time spent, Time least) { return now + std::max(least, 50 * spent); }
@@ -78,17 +81,22 @@ void FarmMonitor::look(Coordinator& coordinator, Time now) {
     const std::scoped_lock lock(mutex_);
     last_look_ = now;
     ++work_.looks;
-    work_.orders += inbox_.orders.size();
-    orders.swap(inbox_.orders);
+    const size_t due = now >= next_orders_ ? std::min(inbox_.orders.size(), kOrdersOfLook) : 0;
+    work_.orders += due;
+    const auto end = inbox_.orders.begin() + static_cast<ptrdiff_t>(due);
+    std::move(inbox_.orders.begin(), end, std::back_inserter(orders));
+    inbox_.orders.erase(inbox_.orders.begin(), end);
     questions.swap(inbox_.frames);
     if (!inbox_.traces.empty() && now >= next_trace_) {
       trace = std::move(inbox_.traces.front());
       inbox_.traces.erase(inbox_.traces.begin());
     }
   }
-  for (const Order& order : orders) order.reply(coordinator.ask(order.query, now));
-  // Who ordered something wants to see it done.
-  if (!orders.empty() || now >= next_snapshot_) show_farm(coordinator, now);
+  if (!orders.empty()) {
+    carry_out(std::move(orders), coordinator, now);
+  } else if (now >= next_snapshot_) {
+    show_farm(coordinator, now);
+  }
   note_watchers(std::move(questions), now);
   show_tiles(coordinator, now);
   if (now >= next_preview_) show_oldest_preview(coordinator, now);
@@ -100,6 +108,16 @@ void FarmMonitor::look(Coordinator& coordinator, Time now) {
 }
 
 // ------------------------------------------------------------------------------------- the farm
+
+void FarmMonitor::carry_out(std::vector<Order> orders, Coordinator& coordinator, Time now) {
+  // Of the clock, not of the processor: whoever waits for the disk keeps the thread as well.
+  const Time start = monotonic_now();
+  for (const Order& order : orders) order.reply(coordinator.ask(order.query, now));
+  // Who ordered something wants to see it done.
+  show_farm(coordinator, now);
+  constexpr int kShare = 10;
+  next_orders_ = now + kShare * (monotonic_now() - start);
+}
 
 void FarmMonitor::show_farm(const Coordinator& coordinator, Time now) {
   const Time start = thread_time();

@@ -93,6 +93,7 @@ class FarmMonitor {
     std::vector<Order> orders;
   };
 
+  void carry_out(std::vector<Order> orders, Coordinator& coordinator, Time now);
   void show_farm(const Coordinator& coordinator, Time now);
   void sample(const FarmSnapshot& snapshot, Time now);
   void note_watchers(std::vector<FrameQuestion> questions, Time now);
@@ -103,7 +104,7 @@ class FarmMonitor {
   void tell_watchers();
 
   // Of the thread of look().
-  Time next_snapshot_{}, next_sample_{}, next_preview_{}, next_trace_{};
+  Time next_snapshot_{}, next_sample_{}, next_preview_{}, next_trace_{}, next_orders_{};
   FarmSnapshot::Counters sampled_;
   double sampled_at_ = 0;
   std::shared_ptr<const std::vector<FarmSample>> history_;

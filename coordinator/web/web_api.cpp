@@ -6,6 +6,7 @@
 #include <charconv>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/monotonic.h"
 #include "base/process_usage.h"
@@ -100,9 +101,12 @@ std::optional<v1::JobQuery> query_of(uint64_t job, const std::string& what,
     if (!json.is_object() || !json.contains("priority")) return std::nullopt;
     const auto& number = json["priority"];
     if (!number.is_number_integer()) return std::nullopt;
-    const auto value = number.get<int64_t>();
-    if (value != static_cast<int32_t>(value)) return std::nullopt;
-    query.set_priority(static_cast<int32_t>(value));
+    // From 2^63 on it would wrap around as a signed one.
+    if (number.is_number_unsigned() && !std::in_range<int32_t>(number.get<uint64_t>())) {
+      return std::nullopt;
+    }
+    if (!std::in_range<int32_t>(number.get<int64_t>())) return std::nullopt;
+    query.set_priority(number.get<int32_t>());
     return query;
   }
   query.set_action(what == "cancel"  ? v1::JobQuery::CANCEL

@@ -11,7 +11,9 @@
 namespace tessera {
 namespace {
 
-constexpr int kHighWater = 256;
+// Messages that wait for one peer; on bulk, where each has up to a MiB, enough for two fetches that
+// keep their whole windows asked for.
+constexpr int kHighWater = 256, kBulkHighWater = 16;
 constexpr int kLingerMs = 500;
 constexpr int kHandshakeMs = 5000;
 // Only whole messages count as a sign of life: on a slow line a chunk of a blob takes long.
@@ -36,8 +38,9 @@ void WakeUp::clear() {
 void configure(zmq::socket_t& socket, Channel channel) {
   socket.set(zmq::sockopt::maxmsgsize, static_cast<int64_t>(max_message_bytes(channel)));
   socket.set(zmq::sockopt::linger, kLingerMs);
-  socket.set(zmq::sockopt::sndhwm, kHighWater);
-  socket.set(zmq::sockopt::rcvhwm, kHighWater);
+  const int high_water = channel == Channel::bulk ? kBulkHighWater : kHighWater;
+  socket.set(zmq::sockopt::sndhwm, high_water);
+  socket.set(zmq::sockopt::rcvhwm, high_water);
   socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
   socket.set(zmq::sockopt::heartbeat_ivl, kZmtpHeartbeatMs);
   socket.set(zmq::sockopt::heartbeat_timeout,

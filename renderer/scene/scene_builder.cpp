@@ -122,6 +122,13 @@ class SceneBuilder {
           grown_view(choice.settings, settings.width, settings.height, bounded_corners());
     }
     scene_->camera.emplace(choice.settings, settings.width, settings.height);
+    constexpr uint64_t kMostRays = uint64_t{1} << 32;  // each has a number of its own
+    const uint64_t rays =
+        uint64_t{settings.sampler.samples_per_pixel} * scene_->camera->lens_samples();
+    if (rays > kMostRays) {
+      fail_value({.kind = "camera"}, "lens.samples", fmt::format("{} rays a pixel", rays),
+                 fmt::format("at most {}, samples per pixel times lens samples", kMostRays));
+    }
     // More samples share the pixel; but few look at exactly their own part of it.
     const double share =
         std::max(1 / std::sqrt(static_cast<double>(settings.sampler.samples_per_pixel)), 0.125);

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Holds every #include of the project against the arrows that its rooms declare.
+"""Holds every #include of the project, and every type that is declared and not defined, against the
+arrows that its rooms declare.
 
     check_arrows.py --root REPOSITORY --rooms BUILD/rooms.txt
 
@@ -14,6 +15,9 @@ import sys
 ENDINGS = {".h", ".cpp", ".cc", ".hpp", ".inl"}
 TOP_FOLDERS = ["base", "proto", "renderer", "scenes", "job", "client", "coordinator", "worker", "bench",
                "cli"]
+# A type that is named without being defined; and one that is, outside of any other.
+DECLARED = re.compile(r"\b(?:class|struct)\s+([A-Z]\w*)\s*[;*&>]")
+DEFINED = re.compile(r"^(?:template\s*<.*>\s*)?(?:class|struct)\s+([A-Z]\w*)\b(?!\s*[;*&>])")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 # The table of docs/architecture.md, a line a row: what its rooms may not reach, not even through
@@ -159,11 +163,33 @@ def check_include(rooms, root, room, style, target):
     return None
 
 
-def check_file(rooms, root, room, path):
+def defined_types(rooms, root):
+    """The rooms whose headers define a type, by its name."""
+    types = {}
+    for room in rooms:
+        for path in (root / room).glob("*.h"):
+            for _, line in source_lines(path.read_text(errors="replace")):
+                if defined := DEFINED.match(line):
+                    types.setdefault(defined.group(1), set()).add(room)
+    return types
+
+
+def check_declared(rooms, types, room, name):
+    """What is wrong with declaring that type in `room`, or None."""
+    homes = types.get(name, set())
+    if not homes or homes & {room, *rooms[room]}:
+        return None
+    return f"declares {name} of {', '.join(sorted(homes))}, which {room} does not use"
+
+
+def check_file(rooms, types, root, room, path):
     name = path.relative_to(root)
     for number, line in source_lines(path.read_text(errors="replace")):
         if include := INCLUDE.match(line):
             if fault := check_include(rooms, root, room, *include.groups()):
+                yield f"{name}:{number}: {fault}"
+        for declared in DECLARED.finditer(line):
+            if fault := check_declared(rooms, types, room, declared.group(1)):
                 yield f"{name}:{number}: {fault}"
         for what, pattern, owners in MONOPOLIES:
             if pattern.search(line) and not any(below(room, owner) for owner in owners):
@@ -186,6 +212,7 @@ def unused_arrows(root, rooms):
 
 def violations(root, rooms):
     yield from check_declarations(rooms)
+    types = defined_types(rooms, root)
     for top in TOP_FOLDERS:
         for path in sorted((root / top).rglob("*")):
             if path.suffix in ENDINGS and path.is_file():
@@ -193,7 +220,7 @@ def violations(root, rooms):
                 if room not in rooms:
                     yield f"{path.relative_to(root)}: its folder is no room"
                 else:
-                    yield from check_file(rooms, root, room, path)
+                    yield from check_file(rooms, types, root, room, path)
 
 
 def main():

@@ -58,6 +58,25 @@ class Arrows(unittest.TestCase):
         self.assert_one("does not declare USES renderer/math",
                         {"worker/loop.cpp": '#include "renderer/math/vec.h"\n'})
 
+    def test_a_type_declared_against_the_arrows(self):
+        store = {"coordinator/store.h": "class TileStore {\n};\n"}
+        for line in ["class TileStore;", "struct TileStore;", "std::shared_ptr<class TileStore> s;",
+                     "void keep(class TileStore& store);"]:
+            with self.subTest(line=line):
+                self.assert_one("worker/job.h:2: declares TileStore of coordinator, which worker",
+                                {**store, "worker/job.h": f"#pragma once\n{line}\n"})
+
+    def test_types_declared_along_the_arrows(self):
+        self.assertEqual([], self.found({
+            "coordinator/store.h": "class TileStore;\nclass TileStore final : public Store {\n};\n",
+            "cli/render.h": "class TileStore;\n",
+            "worker/loop.h": "class Loop {\n  class Impl;\n  // class TileStore;\n};\n",
+            "base/lists.h": "template <class T> struct List {\n};\n",
+            # One of its own by the same name as another's.
+            "renderer/math/own.h": "struct Other {\n};\n",
+            "renderer/image/own.h": "struct Other {\n};\nclass Other;\n",
+        }))
+
     def test_a_cycle_of_arrows(self):
         self.assert_one("cycle: renderer/math -> renderer/accel -> renderer/math", {},
                         {"renderer/math": ["renderer/accel"]})

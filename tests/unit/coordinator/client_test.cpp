@@ -1,4 +1,6 @@
 // What clients and the coordinator say to each other.
+#include "coordinator/memory_job_store.h"
+#include "coordinator/submission.h"
 #include "proto/wire/blob_transfer.h"
 #include "proto/wire/scene_codec.h"
 #include "tests/unit/coordinator/coordinator_fixture.h"
@@ -54,6 +56,31 @@ TEST_F(ClientTest, CancelsAJobAtOnceAlsoWhereItWasNotBegun) {
   const v1::JobStatus cancelled = ask(42, true);
   EXPECT_EQ(cancelled.state(), v1::JobStatus::ENDED);
   EXPECT_EQ(cancelled.end().how(), v1::JobEnd::INTERRUPTED);
+}
+
+TEST_F(ClientTest, HaveFewScenesReadAtOneGoByTheirBytes) {
+  MemoryJobStore scenes;
+  v1::SubmitJob request;
+  request.set_submission(42);
+  for (int i = 0; i < 5; ++i) {
+    v1::Scene scene;
+    scene.mutable_metadata()->set_notes(std::string(size_t{3} << 20, static_cast<char>('a' + i)));
+    const std::string text = serialize_scene(scene);
+    const auto bytes = std::as_bytes(std::span(text));
+    const Digest digest = Digest::of(bytes);
+    scenes.put_blob(
+        digest, std::make_shared<const Blob>(std::vector<std::byte>(bytes.begin(), bytes.end())));
+    v1::JobFrame& frame = *request.add_frames();
+    frame.set_scene_digest(digest.hex());
+    frame.set_scene_size(bytes.size());
+  }
+  Submission submission(request, scenes, {});
+  int calls = 0;
+  while (!submission.finished() && calls < 10) {
+    submission.advance(scenes, {});
+    ++calls;
+  }
+  EXPECT_EQ(calls, 3) << "no more begun after 4 MiB";
 }
 
 TEST_F(ClientTest, AreToldWhyTheirJobsDoNotEnd) {

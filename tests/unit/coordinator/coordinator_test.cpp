@@ -305,6 +305,68 @@ TEST_F(CoordinatorTest, PixelsThatAreNotFiniteCountAgainstTheirWorker) {
   EXPECT_EQ(coordinator.progress({}).tiles_done, 0u);
 }
 
+TEST_F(CoordinatorTest, LeasesThatAreNotOursAreCancelledAndLeaveNoTrace) {
+  const uint64_t id = coordinator.submit(job(), {});
+  say("p", hello(1));
+  ready("p", id);
+  const auto assigns = heard(v1::Envelope::kAssign);
+  say("p", band(assigns.at(0).assign(), 1), seconds(1));
+  const LeaseId of_done = assigns[0].assign().lease(), beyond = uint64_t{5} << 32 | 0xfffff;
+  v1::Envelope heartbeat;
+  heartbeat.mutable_heartbeat()->set_session(1);
+  for (const LeaseId lease : {of_done, beyond}) {
+    auto& progress = *heartbeat.mutable_heartbeat()->add_progress();
+    progress.set_job(id);
+    progress.set_lease(lease);
+  }
+  say("p", heartbeat, seconds(1));
+  const auto cancels = heard(v1::Envelope::kCancelTile);
+  ASSERT_EQ(cancels.size(), 2u);
+  EXPECT_EQ(cancels[0].cancel_tile().lease(), of_done);
+  EXPECT_EQ(cancels[1].cancel_tile().lease(), beyond);
+  coordinator.interrupt(id, seconds(1));
+  const auto result = coordinator.take_result(id);
+  EXPECT_EQ(result->report.trace->spans.size(), 2u) << "of the scene and the tile";
+  for (const auto& span : result->report.trace->spans) {
+    EXPECT_NE(span.kind, FrameTrace::Kind::wasted);
+  }
+}
+
+TEST_F(CoordinatorTest, OnlyWhoHoldsATileSaysWhyItFailed) {
+  const uint64_t id = coordinator.submit(job(16), {});
+  for (const auto& [peer, worker] : {std::pair("p", 1), {"q", 2}, {"r", 3}}) {
+    say(peer, hello(static_cast<WorkerId>(worker)));
+    ready(peer, id);
+  }
+  const auto failed = [&](LeaseId lease, const char* text) {
+    v1::Envelope message;
+    message.mutable_tile_failed()->set_job(id);
+    message.mutable_tile_failed()->set_lease(lease);
+    message.mutable_tile_failed()->set_text(text);
+    return message;
+  };
+  for (const char* holder : {"p", "q", "r"}) {
+    const v1::Assign assign = heard(v1::Envelope::kAssign).back().assign();
+    const LeaseId lease = assign.lease();
+    for (const char* peer : {"p", "q", "r"}) {
+      if (std::string(peer) != holder) say(peer, failed(lease, "made up"));
+    }
+    say(holder, failed(lease + 1, "made up"));
+    if (*holder != 'r') {
+      say(holder, failed(lease, "no memory"));
+      say(holder, failed(lease, "made up"));
+      continue;
+    }
+    // Of the third failure there is no word.
+    v1::Envelope damaged = band(assign, 1);
+    damaged.mutable_tile_band()->set_pixel_crc(1);
+    say(holder, damaged);
+  }
+  const auto result = coordinator.take_result(id);
+  ASSERT_TRUE(result);
+  EXPECT_THAT(result->report.failure, ::testing::HasSubstr("no memory"));
+}
+
 TEST_F(CoordinatorTest, JobsThatCannotBeAreRefused) {
   const auto refused = [&](auto change) {
     JobSpec spec = job();

@@ -129,5 +129,69 @@ TEST_F(Disagreement, ThatNobodyCanDecideFailsTheJob) {
   EXPECT_THAT(result->report.failure, ::testing::HasSubstr("no third"));
 }
 
+class UnseenDisagreement : public CoordinatorTest {
+ protected:
+  UnseenDisagreement() { spdlog::set_level(spdlog::level::off); }
+  /// Says that all but the first `seen_side` pixels of each row and column are of that value.
+  v1::Envelope built(int seen_side, float value) const {
+    v1::Envelope message;
+    v1::SceneReady& ready = *message.mutable_scene_ready();
+    ready.set_session(1);
+    ready.set_job(id);
+    for (int channel = 0; channel < 3; ++channel) ready.mutable_unseen()->add_value(value);
+    ready.mutable_unseen()->mutable_seen()->set_x1(seen_side);
+    ready.mutable_unseen()->mutable_seen()->set_y1(seen_side);
+    return message;
+  }
+  void come(const PeerId& peer, WorkerId worker, int seen_side, float value) {
+    say(peer, hello(worker));
+    say(peer, built(seen_side, value));
+  }
+  /// All who are given tiles trace them, until there is nothing left.
+  void trace_all(float value) {
+    for (auto told = coordinator.take_outgoing(); !told.empty();) {
+      for (const auto& [channel, peer, message] : told) {
+        if (message.has_assign()) say(peer, band(message.assign(), value));
+      }
+      told = coordinator.take_outgoing();
+    }
+  }
+  uint64_t done() const { return coordinator.progress({}).tiles_done; }
+  uint64_t id = 0;
+};
+
+TEST_F(UnseenDisagreement, IsNoneWhereBothSayTheSame) {
+  id = coordinator.submit(job(), {});
+  come("p", 1, 16, 1);
+  EXPECT_EQ(done(), 3u);
+  come("q", 2, 16, 1);
+  say("q", built(16, 1));
+  EXPECT_EQ(done(), 3u);
+  say("p", band(heard(v1::Envelope::kAssign).at(0).assign(), 5));
+  const auto result = coordinator.take_result(id);
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->report.filled, 3u);
+  EXPECT_EQ(result->report.mismatches, 0u);
+}
+
+TEST_F(UnseenDisagreement, HasAllTracedAndLookedAtByAnother) {
+  for (const auto& [side, value] : {std::pair(16, 2.0f), {32, 1.0f}}) {
+    id = coordinator.submit(job(), {});
+    come("p", 1, 16, 1);
+    EXPECT_EQ(done(), 3u);
+    come("q", 2, side, value);
+    EXPECT_EQ(done(), 0u) << "neither is believed";
+    come("r", 3, 16, 1);
+    EXPECT_EQ(done(), 0u) << "nor is a third";
+    trace_all(5);
+    const auto result = coordinator.take_result(id);
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->report.filled, 0u);
+    EXPECT_EQ(result->report.mismatches, 1u);
+    EXPECT_GT(result->report.verified, 0u) << "what the two have traced";
+    for (const float channel : result->film.values()) ASSERT_EQ(channel, 5);
+  }
+}
+
 }  // namespace
 }  // namespace tessera::testing

@@ -47,6 +47,20 @@ TEST_F(ServiceTest, WhatAnEarlierCoordinatorGaveOutIsTaken) {
   EXPECT_EQ(ask(id).tiles_done(), 1u) << "this one gave no such lease";
 }
 
+TEST_F(ServiceTest, OfAJobThatCameLaterNobodyGaveLeasesBefore) {
+  restart();
+  ASSERT_EQ(epoch, 2u);
+  const uint64_t id = submit(1);
+  come(1, 2);
+  constexpr int kEpochShift = 52;
+  v1::Envelope forged = band(assigned().at(0), 1);
+  forged.mutable_tile_band()->set_lease(uint64_t{1} << kEpochShift | assigned().at(0).tile());
+  say("w1", forged);
+  EXPECT_EQ(ask(id).tiles_done(), 0u);
+  say("w1", band(assigned().at(0), 1));
+  EXPECT_EQ(ask(id).tiles_done(), 1u);
+}
+
 TEST_F(ServiceTest, HigherPriorityComesFirst) {
   const uint64_t low = submit(1, 0, 64), high = submit(2, 5);
   come(1, 4);

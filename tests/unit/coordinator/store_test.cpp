@@ -28,11 +28,7 @@ struct FakeStore : TileStore {
 
 class StoreTest : public CoordinatorTest {
  protected:
-  JobSpec stored_job() {
-    JobSpec spec = job();
-    spec.store = store;
-    return spec;
-  }
+  uint64_t submit(JobSpec spec = job()) { return coordinator.submit(std::move(spec), {}, store); }
   /// Traces the first `count` tiles that it is given.
   void trace(uint64_t id, size_t count) {
     say("p", hello(1));
@@ -50,11 +46,11 @@ class StoreTest : public CoordinatorTest {
 };
 
 TEST_F(StoreTest, KeptTilesAreNotTracedAgain) {
-  trace(coordinator.submit(stored_job(), {}), 3);
+  trace(submit(), 3);
   ASSERT_EQ(store->tiles.size(), 3u);
   coordinator = Coordinator(CoordinatorOptions{});
   all.clear();
-  const uint64_t id = coordinator.submit(stored_job(), {});
+  const uint64_t id = submit();
   trace(id, 1);
   const auto result = coordinator.take_result(id);
   ASSERT_TRUE(result);
@@ -69,17 +65,17 @@ TEST_F(StoreTest, KeptTilesAreNotTracedAgain) {
 }
 
 TEST_F(StoreTest, TilesOfAnotherJobAreNotTakenUp) {
-  trace(coordinator.submit(stored_job(), {}), 4);
-  JobSpec other = stored_job();
+  trace(submit(), 4);
+  JobSpec other = job();
   other.frame.set_seed(7);
-  coordinator.submit(std::move(other), {});
+  submit(std::move(other));
   EXPECT_EQ(coordinator.progress({}).tiles_done, 0u);
 }
 
 TEST_F(StoreTest, AJobWhoseTilesAreAllKeptEndsWithoutWorkers) {
-  trace(coordinator.submit(stored_job(), {}), 4);
+  trace(submit(), 4);
   coordinator = Coordinator(CoordinatorOptions{});
-  const uint64_t id = coordinator.submit(stored_job(), {});
+  const uint64_t id = submit();
   coordinator.on_tick({});
   const auto result = coordinator.take_result(id);
   ASSERT_TRUE(result);
@@ -88,18 +84,18 @@ TEST_F(StoreTest, AJobWhoseTilesAreAllKeptEndsWithoutWorkers) {
 }
 
 TEST_F(StoreTest, DamagedTilesAreTracedAgain) {
-  trace(coordinator.submit(stored_job(), {}), 3);
+  trace(submit(), 3);
   v1::TileBand& damaged = *store->tiles[1].kept.mutable_bands(0);
   damaged.set_pixel_crc(damaged.pixel_crc() + 1);
   store->tiles[2].rect.x1 += 1;
   coordinator = Coordinator(CoordinatorOptions{});
-  coordinator.submit(stored_job(), {});
+  submit();
   EXPECT_EQ(coordinator.progress({}).tiles_done, 1u);
 }
 
 TEST_F(StoreTest, WhatAFullDiskDidNotTakeIsKeptLater) {
   store->full = true;
-  const uint64_t id = coordinator.submit(stored_job(), {});
+  const uint64_t id = submit();
   trace(id, 3);
   EXPECT_TRUE(store->tiles.empty());
   store->full = false;

@@ -126,12 +126,37 @@ TEST_F(TileSchedulerTest, CountsForeignTilesAndCancelsTheFinishedOnes) {
   ASSERT_EQ(fresh.tile, 1u);
   SchedulerEvents events;
   EXPECT_EQ(scheduler.report(kA, {{old.id, 5, true}}, {}, events), 1u);
-  EXPECT_THAT(events.cancelled, IsEmpty());
+  EXPECT_THAT(events.unwanted, IsEmpty());
   scheduler.complete(0, 999, {});
   EXPECT_EQ(scheduler.report(kA, {{old.id, 5, true}}, {}, events), 1u);
-  ASSERT_EQ(events.cancelled.size(), 1u);
-  EXPECT_EQ(events.cancelled[0].id, old.id);
-  EXPECT_EQ(events.cancelled[0].worker, kA);
+  EXPECT_THAT(events.unwanted, ElementsAre(old.id));
+  EXPECT_THAT(events.cancelled, IsEmpty()) << "it was dropped before";
+}
+
+TEST_F(TileSchedulerTest, LeasesOfTilesThatThereAreNoneOfAreUnwanted) {
+  TileScheduler scheduler = make(2, {kA});
+  SchedulerEvents events;
+  const LeaseId made_up = uint64_t{5} << 32 | 0xfffff;
+  EXPECT_EQ(scheduler.report(kA, {{made_up, 0, false}}, {}, events), 1u);
+  EXPECT_THAT(events.unwanted, ElementsAre(made_up));
+  EXPECT_THAT(events.cancelled, IsEmpty());
+}
+
+TEST_F(TileSchedulerTest, AdoptsWholeTilesOfCoordinatorsBeforeAlone) {
+  constexpr int kEpochShift = 52;
+  const auto adopts = [&](uint64_t epoch, TilePiece piece, uint64_t farm = 7) {
+    CoordinatorOptions options;
+    options.farm = farm;
+    options.epoch = 3;
+    return TileScheduler(2, options).adopt(epoch << kEpochShift | piece.packed(), kA);
+  };
+  EXPECT_TRUE(adopts(2, {1}));
+  EXPECT_TRUE(adopts(1, {0}));
+  EXPECT_FALSE(adopts(3, {1})) << "our own, which we have not given";
+  EXPECT_FALSE(adopts(4, {1})) << "of a coordinator to come";
+  EXPECT_FALSE(adopts(2, {2})) << "no tile of ours";
+  EXPECT_FALSE(adopts(2, {1, 0, 2})) << "a part";
+  EXPECT_FALSE(adopts(2, {1}, 0)) << "without a store there was nobody before";
 }
 
 TEST_F(TileSchedulerTest, CopiesAStragglerOnceWhenTheQueueIsEmpty) {

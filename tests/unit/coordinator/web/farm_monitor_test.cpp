@@ -171,5 +171,26 @@ TEST_F(FarmMonitorTest, TellsTheTimelineWhileItRunsAndAfter) {
   EXPECT_EQ(trace, nullptr);
 }
 
+TEST_F(FarmMonitorTest, CarriesOutAFewOrdersInOneLookAndAllInTheEnd) {
+  const uint64_t id = submit(1);
+  std::vector<int> told;
+  for (int i = 0; i < 100; ++i) {
+    v1::JobQuery query;
+    query.set_job(id);
+    query.set_priority(i + 1);
+    ASSERT_TRUE(
+        monitor.order(query, [&](const v1::JobStatus& s) { told.push_back(s.priority()); }));
+  }
+  look(seconds(1));
+  EXPECT_EQ(told.size(), 4u) << "each may be a write to a disk";
+  EXPECT_EQ(monitor.work().orders, 4u);
+  look(seconds(1));
+  EXPECT_EQ(told.size(), 4u) << "not before they were paid for";
+  for (int at = 1; at < 30; ++at) look(std::chrono::hours(at));
+  ASSERT_EQ(told.size(), 100u);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(told[static_cast<size_t>(i)], i + 1) << "in their order";
+  EXPECT_EQ(monitor.work().orders, 100u);
+}
+
 }  // namespace
 }  // namespace tessera::testing

@@ -224,6 +224,29 @@ void wakes(Transport& transport) {
   other.join();
 }
 
+TEST(ZmqTransport, HoldsFewBlobsForWhoReadsNone) {
+  const auto server = bind_server("tcp://127.0.0.1:*");
+  const auto client = connect_client(server->endpoint());
+  client->connect_bulk(server->bulk_endpoint());
+  client->send(Channel::bulk, bytes_of("question"));
+  const auto asked = next(*server, *client);
+  ASSERT_TRUE(asked);
+  // What the system's own buffers take comes on top: a few of these.
+  constexpr size_t kChunk = 1 << 20;
+  constexpr int kMany = 200;
+  int taken = 0, refused = 0;
+  while (taken < kMany && refused < 20) {
+    if (server->send(Channel::bulk, asked->peer, MessageBytes(kChunk)) == SendResult::sent) {
+      ++taken;
+    } else {
+      ++refused;
+      server->wait(milliseconds(5));
+    }
+  }
+  EXPECT_GE(taken, 16);
+  EXPECT_LT(taken, 64);
+}
+
 TEST(Transports, AreWokenByOtherThreads) {
   MemoryNetwork network;
   wakes(*network.server());
