@@ -46,6 +46,7 @@ WALLS = [
         "shapes", "accel", "sampler", "camera", "shading", "film", "image", "scene", "integrator",
         "render")], "scene files see neither sockets nor the renderer beyond math"),
     (["bench"], FARM, "benchmarks see no sockets"),
+    (["bench/error"], FARM + ["proto", "scenes", "renderer"], "measures are functions of numbers"),
     (["job"], ["proto/transport", "client", "coordinator", "worker", "cli", "bench", "scenes",
                "renderer/accel", "renderer/scene", "renderer/render"],
      "what a job is does not depend on who renders it"),
