@@ -139,7 +139,8 @@ MUTATIONS = [
              "if (!scheduler.issued(band.lease(), worker.id) && !scheduler.adopt(band.lease(), worker.id)) {",
              "if (false) {", "coordinator_test", "*OnlyUnderALease*:ServiceTest.*"),
     Mutation("farm: an old coordinator's number passes for ours", "coordinator/tile_scheduler.cpp",
-             "lease >> kEpochShift != epoch_tag();", "true;", "coordinator_test", "ServiceTest.*"),
+             "options_.farm != 0 && tag != epoch_tag() &&", "true || tag != epoch_tag() ||",
+             "coordinator_test", "ServiceTest.*:TileScheduler*"),
     Mutation("farm: frames unchecked", "proto/wire/frame.cpp",
              "header.length != body.size() || header.crc != crc32c(body)",
              "header.length != body.size()", "farm_wire_test", "Frame.*", quick=True),
@@ -164,10 +165,11 @@ MUTATIONS = [
     Mutation("farm: tiles not kept", "coordinator/active_job.cpp", "unkept_.push_back(tile);", "",
              "coordinator_test", "*Store*:ServiceTest.*"),
     Mutation("farm: a part's rows make a whole tile", "coordinator/assembler.cpp",
-             "if (!find_chain(partial.counts, tile.y0, tile.y1, chain)) return std::nullopt;",
-             "if (partial.counts.empty()) return std::nullopt;\n"
-             "  if (!find_chain(partial.counts, tile.y0, tile.y1, chain)) "
-             "chain.push_back(&partial.counts.begin()->second);", "coordinator_test", "Assembler.*"),
+             "const auto chain = find_chain(partial.counts, tile.y0, tile.y1);\n  if",
+             "auto chain = find_chain(partial.counts, tile.y0, tile.y1);\n"
+             "  if (chain.empty() && !partial.counts.empty())\n"
+             "    chain.push_back(&partial.counts.begin()->second);\n  if",
+             "coordinator_test", "Assembler.*"),
     Mutation("farm: a recall stops what has begun", "worker/worker_session.cpp",
              "if (cancel.unless_started() && it->second->started) return;", "", "worker_test",
              "WorkerSessionTest.*"),
