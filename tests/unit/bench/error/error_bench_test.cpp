@@ -63,7 +63,8 @@ TEST(BenchError, FindsAPlantedBias) {
   Picture wrong = *closed_form("edge", 32, 32);
   for (float& value : wrong.values) value += .02F;
   options.given_reference = {wrong};
-  for (const ErrorRow& row : bench_error(edge(32), options).curves[0].rows) {
+  const SceneErrors found = bench_error(edge(32), options);
+  for (const ErrorRow& row : found.curves[0].rows) {
     EXPECT_NEAR(row.bias, .02, .002) << row.samples;
     EXPECT_GT(row.bias_sigmas, 6) << row.samples;
   }
