@@ -32,13 +32,16 @@ set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1")
 if(TESSERA_WERROR)
   target_compile_options(tessera_flags INTERFACE -Werror)
 endif()
+# Generated code too is held against these.
+add_library(tessera_sanitizers INTERFACE)
 if(TESSERA_SANITIZE)
   # Not vptr: it opens a pipe for each look, and calls an object false where tests leave no
   # descriptor.
-  target_compile_options(tessera_flags INTERFACE -fsanitize=${TESSERA_SANITIZE} -fno-sanitize=vptr
-                         -fno-sanitize-recover=all)
-  target_link_options(tessera_flags INTERFACE -fsanitize=${TESSERA_SANITIZE})
+  target_compile_options(tessera_sanitizers INTERFACE -fsanitize=${TESSERA_SANITIZE}
+                         -fno-sanitize=vptr -fno-sanitize-recover=all)
+  target_link_options(tessera_sanitizers INTERFACE -fsanitize=${TESSERA_SANITIZE})
 endif()
+target_link_libraries(tessera_flags INTERFACE tessera_sanitizers)
 if(TESSERA_FUZZ)
   target_compile_options(tessera_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()

@@ -8,7 +8,7 @@ import time
 import unittest
 
 from service_test import ServiceTest
-from tessera_process import SLOWER, wait_until
+from tessera_process import wait_until
 
 
 def limited(count):
@@ -26,9 +26,6 @@ class Descriptors(ServiceTest):
     LIMIT = 80
 
     def test_a_coordinator_turns_away_whom_it_has_none_for(self):
-        if SLOWER > 1:
-            print("SKIPPED: sanitizers open descriptors of their own", flush=True)
-            self.skipTest("sanitizers open descriptors of their own")
         service = self.start("serve", "--bind", self.endpoint, "--store", self.store,
                              **limited(self.LIMIT))
         self.assertIn("serving at", service.stdout.readline())

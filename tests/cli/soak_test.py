@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Farm test 30: one job after the other while all goes wrong at random, and nothing grows.
 TESSERA_SOAK_SECONDS=86400 is a day of it, TESSERA_SOAK_SEED another one."""
+import json
 import os
 import pathlib
 import random
@@ -42,6 +43,9 @@ class Soak(BadNetwork):
     def far_worker(self, **options):
         return self.start("worker", "--connect", f"tcp://127.0.0.2:{self.port}", "--threads", 1,
                           "--quiet", **options)
+
+    def present(self):
+        return json.loads(self.ask("status", "--json"))["workers"]
 
     def something_happens(self):
         """What was done; never to the first worker, whose memory is looked at."""
@@ -104,6 +108,9 @@ class Soak(BadNetwork):
         self.assertLessEqual(late[1], early[1] + 8)
         self.assertLessEqual(late[2], early[2] + 8 * len(self.workers) + 8)
         self.assertEqual([], list((self.store / "blobs").iterdir()), "blobs of jobs that are forgotten")
+        # Who is not there at the end hears nothing of it; who died is forgotten after 5 s.
+        time.sleep(6)
+        wait_until(lambda: self.present() == len(self.workers), "all workers are there")
         self.stop(self.service)
         for worker in self.workers:
             self.assertEqual(0, worker.wait(60 * SLOWER))

@@ -54,21 +54,21 @@ class Package(TesseraTest):
 
     @classmethod
     def install(cls, deb):
-        shutil.copy(deb, cls.root / "root")
-        cls.inside("apt-get", "install", "-q", "-y", "--no-install-recommends", f"/root/{deb.name}")
+        shutil.copy(deb, cls.root / "srv")
+        cls.inside("apt-get", "install", "-q", "-y", "--no-install-recommends", f"/srv/{deb.name}")
 
     def test_1_without_openimageio_it_renders_and_coordinates(self):
         self.assertNotIn("OpenImageIO", self.inside("ldconfig", "-p"))
-        told = self.inside("tessera", "render", SCENE, "--workers", "4", "-o", "/root/knot.png")
+        told = self.inside("tessera", "render", SCENE, "--workers", "4", "-o", "/srv/knot.png")
         self.assertIn("by 4 workers", told)
         for accelerator in ("embree", "octree"):  # Embree and NLopt are modules
-            self.inside("tessera", "render", SCENE, "-o", "/root/other.png", "--quiet", "--accel",
+            self.inside("tessera", "render", SCENE, "-o", "/srv/other.png", "--quiet", "--accel",
                         accelerator)
             self.assert_equal_pictures("knot.png", "other.png")
         self.farm()
 
     def assert_equal_pictures(self, one, other):
-        compared = self.run_program("compare", self.root / "root" / one, self.root / "root" / other)
+        compared = self.run_program("compare", self.root / "srv" / one, self.root / "srv" / other)
         self.assertIn("differing pixels  0 of", compared.out, compared.err)
 
     def farm(self):
@@ -77,11 +77,11 @@ class Package(TesseraTest):
                                        stdout=subprocess.PIPE, env=self.environment())
             self.addCleanup(self.end, process)
             return process
-        service = start("serve", "--store", "/root/farm", "--bind", "tcp://127.0.0.1:*")
+        service = start("serve", "--store", "/srv/farm", "--bind", "tcp://127.0.0.1:*")
         endpoint = service.stdout.readline().split()[-1]
         worker = start("worker", "--connect", endpoint)
         self.inside("tessera", "submit", SCENE, "--quiet", "--connect", endpoint)
-        self.inside("tessera", "fetch", "knot", "--wait", "-o", "/root/farm.png", "--connect", endpoint)
+        self.inside("tessera", "fetch", "knot", "--wait", "-o", "/srv/farm.png", "--connect", endpoint)
         self.assert_equal_pictures("knot.png", "farm.png")
         service.send_signal(signal.SIGTERM)
         self.assertEqual(0, service.wait(60))
@@ -90,8 +90,8 @@ class Package(TesseraTest):
     def test_2_with_openimageio_it_writes_exr(self):
         self.assertEqual(2, len(self.debs))
         self.install(self.debs[1])
-        self.inside("tessera", "render", SCENE, "--quiet", "-o", "/root/knot.exr")
-        self.assertGreater((self.root / "root/knot.exr").stat().st_size, 10000)
+        self.inside("tessera", "render", SCENE, "--quiet", "-o", "/srv/knot.exr")
+        self.assertGreater((self.root / "srv/knot.exr").stat().st_size, 10000)
 
     def test_3_removed_it_leaves_nothing(self):
         self.inside("apt-get", "purge", "-q", "-y", "tessera", "tessera-openimageio")
