@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ErrorCommandOptions {
   std::vector<std::string> scenes, methods{"owen", "independent"}, references, peers;
   std::optional<FrameSize> size;
   std::optional<int> least_samples, most_samples, seeds, budget;
@@ -68,7 +68,7 @@ bool can_be_traced(const AccuracyScene& scene) {
 }
 
 /// Those named; without any, all of our own that this program can trace.
-std::vector<AccuracyScene> scenes_of(const Options& options) {
+std::vector<AccuracyScene> scenes_of(const ErrorCommandOptions& options) {
   std::vector<AccuracyScene> out;
   for (const std::string& name : options.scenes.empty() ? accuracy_scene_names() : options.scenes) {
     AccuracyScene scene = scene_named(name);
@@ -105,7 +105,7 @@ ErrorPeer read_peer(const std::string& text) {
   return out;
 }
 
-void parse_samples(const std::string& text, Options& options) {
+void parse_samples(const std::string& text, ErrorCommandOptions& options) {
   constexpr int64_t kMost = 65536;
   const size_t dash = text.find('-');
   const int64_t least = parse_whole("--samples", text.substr(0, dash), 1, kMost);
@@ -152,7 +152,7 @@ class Progress {
   Time start_ = monotonic_now(), last_ = start_;
 };
 
-ErrorBenchOptions bench_options(const Options& options) {
+ErrorBenchOptions bench_options(const ErrorCommandOptions& options) {
   ErrorBenchOptions out;
   for (const std::string& method : options.methods)
     out.methods.push_back(parse_error_method(method));
@@ -173,7 +173,7 @@ ErrorBenchOptions bench_options(const Options& options) {
   return out;
 }
 
-void check_options(const Options& options) {
+void check_options(const ErrorCommandOptions& options) {
   if (!options.json_file.empty()) check_output_file(options.json_file, "--json");
   if (!options.csv_file.empty()) check_output_file(options.csv_file, "--csv");
   if (!options.svg_folder.empty() && !fs::is_directory(options.svg_folder))
@@ -184,7 +184,7 @@ void check_options(const Options& options) {
     throw usage_error("--reference: expected one picture, or two that know nothing of each other");
 }
 
-ExitCode bench_error_command(const Options& options) {
+ExitCode bench_error_command(const ErrorCommandOptions& options) {
   check_options(options);
   ErrorBenchOptions bench = bench_options(options);
   const std::vector<AccuracyScene> scenes = scenes_of(options);
@@ -216,7 +216,7 @@ ExitCode bench_error_command(const Options& options) {
   return ExitCode::done;
 }
 
-void add_run_options(CLI::App& command, Options& options) {
+void add_run_options(CLI::App& command, ErrorCommandOptions& options) {
   command
       .add_option("--methods", options.methods,
                   "Words with + between: integrator, sample pattern (owen, independent, "
@@ -247,7 +247,7 @@ void add_run_options(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_error_bench(CLI::App& bench, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ErrorCommandOptions>();
   CLI::App* command = bench.add_subcommand("error", "Error against time");
   command->add_option(
       "SCENE", options->scenes,

@@ -32,7 +32,7 @@ namespace {
 constexpr char kFrameIsDone[] = "the frame is done";
 /// What a worker gets to end by itself before it is told by signal.
 constexpr std::chrono::milliseconds kGrace{100};
-constexpr Time kBetweenLooks = std::chrono::milliseconds(50);
+constexpr Time kBetweenObservations = std::chrono::milliseconds(50);
 
 LocalWorkerOptions worker_options(const LocalFarmOptions& farm) {
   LocalWorkerOptions options;
@@ -73,7 +73,7 @@ class LocalFarm : public TracingFarm {
     if (!options.tev.empty()) {
       tev_.emplace(options.tev);
       loop_.observe([this](Coordinator& coordinator, Time now) { tev_->look(coordinator, now); },
-                    kBetweenLooks);
+                    kBetweenObservations);
     }
     workers_.start();
   }

@@ -15,7 +15,7 @@ namespace tessera {
 namespace {
 
 constexpr Time kTellProgress = std::chrono::milliseconds(100);
-constexpr Time kLongestWait = std::chrono::milliseconds(50);
+constexpr Time kLongestPause = std::chrono::milliseconds(50);
 
 }  // namespace
 
@@ -32,7 +32,7 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
       transport.send(channel, encode(message));
     }
     if (auto result = client.take_result()) return std::move(*result);
-    const Time pause = std::clamp(client.next_deadline() - monotonic_now(), Time{0}, kLongestWait);
+    const Time pause = std::clamp(client.next_deadline() - monotonic_now(), Time{0}, kLongestPause);
     transport.wait(std::chrono::ceil<std::chrono::milliseconds>(pause));
     while (const auto received = transport.receive()) {
       const auto message = decode(received->bytes, max_message_bytes(received->channel));

@@ -2,26 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <time.h>
-
 #include <exception>
 #include <utility>
 
 #include "base/monotonic.h"
+#include "base/process_usage.h"
 #include "proto/wire/pixels.h"
 
 namespace tessera {
-
-namespace {
-
-/// What this thread has computed: others on the machine do not count.
-Time thread_time() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
-}
-
-}  // namespace
 
 TraceOutcome trace(std::shared_ptr<TraceRun> run) {
   TraceOutcome outcome;

@@ -9,7 +9,6 @@
 namespace tessera {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Of the floor and of the lamps, as in scenes/generate/accuracy_scenes.cpp.
 constexpr double kAlbedo = .8, kLamp = 5;
 
@@ -47,7 +46,7 @@ double covered_share(double x0, double y0, double side, Point2 point, Point2 nor
 double sphere_irradiance(double x, double z) {
   constexpr double kX = 1.5, kY = .8, kZ = .2, kRadius = .4;
   const double square = (kX - x) * (kX - x) + kY * kY + (kZ - z) * (kZ - z);
-  return kPi * kLamp * kRadius * kRadius / square * (kY / std::sqrt(square));
+  return std::numbers::pi * kLamp * kRadius * kRadius / square * (kY / std::sqrt(square));
 }
 
 /// Irradiance from a rectangle parallel to the floor at height h whose one corner is right above
@@ -67,7 +66,7 @@ double rectangle_irradiance(double x, double z) {
 }
 
 /// Irradiance from a white sky, half of it behind an endless wall of height 1 at x = 0.
-double wall_irradiance(double x) { return kPi / 2 * (1 + x / std::sqrt(x * x + 1)); }
+double wall_irradiance(double x) { return std::numbers::pi / 2 * (1 + x / std::sqrt(x * x + 1)); }
 
 Picture grey(int width, int height) {
   return {width, height, std::vector<float>(3 * static_cast<size_t>(width) * height)};
@@ -97,7 +96,7 @@ std::optional<Picture> floor_picture(int width, int height, double left,
     for (int i = 0; i < kParts; ++i)
       for (int j = 0; j < kParts; ++j)
         sum += irradiance(x + side * (i + .5) / kParts, z + side * (j + .5) / kParts);
-    return kAlbedo / kPi * sum / (kParts * kParts);
+    return kAlbedo / std::numbers::pi * sum / (kParts * kParts);
   });
 }
 

@@ -8,8 +8,6 @@
 namespace tessera {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// One number a pixel.
 struct Plane {
   int width, height;
@@ -111,7 +109,7 @@ Kernel gaussian(double b, int radius, double pixels_per_degree) {
   Kernel out;
   for (int i = -radius; i <= radius; ++i) {
     const double x = i / pixels_per_degree;
-    out.push_back(std::exp(-kPi * kPi * x * x / b));
+    out.push_back(std::exp(-std::numbers::pi * std::numbers::pi * x * x / b));
   }
   return out;
 }
@@ -133,13 +131,13 @@ Kernel normalized(Kernel kernel) {
 Plane sensitivity_filtered(const Plane& in, std::initializer_list<std::pair<double, double>> terms,
                            double pixels_per_degree) {
   constexpr double kWidest = .04;
-  const int radius =
-      static_cast<int>(std::ceil(3 * std::sqrt(kWidest / (2 * kPi * kPi)) * pixels_per_degree));
+  const int radius = static_cast<int>(std::ceil(
+      3 * std::sqrt(kWidest / (2 * std::numbers::pi * std::numbers::pi)) * pixels_per_degree));
   double total = 0;
   Plane out{in.width, in.height, std::vector<double>(in.values.size())};
   for (const auto& [a, b] : terms) {
     const Kernel kernel = gaussian(b, radius, pixels_per_degree);
-    const double weight = a * std::sqrt(kPi / b) * sum_of(kernel) * sum_of(kernel);
+    const double weight = a * std::sqrt(std::numbers::pi / b) * sum_of(kernel) * sum_of(kernel);
     const Plane part = filtered(in, normalized(kernel), normalized(kernel));
     for (size_t i = 0; i < out.values.size(); ++i) out.values[i] += weight * part.values[i];
     total += weight;

@@ -20,7 +20,7 @@ using Statement = SqliteDatabase::Statement;
 
 namespace {
 
-constexpr int kApplicationId = 0x5445534a;  // "TESJ"
+constexpr int kJobsApplicationId = 0x5445534a;  // "TESJ"
 
 /// The folder, with all that must be in it before the database is opened.
 const fs::path& made(const fs::path& folder) {
@@ -41,7 +41,7 @@ std::string_view text_of(std::span<const std::byte> bytes) {
 
 SqliteJobStore::SqliteJobStore(const fs::path& folder)
     : folder_(made(folder)),
-      database_(folder / "farm.db", {.application_id = kApplicationId,
+      database_(folder / "farm.db", {.application_id = kJobsApplicationId,
                                      .format = 1,
                                      .what = "a store that no other coordinator uses",
                                      .fails = "cannot keep jobs and tiles"}),

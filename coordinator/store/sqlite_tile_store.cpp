@@ -3,12 +3,12 @@
 namespace tessera {
 namespace {
 
-constexpr int kApplicationId = 0x54455353;  // "TESS"
+constexpr int kTilesApplicationId = 0x54455353;  // "TESS"
 
 }  // namespace
 
 SqliteTileStore::SqliteTileStore(const std::filesystem::path& file)
-    : database_(file, {.application_id = kApplicationId,
+    : database_(file, {.application_id = kTilesApplicationId,
                        .format = 1,
                        .what = "a file of finished tiles",
                        .fails = "cannot keep finished tiles"}),

@@ -21,7 +21,7 @@ constexpr float kMinWidth = 0x1p-19f;
 // side.
 constexpr float kSearchMargin = 0.1f;
 
-constexpr size_t kWorthThreads = 4096;
+constexpr size_t kEnoughForThreads = 4096;
 
 class Builder {
  public:
@@ -46,7 +46,7 @@ class Builder {
     for (int depth = 1; depth < options_.max_depth && begin < voxels.size(); ++depth) {
       const size_t end = voxels.size();
       std::vector<std::vector<Voxel>> children(end - begin);
-      for_each_parallel(end - begin, boxes_.size() < kWorthThreads ? 1 : threads,
+      for_each_parallel(end - begin, boxes_.size() < kEnoughForThreads ? 1 : threads,
                         [&](size_t i) { children[i] = split(voxels[begin + i]); });
       for (size_t i = 0; i < children.size(); ++i) {
         if (children[i].empty()) continue;

@@ -37,9 +37,9 @@ struct Part {
   int depth = 0;
 };
 
-class Builder {
+class WideTreeBuilder {
  public:
-  Builder(std::vector<BuildBox>& boxes, uint32_t block_size, int threads)
+  WideTreeBuilder(std::vector<BuildBox>& boxes, uint32_t block_size, int threads)
       : boxes_(boxes.data()), block_size_(block_size), threads_(std::max(1, threads)) {
     // By the number of boxes alone, never of threads: the tree must come out the same.
     task_size_ = std::max(kMinTask, boxes.size() / 64);
@@ -263,7 +263,7 @@ void BuildBox::set_index(uint32_t index) {
 }
 
 WideTree build_wide_tree(std::vector<BuildBox> boxes, uint32_t block_size, int threads) {
-  Builder builder(boxes, block_size, threads);
+  WideTreeBuilder builder(boxes, block_size, threads);
   return builder.build(boxes.size());
 }
 

@@ -14,6 +14,10 @@ struct Bounds3 {
 
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+  static Bounds3 everywhere() {
+    return {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
+  }
+
   bool empty() const { return min.x > max.x || min.y > max.y || min.z > max.z; }
   void extend(const Point3& p) {
     for (int a = 0; a < 3; ++a) {

@@ -9,10 +9,6 @@ namespace tessera {
 
 namespace {
 
-Color mix(const Color& a, const Color& b, double weight_of_b) {
-  return a * (1 - weight_of_b) + b * weight_of_b;
-}
-
 Color ring_color(const std::vector<Background::Ring>& rings, double angle) {
   size_t next = 1;
   while (next < rings.size() && rings[next].angle < angle) ++next;

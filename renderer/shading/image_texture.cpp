@@ -30,10 +30,6 @@ int64_t wrapped(int64_t i, int64_t size, ImageTextureSettings::Wrap wrap) {
   return -1;
 }
 
-Color mix(const Color& a, const Color& b, double weight_of_b) {
-  return a * (1 - weight_of_b) + b * weight_of_b;
-}
-
 Texel mix(const Texel& a, const Texel& b, double weight_of_b) {
   return {mix(a.color, b.color, weight_of_b), a.alpha * (1 - weight_of_b) + b.alpha * weight_of_b};
 }

@@ -108,10 +108,6 @@ double noise_weight(const Texture& texture, const TextureCoordinate& c) {
   return faded(rings - std::floor(rings), width);
 }
 
-Color mix(const Color& a, const Color& b, double weight_of_b) {
-  return a * (1 - weight_of_b) + b * weight_of_b;
-}
-
 Color ramp(const Texture& texture, double x) {
   const auto& at = texture.positions;
   const auto next = static_cast<size_t>(std::upper_bound(at.begin(), at.end(), x) - at.begin());

@@ -7,9 +7,6 @@
 namespace tessera {
 namespace {
 
-constexpr double kEndless = Bounds3::kInfinity;
-constexpr Bounds3 kEverywhere{{-kEndless, -kEndless, -kEndless}, {kEndless, kEndless, kEndless}};
-
 Bounds3 overlap(const Bounds3& a, const Bounds3& b) {
   Bounds3 box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -89,7 +86,8 @@ void CsgGates::emit(const CsgTree& tree, CsgTree::Node root) {
           (entry.operation == CsgOperation::join) != step.complement ? Kind::any : Kind::all;
       if (step.parent == kNone || gates_[step.parent].kind != kind) {
         gate = number;
-        gates_.push_back({kind, kind == Kind::any ? Bounds3{} : kEverywhere, step.parent});
+        gates_.push_back(
+            {kind, kind == Kind::any ? Bounds3{} : Bounds3::everywhere(), step.parent});
       }
     }
     for (uint32_t i = entry.end; i-- > entry.begin;) {
@@ -114,7 +112,7 @@ void CsgGates::settle() {
     ++parent.need;
     if (holds(gate, gate.initial)) ++parent.initial;
     const bool complement = gate.leaf != kNone && leaves_[gate.leaf].complement;
-    const Bounds3& bounds = complement ? kEverywhere : gate.bounds;
+    const Bounds3& bounds = complement ? Bounds3::everywhere() : gate.bounds;
     if (parent.kind == Kind::any)
       parent.bounds.extend(bounds);
     else

@@ -7,8 +7,6 @@
 namespace tessera {
 namespace {
 
-constexpr double kEndless = Bounds3::kInfinity;
-
 /// The unit direction of p across the axis; +x on the axis itself.
 Vec3 outward(const Point3& p) {
   const double r = std::sqrt(p.x * p.x + p.z * p.z);
@@ -84,7 +82,7 @@ bool Frustum::cross_side(const Ray& ray, Stretch& inside) const {
   const double q = -(b + std::copysign(std::sqrt(discriminant), b));
   if (a == 0 && b == 0) {
     if (c > 0) return false;
-    inside = {-kEndless, kEndless};
+    inside = {-Bounds3::kInfinity, Bounds3::kInfinity};
     return true;
   }
   // Where q is 0 so are b and the discriminant, and c or a: the double root 0.
@@ -92,16 +90,16 @@ bool Frustum::cross_side(const Ray& ray, Stretch& inside) const {
   if (a > 0)
     inside = {std::min(t0, t1), std::max(t0, t1)};
   else if (grow.high > 0)
-    inside = {a == 0 ? t0 : std::max(t0, t1), kEndless};
+    inside = {a == 0 ? t0 : std::max(t0, t1), Bounds3::kInfinity};
   else
-    inside = {-kEndless, a == 0 ? t0 : std::min(t0, t1)};
+    inside = {-Bounds3::kInfinity, a == 0 ? t0 : std::min(t0, t1)};
   return true;
 }
 
 bool Frustum::cross(const Ray& ray, Crossing& enter, Crossing& leave) const {
   const double o = ray.origin.y, d = ray.direction.y;
-  enter = {-kEndless, kTop};
-  leave = {kEndless, kTop};
+  enter = {-Bounds3::kInfinity, kTop};
+  leave = {Bounds3::kInfinity, kTop};
   if (d == 0) {
     if (!(std::abs(o) <= half_height_)) return false;
   } else {
@@ -124,7 +122,7 @@ bool Frustum::cross(const Ray& ray, Crossing& enter, Crossing& leave) const {
   else if (is_point(leave.part))
     leave.part = kSide;
   // A line without direction, or with a part that is not finite, has no finite ends.
-  return enter.t <= leave.t && enter.t > -kEndless && leave.t < kEndless;
+  return enter.t <= leave.t && enter.t > -Bounds3::kInfinity && leave.t < Bounds3::kInfinity;
 }
 
 bool Frustum::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {

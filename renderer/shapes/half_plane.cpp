@@ -16,10 +16,7 @@ HalfPlane::HalfPlane(const Point3& point, const Vec3& normal, const Vec3& edge_n
   edge_ = normalize(edge_);
 }
 
-Bounds3 HalfPlane::bounds() const {
-  constexpr double kEndless = Bounds3::kInfinity;
-  return {{-kEndless, -kEndless, -kEndless}, {kEndless, kEndless, kEndless}};
-}
+Bounds3 HalfPlane::bounds() const { return Bounds3::everywhere(); }
 
 bool HalfPlane::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
   ++counters.primitive_tests;

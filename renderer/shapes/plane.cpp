@@ -3,11 +3,7 @@
 #include "renderer/math/rounding.h"
 
 namespace tessera {
-namespace {
-
-constexpr double kEndless = Bounds3::kInfinity;
-
-}  // namespace
+namespace {}  // namespace
 
 Plane::Plane(const Vec3& normal, double offset)
     : Solid(ShapeKind::plane), normal_(normalize(normal)), offset_(offset) {
@@ -17,9 +13,7 @@ Plane::Plane(const Vec3& normal, double offset)
   dpdv_ = cross(normal_, dpdu_);
 }
 
-Bounds3 Plane::bounds() const {
-  return {{-kEndless, -kEndless, -kEndless}, {kEndless, kEndless, kEndless}};
-}
+Bounds3 Plane::bounds() const { return Bounds3::everywhere(); }
 
 bool Plane::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
   ++counters.primitive_tests;

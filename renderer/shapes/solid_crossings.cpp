@@ -5,11 +5,7 @@
 #include "renderer/shapes/sphere.h"
 
 namespace tessera {
-namespace {
-
-constexpr double kEndless = Bounds3::kInfinity;
-
-}  // namespace
+namespace {}  // namespace
 
 void Sphere::crossings(const Ray& ray, const RayError& error,
                        std::vector<SolidEvent>& events) const {
@@ -31,7 +27,7 @@ void Sphere::crossings(const Ray& ray, const RayError& error,
 }
 
 void Box::crossings(const Ray& ray, const RayError& error, std::vector<SolidEvent>& events) const {
-  SolidEvent enter{-kEndless, 0, true}, leave{kEndless, 0, false};
+  SolidEvent enter{-Bounds3::kInfinity, 0, true}, leave{Bounds3::kInfinity, 0, false};
   for (int axis = 0; axis < 3; ++axis) {
     const double o = ray.origin[axis], d = ray.direction[axis];
     if (d == 0) {
@@ -49,7 +45,7 @@ void Box::crossings(const Ray& ray, const RayError& error, std::vector<SolidEven
     if (t_in > enter.t) enter = {t_in, error_at(t_in), true, face + (down ? 1 : 0)};
     if (t_out < leave.t) leave = {t_out, error_at(t_out), false, face + (down ? 0 : 1)};
   }
-  if (!(enter.t <= leave.t) || enter.t == -kEndless) return;
+  if (!(enter.t <= leave.t) || enter.t == -Bounds3::kInfinity) return;
   events.push_back(enter);
   events.push_back(leave);
 }
@@ -70,11 +66,11 @@ void Plane::crossings(const Ray& ray, const RayError& error,
   } else if (height > 0) {
     return;
   }
-  if (!crossing.entering || approach == 0) events.push_back({-kEndless, 0, true});
+  if (!crossing.entering || approach == 0) events.push_back({-Bounds3::kInfinity, 0, true});
   if (!crossing.entering && approach != 0)
     events.push_back(crossing);
   else
-    events.push_back({kEndless, 0, false});
+    events.push_back({Bounds3::kInfinity, 0, false});
 }
 
 }  // namespace tessera

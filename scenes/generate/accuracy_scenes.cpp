@@ -260,7 +260,7 @@ std::string many_lights() {
   return text;
 }
 
-struct Kind {
+struct Recipe {
   const char* name;
   const char* about;
   std::string (*text)();
@@ -271,7 +271,7 @@ std::string fixed() {
   return text;
 }
 
-constexpr Kind kKinds[] = {
+constexpr Recipe kRecipes[] = {
     {"edge", "one straight edge and nothing else; closed form", fixed<kEdge>},
     {"checker", "a chequered floor up to the horizon", fixed<kChecker>},
     {"textured", "marble, wood and bumps in sunlight", fixed<kTextured>},
@@ -293,18 +293,18 @@ constexpr Kind kKinds[] = {
 const std::vector<std::string>& accuracy_scene_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> out;
-    for (const Kind& kind : kKinds) out.emplace_back(kind.name);
+    for (const Recipe& recipe : kRecipes) out.emplace_back(recipe.name);
     return out;
   }();
   return names;
 }
 
 AccuracyScene make_accuracy_scene(std::string_view name) {
-  for (const Kind& kind : kKinds) {
-    if (name != kind.name) continue;
+  for (const Recipe& recipe : kRecipes) {
+    if (name != recipe.name) continue;
     SceneWithBlobs decoded =
-        decode_scene(kind.text(), SceneEncoding::text, fmt::format("the scene '{}'", name));
-    AccuracyScene out{kind.name, kind.about, {}};
+        decode_scene(recipe.text(), SceneEncoding::text, fmt::format("the scene '{}'", name));
+    AccuracyScene out{recipe.name, recipe.about, {}};
     out.loaded.scene = std::move(decoded.scene);
     // The lamp and its edges: pixels x 194 to 318 and y 44 to 90 of 512.
     if (name == "cornell") out.left_out = {{194. / 512, 44. / 512, 319. / 512, 91. / 512}};

@@ -6,24 +6,16 @@
 #include <cmath>
 
 #include "renderer/math/elementary.h"
+#include "scenes/generate/put.h"
 #include "scenes/generate/random.h"
 
 namespace tessera {
 namespace {
 
-void put(double x, double y, double z, v1::Vec3* out) {
-  out->set_x(x);
-  out->set_y(y);
-  out->set_z(z);
-}
-
 std::string add_material(v1::Scene& scene, const char* name, double r, double g, double b) {
   v1::Material& material = *scene.add_materials();
   material.set_name(name);
-  v1::Color& color = *material.mutable_classic()->mutable_diffuse()->mutable_value();
-  color.set_r(r);
-  color.set_g(g);
-  color.set_b(b);
+  put(r, g, b, material.mutable_classic()->mutable_diffuse()->mutable_value());
   return name;
 }
 

@@ -7,22 +7,11 @@
 
 #include "base/error.h"
 #include "scenes/generate/generate_forest.h"
+#include "scenes/generate/put.h"
 #include "scenes/generate/random.h"
 
 namespace tessera {
 namespace {
-
-void put(double r, double g, double b, v1::Color* out) {
-  out->set_r(r);
-  out->set_g(g);
-  out->set_b(b);
-}
-
-void put(double x, double y, double z, v1::Vec3* out) {
-  out->set_x(x);
-  out->set_y(y);
-  out->set_z(z);
-}
 
 std::string add_material(v1::Scene& scene, double r, double g, double b) {
   v1::Material& material = *scene.add_materials();

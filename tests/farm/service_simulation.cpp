@@ -14,7 +14,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr Time kPatience = seconds(3600);
+constexpr Time kServicePatience = seconds(3600);
 
 Digest digest_of(const Film& film) { return Digest::of(std::as_bytes(film.values())); }
 
@@ -234,7 +234,7 @@ std::string ServiceSimulation::run_service() {
       if (client.wants != v1::JobQuery::CANCEL) client.wants = v1::JobQuery::RESUME;
     }
   });
-  while (now_ - start < kPatience && flaw_.empty()) {
+  while (now_ - start < kServicePatience && flaw_.empty()) {
     now_ = next_time();
     tick();
     const bool all = clients_.size() == static_cast<size_t>(service_.jobs) &&

@@ -5,15 +5,11 @@
 #include <limits>
 #include <string>
 
+#include "renderer/accel/embree/counting_device.h"
 #include "renderer/accel/embree/embree_module.h"
 
 namespace tessera {
 namespace {
-
-bool count_bytes(void* counter, ssize_t bytes, bool) {
-  *static_cast<std::atomic<ssize_t>*>(counter) += bytes;
-  return true;
-}
 
 struct Context {
   RTCIntersectContext embree;
@@ -54,8 +50,7 @@ RTCRay to_embree(const EmbreeBoxRay& ray) {
 class Boxes final : public EmbreeBoxes {
  public:
   Boxes(const std::array<float, 6>* boxes, size_t count, int threads) {
-    device_ = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
-    rtcSetDeviceMemoryMonitorFunction(device_, count_bytes, &bytes_);
+    device_ = new_counting_device(threads, bytes_);
     scene_ = rtcNewScene(device_);
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(count));

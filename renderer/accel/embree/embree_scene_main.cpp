@@ -8,15 +8,11 @@
 #include <limits>
 #include <string>
 
+#include "renderer/accel/embree/counting_device.h"
 #include "renderer/accel/embree/embree_module.h"
 
 namespace tessera {
 namespace {
-
-bool count_bytes(void* counter, ssize_t bytes, bool) {
-  *static_cast<std::atomic<ssize_t>*>(counter) += bytes;
-  return true;
-}
 
 RTCRay to_embree(const EmbreeRay& ray) {
   RTCRay r;
@@ -30,8 +26,7 @@ class Scene final : public EmbreeScene {
  public:
   Scene(const float* positions, size_t vertices, const uint32_t* triangles, size_t count,
         int threads) {
-    device_ = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
-    rtcSetDeviceMemoryMonitorFunction(device_, count_bytes, &bytes_);
+    device_ = new_counting_device(threads, bytes_);
     scene_ = rtcNewScene(device_);
     RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     void* to =

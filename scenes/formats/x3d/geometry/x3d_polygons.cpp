@@ -18,11 +18,11 @@
 namespace tessera {
 namespace {
 
-using FaceReader = X3dFaces (*)(const X3dNode&, const X3dValues&);
+using ReadFaces = X3dFaces (*)(const X3dNode&, const X3dValues&);
 
 /// How each node's faces are read.
-FaceReader find_reader(std::string_view type) {
-  static const std::map<std::string_view, FaceReader> kReaders{
+ReadFaces find_reader(std::string_view type) {
+  static const std::map<std::string_view, ReadFaces> kReaders{
       {"IndexedFaceSet", &read_x3d_polygons},
       {"IndexedTriangleSet", &read_x3d_polygons},
       {"IndexedTriangleStripSet", &read_x3d_polygons},
