@@ -9,9 +9,9 @@ import time
 import unittest
 
 import scenes
-from tessera_process import PATIENCE, TesseraTest, is_worker, marked_processes, wait_until
+from tessera_process import PATIENCE, SLOWER, TesseraTest, is_worker, marked_processes, wait_until
 
-SEEDS = int(os.environ.get("TESSERA_TEST_SEEDS", "12"))
+SEEDS = int(os.environ.get("TESSERA_TEST_SEEDS", "12" if SLOWER == 1 else "3"))
 # Enough work for there to be a midst. When something happens is a share of it, not a time: so it
 # happens in the midst on every machine.
 LOAD = ["--size", "320x240", "--tile", "16", "--spp"]

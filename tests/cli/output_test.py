@@ -8,9 +8,10 @@ import time
 import unittest
 
 import scenes
-from tessera_process import PROGRAM, TesseraTest
+from tessera_process import PROGRAM, SLOWER, TesseraTest
 
 SMALL = ["--size", "48x32", "--workers", "2"]
+LONG = str(int(64 / SLOWER**2))  # samples: long enough to show progress
 
 
 class Render(TesseraTest):
@@ -39,7 +40,7 @@ class Render(TesseraTest):
 
     def test_piped_progress_is_plain_lines(self):
         began = time.monotonic()
-        result = self.run_program("render", self.scene, "--size", "640x480", "--spp", "64",
+        result = self.run_program("render", self.scene, "--size", "640x480", "--spp", LONG,
                                   "--tile", "16", "--workers", "2")
         seconds = time.monotonic() - began
         self.assertEqual(0, result.code)
@@ -55,7 +56,7 @@ class Render(TesseraTest):
         if child == 0:
             os.chdir(self.folder)
             os.execve(PROGRAM, ["tessera", "render", str(self.scene), "--size", "640x480", "--spp",
-                                "64", "--workers", "2"], self.environment())
+                                LONG, "--workers", "2"], self.environment())
         shown = b""
         try:
             while part := os.read(terminal, 4096):
