@@ -9,7 +9,6 @@
 #include "base/error.h"
 
 namespace tessera {
-namespace {
 
 /// Messages on their way to one end.
 struct Mailbox {
@@ -44,8 +43,6 @@ struct Mailbox {
     woken = false;
   }
 };
-
-}  // namespace
 
 struct MemoryNetwork::State {
   std::mutex mutex;

@@ -39,9 +39,9 @@ class BlobCacheTest : public ::testing::Test {
     return names;
   }
   /// As if it was used so long ago.
-  void age(const Digest& digest, int seconds) const {
+  void age(const Digest& digest, int age_in_seconds) const {
     const fs::path path = folder_ / digest.hex();
-    fs::last_write_time(path, fs::last_write_time(path) - std::chrono::seconds(seconds));
+    fs::last_write_time(path, fs::last_write_time(path) - std::chrono::seconds(age_in_seconds));
   }
 
   const TemporaryFolder parent_;
