@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -126,6 +127,7 @@ class InProcessFarm : public TracingFarm {
           WorkerOptions options;
           options.threads = threads;
           options.make_renderer = [](const auto&... scene) { return make_tile_renderer(scene...); };
+          options.at_hand = [this](const Digest& digest) { return blob_at_hand(digest); };
           run_worker(*client, options, stop_);
         }) {}
   ~InProcessFarm() override {
@@ -136,11 +138,22 @@ class InProcessFarm : public TracingFarm {
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {
+    {
+      const std::lock_guard lock(mutex_);
+      blobs_ = job.blobs;
+    }
     return loop_.run(std::move(job), progress, stop, tiles_);
   }
   void keep_tiles(std::shared_ptr<TileStore> tiles) override { tiles_ = std::move(tiles); }
 
  private:
+  BlobData blob_at_hand(const Digest& digest) {
+    const std::lock_guard lock(mutex_);
+    return blobs_.find(digest);
+  }
+
+  std::mutex mutex_;
+  BlobStore blobs_;  ///< of the job; the worker has them from here
   MemoryNetwork network_;
   RenderLoop loop_;
   std::shared_ptr<TileStore> tiles_;

@@ -109,7 +109,7 @@ class WorkerLoop {
     SessionOptions result;
     result.hello = make_hello(options);
     result.orphan_timeout = options.orphan_timeout;
-    result.blob_sources = {options.cache != nullptr, options.shares_memory};
+    result.blob_sources = {options.cache != nullptr, options.shares_memory, options.at_hand};
     result.spool_bytes = options.spool_bytes;
     return result;
   }

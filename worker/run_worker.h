@@ -13,6 +13,7 @@
 #include "proto/transport/transport.h"
 #include "renderer/render/tile_renderer.h"
 #include "worker/blob_cache.h"
+#include "worker/scene_cache.h"
 
 namespace tessera {
 
@@ -35,6 +36,9 @@ struct WorkerOptions {
   std::shared_ptr<BlobCache> cache{};
   /// Whether the coordinator is on this machine, and may share its blobs' memory.
   bool shares_memory = false;
+  /// Of a coordinator in this process, whose blobs need no way to the worker; asked by the thread
+  /// of run_worker().
+  BlobsAtHand at_hand{};
   /// What it says of itself; other values are for tests.
   uint32_t protocol_major = 0;  ///< 0: kProtocolMajor
   std::string numerics_id;      ///< empty: kNumericsId

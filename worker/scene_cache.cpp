@@ -18,12 +18,16 @@ std::string key_of(const v1::JobStart& start) {
 }  // namespace
 
 std::optional<BlobFetch> SceneCache::want(const v1::JobStart& start,
-                                          std::vector<BlobLookup>& lookups) const {
+                                          std::vector<BlobLookup>& lookups) {
   if (start.blobs_size() != start.blob_sizes_size()) return std::nullopt;
   BlobFetch fetch(0, sources_.shared_memory);
   const auto want_blob = [&](const std::string& hex, uint64_t size) {
     const auto digest = Digest::parse(hex);
     if (!digest || blobs_.find(*digest)) return digest.has_value();
+    if (const BlobData blob = sources_.at_hand ? sources_.at_hand(*digest) : nullptr) {
+      blobs_.put(*digest, blob);
+      return true;
+    }
     if (sources_.disk) {
       fetch.hold(*digest, size);
       lookups.push_back({*digest, size});

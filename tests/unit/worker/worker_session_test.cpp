@@ -467,6 +467,16 @@ TEST_F(WorkerSessionTest, WhatIsOnDiskIsNotAskedFor) {
   EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
 }
 
+TEST_F(WorkerSessionTest, WhatThisProcessHasIsNotAskedFor) {
+  SessionOptions in_process = options();
+  in_process.blob_sources.at_hand = [this](const Digest& digest) { return store.find(digest); };
+  session = WorkerSession(in_process, Time{0});
+  welcome(1);
+  start(7);
+  EXPECT_THAT(sent(v1::Envelope::kBlobRequest), IsEmpty());
+  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
+}
+
 TEST_F(WorkerSessionTest, MapsWhatTheCoordinatorSharesAndFetchesWhatIsNotThere) {
   SessionOptions local = options();
   local.blob_sources.shared_memory = true;
