@@ -16,6 +16,7 @@
 #include "coordinator/coordinator.h"
 #include "job/tile_grid.h"
 #include "proto/wire/pixels.h"
+#include "tests/farm/played_hello.h"
 
 namespace tessera::testing {
 namespace {
@@ -51,7 +52,7 @@ class Farm {
     job.crop = {0, 0, side * kTile, side * kTile};
     job.tile_size = kTile;
     for (auto& [id, worker] : workers_) {
-      if (frames_ == 1) say(id, hello(id));
+      if (frames_ == 1) say(id, played_hello(id));
     }
     const uint64_t id = coordinator_.submit(std::move(job), now_);
     deliver();
@@ -113,18 +114,6 @@ class Farm {
       return std::pair(time, order) > std::pair(other.time, other.order);
     }
   };
-
-  static v1::Envelope hello(uint64_t id) {
-    v1::Envelope message;
-    v1::Hello& hello = *message.mutable_hello();
-    hello.set_protocol_major(kProtocolMajor);
-    hello.set_numerics_id(kNumericsId);
-    hello.set_worker_id(id);
-    hello.set_session(1);
-    hello.set_threads(1);
-    hello.set_credit(2);
-    return message;
-  }
 
   double seconds_of(const v1::Assign& assign) const {
     const auto& r = assign.rect();

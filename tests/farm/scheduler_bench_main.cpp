@@ -3,7 +3,6 @@
 //   farm_scheduler_bench [WORKERS [TILES]]
 #include <malloc.h>
 #include <spdlog/spdlog.h>
-#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,18 +12,16 @@
 #include <string>
 #include <vector>
 
+#include "base/process_usage.h"
 #include "coordinator/coordinator.h"
 #include "proto/wire/pixels.h"
+#include "tests/farm/played_hello.h"
 
 namespace tessera {
 namespace {
 
 /// Seconds that this thread has computed: others on the machine do not count.
-double computed() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
+double computed() { return std::chrono::duration<double>(thread_time()).count(); }
 
 constexpr int kTile = 8;
 
@@ -32,7 +29,7 @@ class Bench {
  public:
   Bench(uint64_t workers, int tiles) : workers_(workers) {
     const size_t before = mallinfo2().uordblks;
-    for (uint64_t id = 1; id <= workers; ++id) say(id, hello(id));
+    for (uint64_t id = 1; id <= workers; ++id) say(id, testing::played_hello(id));
     JobSpec job;
     constexpr int kColumns = 512;
     const int width = kColumns * kTile, height = (tiles + kColumns - 1) / kColumns * kTile;
@@ -80,18 +77,6 @@ class Bench {
   }
 
  private:
-  static v1::Envelope hello(uint64_t id) {
-    v1::Envelope message;
-    v1::Hello& hello = *message.mutable_hello();
-    hello.set_protocol_major(kProtocolMajor);
-    hello.set_numerics_id(kNumericsId);
-    hello.set_worker_id(id);
-    hello.set_session(1);
-    hello.set_threads(1);
-    hello.set_credit(2);
-    return message;
-  }
-
   static v1::Envelope band(const v1::Assign& assign) {
     const int rows = assign.rect().y1() - assign.rect().y0();
     const std::vector<float> values(static_cast<size_t>(rows) * kTile * 3, 0.5f);

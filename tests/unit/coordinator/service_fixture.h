@@ -49,6 +49,11 @@ class ServiceTest : public CoordinatorTest {
       frame.set_scene_size(bytes.size());
       *frame.mutable_settings() = spec.frame;
     }
+    submit_with(message, blobs, now);
+    return heard(v1::Envelope::kJobStatus).back().job_status().job();
+  }
+  /// Says it and sends what is asked for upon it.
+  void submit_with(const v1::Envelope& message, const BlobStore& blobs, Time now = {}) {
     const size_t asked = heard(v1::Envelope::kBlobRequest).size();
     say("client", message, now);
     const auto requests = heard(v1::Envelope::kBlobRequest);
@@ -58,7 +63,6 @@ class ServiceTest : public CoordinatorTest {
           Channel::bulk, "b",
           answer_blob_request(wanted, blobs.find(*Digest::parse(wanted.digest()))), {});
     }
-    return heard(v1::Envelope::kJobStatus).back().job_status().job();
   }
   v1::JobStatus ask(uint64_t id, v1::JobQuery::Action action = v1::JobQuery::ASK, Time now = {}) {
     v1::JobQuery query;

@@ -274,14 +274,7 @@ TEST_F(ServiceTest, AFrameOfWhichNothingDiffersIsTakenFromTheOneBefore) {
   add_frame(1, false);  // another instant, and nothing moves
   add_frame(0, true);
   add_frame(1, true);
-  say("client", message);
-  for (const auto& wanted : heard(v1::Envelope::kBlobRequest)) {
-    coordinator.on_message(
-        Channel::bulk, "b",
-        answer_blob_request(wanted.blob_request(),
-                            blobs.find(*Digest::parse(wanted.blob_request().digest()))),
-        {});
-  }
+  submit_with(message, blobs);
   const uint64_t id = heard(v1::Envelope::kJobStatus).back().job_status().job();
   ASSERT_NE(id, 0u);
   come(1, 100);
@@ -316,14 +309,7 @@ TEST_F(ServiceTest, TilesAreCutForTheThreadsThatThereAre) {
     frame.set_scene_digest(blobs.put({bytes.begin(), bytes.end()}).hex());
     frame.set_scene_size(bytes.size());
     *frame.mutable_settings() = spec.frame;
-    say("client", message);
-    for (const auto& wanted : heard(v1::Envelope::kBlobRequest)) {
-      coordinator.on_message(
-          Channel::bulk, "b",
-          answer_blob_request(wanted.blob_request(),
-                              blobs.find(*Digest::parse(wanted.blob_request().digest()))),
-          {});
-    }
+    submit_with(message, blobs);
     return store->jobs().back().request().tile_size();
   };
   const uint32_t for_one = tile_size(1), for_many = tile_size(64);
