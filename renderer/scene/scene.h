@@ -16,6 +16,7 @@
 #include "renderer/scene/read_settings.h"
 #include "renderer/shading/background.h"
 #include "renderer/shading/environment_sampler.h"
+#include "renderer/shading/glass_albedo.h"
 #include "renderer/shading/light.h"
 #include "renderer/shading/material.h"
 #include "renderer/shading/material_inputs.h"
@@ -59,6 +60,7 @@ struct Scene {
   std::vector<std::vector<uint32_t>> scoped_lights;  ///< the others of each scope, ascending
 
   // For the path integrator.
+  std::vector<std::unique_ptr<const GlassAlbedo>> glass_albedos;  ///< of `materials`
   AreaLights area_lights;
   std::shared_ptr<const EnvironmentSampler> environment;  ///< null: directions spread evenly do
 

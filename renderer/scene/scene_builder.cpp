@@ -311,6 +311,7 @@ class SceneBuilder {
     scene_->area_lights = find_area_lights(*scene_, meshes);
     scene_->environment = make_environment_sampler(scene_->background);
     scene_->counters["area_lights"] = scene_->area_lights.size();
+    scene_->glass_albedos = make_glass_albedos(scene_->materials);
   }
 
   void build_accelerators() {

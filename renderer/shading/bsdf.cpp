@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "renderer/math/warp.h"
+#include "renderer/shading/glass_albedo.h"
 
 namespace tessera {
 
@@ -41,7 +42,8 @@ bool LambertBsdf::sample(double, const Vec2& u, BsdfSample& sample) const {
 
 Bsdf::Bsdf(const BsdfPoint& point)
     : frame_(dot(point.normal, point.wo) > 0 ? point.normal : point.geometric_normal),
-      facet_normal_(point.geometric_normal) {
+      facet_normal_(point.geometric_normal),
+      from_inside_(point.from_inside) {
   wo_ = frame_.to_local(point.wo);
   const Material& material = point.material;
   const double index = material.refractive_index;
@@ -127,6 +129,10 @@ void Bsdf::set_glass(const Material& material, double share, double roughness) {
   const bool bends = std::abs(eta_ - 1) > 1e-4;
   glass_alpha_ = thin_ || !bends ? 0 : alpha_of(roughness);
   tint_ = transmission_tint(material);
+  if (glass_alpha_ == 0 || !material.glass_albedo || !(wo_.z > 0)) return;
+  glass_albedo_ = material.glass_albedo;
+  between_glass_ = std::max(glass_albedo_->lost(from_inside_, glass_alpha_, wo_.z), 0.0);
+  goes_through_ = glass_albedo_->through(from_inside_, glass_alpha_);
 }
 
 void Bsdf::add_base(const Color& diffuse) {
@@ -245,6 +251,21 @@ BsdfValue Bsdf::evaluate_local(const Vec3& wi) const {
 }
 
 BsdfValue Bsdf::evaluate_glass(const Vec3& wi) const {
+  BsdfValue value = evaluate_glass_facets(wi);
+  if (between_glass_ == 0) return value;
+  value.density *= 1 - between_glass_;
+  const bool beyond = wi.z < 0, there = from_inside_ != beyond;
+  const double cosine = std::abs(wi.z);
+  const double way = beyond ? goes_through_ : 1 - goes_through_;
+  value.density += p_glass_ * between_glass_ * way * cosine * kInversePi;
+  const double lost = std::max(glass_albedo_->lost(there, glass_alpha_, cosine), 0.0);
+  const double share = glass_ * coat_over_glass(cosine, beyond) * between_glass_ * way * lost /
+                       glass_albedo_->mean_lost(there, glass_alpha_) * cosine * kInversePi;
+  value.share += beyond ? tint_ * (share / (eta_ * eta_)) : kWhite * share;
+  return value;
+}
+
+BsdfValue Bsdf::evaluate_glass_facets(const Vec3& wi) const {
   const bool beyond = wi.z < 0;
   Vec3 half = beyond ? wi * eta_ + wo_ : wi + wo_;
   if (length_squared(half) == 0) return {};
@@ -291,6 +312,12 @@ bool Bsdf::sample_smooth_glass(double choice, BsdfSample& sample, Vec3& wi) cons
 }
 
 bool Bsdf::sample_rough_glass(double choice, const Vec2& u, Vec3& wi) const {
+  if (choice < between_glass_) {
+    wi = cosine_hemisphere_point(u);
+    if (choice < between_glass_ * goes_through_) wi.z = -wi.z;
+    return true;
+  }
+  choice = (choice - between_glass_) / (1 - between_glass_);
   const Vec3 half = Ggx(glass_alpha_).sample_visible(wo_, u);
   const double cosine = std::clamp(dot(wo_, half), 0.0, 1.0);
   if (choice < fresnel_dielectric(cosine, eta_)) {
@@ -321,13 +348,14 @@ bool Bsdf::sample(double choice, const Vec2& u, BsdfSample& sample) const {
   const auto off_facets = [&](double alpha) {
     const Vec3 half = Ggx(alpha).sample_visible(wo_, u);
     wi = half * (2 * dot(wo_, half)) - wo_;
+    return wi.z > 0;
   };
   if (takes(p_base_)) {
     wi = cosine_hemisphere_point(u);
   } else if (takes(p_facets_)) {
-    off_facets(alpha_);
+    if (!off_facets(alpha_)) return false;
   } else if (takes(p_coat_)) {
-    off_facets(coat_alpha_);
+    if (!off_facets(coat_alpha_)) return false;
   } else if (takes(p_mirror_)) {
     mirrored(mirror_ * (coat_passes(wo_.z) * coat_passes(wo_.z) / p_mirror_));
   } else if (takes(p_coat_mirror_)) {

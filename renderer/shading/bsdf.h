@@ -65,7 +65,8 @@ class LambertBsdf {
 ///               between facets (Kulla and Conty 2017, "Revisiting Physically Based Shading"), the
 ///               base getting what the facets leave it; clear coat; transmission.
 ///   conductor   GGX facets, the same, or a mirror where roughness is 0.
-///   dielectric  smooth or rough glass (Walter et al. 2007), or a thin sheet of it.
+///   dielectric  smooth or rough glass (Walter et al. 2007), the latter with what goes on between
+///               its facets (Kulla and Conty again), or a thin sheet of it.
 ///
 /// A value of one point; lives while its BsdfPoint's material does.
 class Bsdf {
@@ -97,6 +98,7 @@ class Bsdf {
   double coat_over_glass(double cos_i, bool beyond) const;
   BsdfValue evaluate_local(const Vec3& wi) const;
   BsdfValue evaluate_glass(const Vec3& wi) const;
+  BsdfValue evaluate_glass_facets(const Vec3& wi) const;
   bool sample_smooth_glass(double choice, BsdfSample& sample, Vec3& wi) const;
   bool sample_rough_glass(double choice, const Vec2& u, Vec3& wi) const;
 
@@ -116,6 +118,10 @@ class Bsdf {
   bool under_coat_ = false;  ///< the viewer is inside glass whose outside is coated
   // Glass.
   double glass_ = 0, glass_alpha_ = 0, eta_ = 1;  ///< eta beyond over that on the viewer's side
+  const GlassAlbedo* glass_albedo_ = nullptr;
+  bool from_inside_;
+  double between_glass_ = 0;  ///< what its facets lose towards the viewer
+  double goes_through_ = 0;   ///< the share of that which goes through in the end
   Color tint_ = kWhite;
   bool thin_ = false;
   Color mirror_ = kBlack;

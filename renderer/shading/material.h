@@ -14,6 +14,8 @@ enum class SpecularModel : uint8_t { blinn_phong, phong };
 enum class Transmission : uint8_t { refract, straight };
 enum class Sides : uint8_t { two_sided, front_only, back_material };
 
+class GlassAlbedo;
+
 inline constexpr uint32_t kNoMaterialInputs = 0xffffffffu;
 
 /// A surface's constants, or what a surface is at one point: the local illumination models of
@@ -35,7 +37,9 @@ struct Material {
   Color eta = kWhite, k = kBlack;  ///< the refractive index of a conductor
   double diffuse_exponent = 3;
   double grain = 0;
-  uint32_t back = 0;                    ///< the material of back faces, where sides say so
+  uint32_t back = 0;  ///< the material of back faces, where sides say so
+  /// Of rough glass that paths meet, by its refractive index; null: what its facets lose is lost.
+  const GlassAlbedo* glass_albedo = nullptr;
   uint32_t inputs = kNoMaterialInputs;  ///< what of it depends on the point, in Scene::inputs
   MaterialModel model = MaterialModel::classic;
   DiffuseModel diffuse_model = DiffuseModel::lambert;
@@ -65,6 +69,13 @@ struct Material {
     if (model != MaterialModel::classic && model != MaterialModel::unlit) return true;
     return inputs != kNoMaterialInputs || vertex_color_replaces_diffuse ||
            !is_black(model == MaterialModel::unlit ? emission : diffuse);
+  }
+  /// Whether it may be rough glass somewhere, with facets that bend light.
+  bool is_rough_glass() const {
+    if (thin || refractive_index == 1 || (inputs == kNoMaterialInputs && roughness == 0)) {
+      return false;
+    }
+    return model == MaterialModel::dielectric || (model == MaterialModel::physical && !is_opaque());
   }
   /// Whether it sends light on in more than single directions.
   bool scatters() const {

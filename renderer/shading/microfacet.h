@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "renderer/math/color.h"
 #include "renderer/math/vec.h"
 
@@ -40,11 +43,36 @@ class Ggx {
   double alpha_;
 };
 
+/// Calls `visit(ggx, wo, h, weight)` for facets of normal `h` as seen along `cosine`, by the share
+/// of each in what is seen: 256 that integrate smooth functions to about a thousandth. Of alpha its
+/// root, in [0, 1]; in a frame whose z is the normal.
+template <typename Visit>
+void for_each_visible_facet(double root_alpha, double cosine, const Visit& visit) {
+  constexpr int kAround = 8, kOut = 32;
+  // Of 6 v (1 - v) over the middles of kOut steps.
+  constexpr double kSum = kAround * (kOut + 0.5 / kOut);
+  const Ggx ggx(std::max(root_alpha * root_alpha, 1e-4));
+  const double c = std::max(cosine, 1e-3);
+  const Vec3 wo{std::sqrt(1 - c * c), 0, c};
+  for (int i = 0; i < kAround * kOut; ++i) {
+    const int step = i / kAround, around = i % kAround;
+    // Both sides of the plane of wo are alike. Few facets stand steep, and these lose the most:
+    // the steps grow finer towards both ends.
+    const double v = (step + 0.5) / kOut;
+    const Vec3 h = ggx.sample_visible(wo, {(around + 0.5) / (2 * kAround), v * v * (3 - 2 * v)});
+    visit(ggx, wo, h, 6 * v * (1 - v) / kSum);
+  }
+}
+
 /// How much of evenly arriving light rough facets send towards cosine `cosine` by one reflection,
 /// with Schlick's Fresnel factor of f0: scale * f0 + bias. From a table worked out once, to about
 /// a thousandth; the rest of what they receive is reflected several times.
 struct FacetAlbedo {
   double scale = 1, bias = 0;
+  friend FacetAlbedo operator+(const FacetAlbedo& a, const FacetAlbedo& b) {
+    return {a.scale + b.scale, a.bias + b.bias};
+  }
+  friend FacetAlbedo operator*(const FacetAlbedo& a, double s) { return {a.scale * s, a.bias * s}; }
   double of_white() const { return scale + bias; }
   Color of(const Color& f0) const { return f0 * scale + kWhite * bias; }
 };

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "renderer/shading/glass_albedo.h"
+
 namespace tessera {
 namespace {
 
@@ -49,6 +51,13 @@ Case glass(const std::string& name, double roughness, bool from_inside) {
   return result;
 }
 
+/// With what goes on between its facets.
+Case whole(Case c) {
+  static const GlassAlbedo albedo(1.5);
+  c.material.glass_albedo = &albedo;
+  return c;
+}
+
 Case gold(double roughness) {
   Case result{"gold", {}};
   result.material.model = MaterialModel::conductor;
@@ -70,7 +79,10 @@ std::vector<Case> smooth_cases() {
           physical("coated and frosted", 0, 0.5, 1, 1),
           gold(0.5),
           glass("into rough glass", 0.5, false),
-          glass("out of rough glass", 0.6, true)};
+          glass("out of rough glass", 0.6, true),
+          whole(glass("into whole rough glass", 0.8, false)),
+          whole(glass("out of whole rough glass", 0.7, true)),
+          whole(physical("wholly frosted", 0, 0.9, 0, 0.7))};
 }
 
 Bsdf bsdf_of(const Case& c, const Vec3& wo) {
@@ -187,7 +199,9 @@ TEST(Bsdf, WhiteOnesGiveBackAllTheyGet) {
   for (Case c :
        {physical("metal", 1, 0.3), physical("rougher metal", 1, 0.6), physical("rough metal", 1, 1),
         physical("plastic", 0, 0.4), physical("varnish", 0, 0), classic("lambert", kWhite, kBlack),
-        glass("glass", 0, false), glass("glass from inside", 0, true)}) {
+        glass("glass", 0, false), glass("glass from inside", 0, true),
+        whole(glass("rough glass", 0.5, false)), whole(glass("rough glass from inside", 0.5, true)),
+        whole(glass("the roughest", 1, false)), whole(glass("from inside", 1, true))}) {
     c.material.diffuse = kWhite;
     for (const double degrees : {0.0, 30.0, 60.0, 80.0}) {
       SCOPED_TRACE(c.name + " at " + std::to_string(degrees));

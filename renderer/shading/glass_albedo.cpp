@@ -1,0 +1,70 @@
+#include "renderer/shading/glass_albedo.h"
+
+#include <algorithm>
+#include <map>
+
+#include "renderer/shading/microfacet.h"
+
+namespace tessera {
+namespace {
+
+/// The mean, by the cosine, of what a smooth face lets through.
+double mean_transmittance(double eta) {
+  constexpr int kParts = 4096;
+  double sum = 0;
+  for (int i = 0; i < kParts; ++i) {
+    const double cosine = (i + 0.5) / kParts;
+    sum += 2 * cosine * (1 - fresnel_dielectric(cosine, eta));
+  }
+  return sum / kParts;
+}
+
+}  // namespace
+
+GlassAlbedo::GlassAlbedo(double index)
+    : sides_{integrate(index), integrate(1 / index)},
+      // What goes through either way is the same, but for n^2.
+      transmits_{mean_transmittance(index), mean_transmittance(index) / (index * index)} {}
+
+GlassAlbedo::Grid GlassAlbedo::integrate(double eta) {
+  return Grid([eta](double root_alpha, double cosine) {
+    double kept = 0;
+    for_each_visible_facet(
+        root_alpha, cosine, [&](const Ggx& ggx, const Vec3& wo, const Vec3& h, double weight) {
+          const double o = dot(wo, h);
+          const double fresnel = fresnel_dielectric(std::clamp(o, 0.0, 1.0), eta);
+          const auto leaves = [&](const Vec3& wi) {
+            return ggx.shadowing(wi, wo) / ggx.masking(wo);
+          };
+          const Vec3 mirrored = h * (2 * o) - wo;
+          if (mirrored.z > 0) kept += weight * fresnel * leaves(mirrored);
+          Vec3 bent;
+          if (refract(-wo, h, eta, bent) && bent.z < 0)
+            kept += weight * (1 - fresnel) * leaves(bent);
+        });
+    return kept;
+  });
+}
+
+double GlassAlbedo::through(bool inside, double alpha) const {
+  // More of what is lost than comes back from the other side cannot go there.
+  const double here = mean_lost(inside, alpha), beyond = mean_lost(!inside, alpha);
+  return transmits_[inside] * (here > beyond ? beyond / here : 1);
+}
+
+std::vector<std::unique_ptr<const GlassAlbedo>> make_glass_albedos(std::span<Material> materials) {
+  std::vector<std::unique_ptr<const GlassAlbedo>> made;
+  std::map<double, const GlassAlbedo*> by_index;
+  for (Material& material : materials) {
+    if (!material.is_rough_glass()) continue;
+    const GlassAlbedo*& known = by_index[material.refractive_index];
+    if (!known) {
+      made.push_back(std::make_unique<GlassAlbedo>(material.refractive_index));
+      known = made.back().get();
+    }
+    material.glass_albedo = known;
+  }
+  return made;
+}
+
+}  // namespace tessera
