@@ -122,6 +122,11 @@ class ColdScene(Limits):
 class Memory(Limits):
     """Farm test 16."""
 
+    def setUp(self):
+        if SLOWER > 1:
+            skip(self, "sanitizers need more memory than is given here")
+        super().setUp()
+
     def limited(self, size):
         """Between fork and exec: so much memory and no more, as in a container."""
         return {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_DATA, (size, size))}
