@@ -29,7 +29,7 @@ GlassAlbedo::GlassAlbedo(double index)
 GlassAlbedo::Grid GlassAlbedo::integrate(double eta) {
   return Grid([eta](double root_alpha, double cosine) {
     double kept = 0;
-    for_each_visible_facet(
+    for_each_visible_facet<16, 48>(
         root_alpha, cosine, [&](const Ggx& ggx, const Vec3& wo, const Vec3& h, double weight) {
           const double o = dot(wo, h);
           const double fresnel = fresnel_dielectric(std::clamp(o, 0.0, 1.0), eta);

@@ -13,7 +13,7 @@ namespace tessera {
 /// How much of evenly arriving light the rough facets of glass lose, where each ray leaves them by
 /// one reflection or refraction: what would go on to other facets (Kulla and Conty 2017,
 /// "Revisiting Physically Based Shading", of dielectrics). By the side that it arrives from, which
-/// is inside or outside, to about a thousandth. Immutable once made, which takes some 20 ms.
+/// is inside or outside, to a few thousandths. Immutable once made, which takes some 50 ms.
 class GlassAlbedo {
  public:
   /// Of facets between an inside of `index` and an outside of 1; index > 0 and not 1.
@@ -30,7 +30,7 @@ class GlassAlbedo {
   double through(bool inside, double alpha) const;
 
  private:
-  using Grid = AlbedoGrid<double, 16>;
+  using Grid = AlbedoGrid<double, 16, 16>;
   static Grid integrate(double eta);
 
   std::array<Grid, 2> sides_;        ///< the outside first

@@ -11,19 +11,19 @@ namespace tessera {
 
 namespace {
 
-using Grid = AlbedoGrid<FacetAlbedo, 32>;
+using Grid = AlbedoGrid<FacetAlbedo, 32, 32>;
 
 FacetAlbedo integrate(double root_alpha, double cosine) {
   FacetAlbedo sum{0, 0};
-  for_each_visible_facet(root_alpha, cosine,
-                         [&](const Ggx& ggx, const Vec3& wo, const Vec3& h, double weight) {
-                           const Vec3 wi = h * (2 * dot(wo, h)) - wo;
-                           if (wi.z <= 0) return;
-                           const double kept = weight * ggx.shadowing(wi, wo) / ggx.masking(wo);
-                           const double grazing = fresnel_schlick(kBlack, dot(wo, h)).r;
-                           sum.scale += kept * (1 - grazing);
-                           sum.bias += kept * grazing;
-                         });
+  for_each_visible_facet<8, 32>(
+      root_alpha, cosine, [&](const Ggx& ggx, const Vec3& wo, const Vec3& h, double weight) {
+        const Vec3 wi = h * (2 * dot(wo, h)) - wo;
+        if (wi.z <= 0) return;
+        const double kept = weight * ggx.shadowing(wi, wo) / ggx.masking(wo);
+        const double grazing = fresnel_schlick(kBlack, dot(wo, h)).r;
+        sum.scale += kept * (1 - grazing);
+        sum.bias += kept * grazing;
+      });
   return sum;
 }
 

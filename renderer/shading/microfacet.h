@@ -44,11 +44,10 @@ class Ggx {
 };
 
 /// Calls `visit(ggx, wo, h, weight)` for facets of normal `h` as seen along `cosine`, by the share
-/// of each in what is seen: 256 that integrate smooth functions to about a thousandth. Of alpha its
-/// root, in [0, 1]; in a frame whose z is the normal.
-template <typename Visit>
+/// of each in what is seen: kAround * kOut that lie well for integrals. Of alpha its root, in
+/// [0, 1]; in a frame whose z is the normal.
+template <int kAround, int kOut, typename Visit>
 void for_each_visible_facet(double root_alpha, double cosine, const Visit& visit) {
-  constexpr int kAround = 8, kOut = 32;
   // Of 6 v (1 - v) over the middles of kOut steps.
   constexpr double kSum = kAround * (kOut + 0.5 / kOut);
   const Ggx ggx(std::max(root_alpha * root_alpha, 1e-4));

@@ -172,7 +172,7 @@ TEST(ClosedForms, ClearAndTintedSlab) {
   expect_estimate(2 * (1 - R) * (1 - R) * tau / (1 - R * R * tau * tau), estimate(slab(1)));
 }
 
-TEST(ClosedForms, WhiteSurfacesOfEveryKindReflectAllTheyGet) {
+TEST(ClosedForms, WhiteSurfacesOfEveryKindReflectAllTheyGet) {  // N30
   const std::string white = "{ value { r: 1 g: 1 b: 1 } }";
   for (const std::string& kind :
        {std::string("classic { diffuse ") + white + " }",
@@ -180,7 +180,9 @@ TEST(ClosedForms, WhiteSurfacesOfEveryKindReflectAllTheyGet) {
         "physical { base_color " + white + " metallic { value: 1 } roughness { value: 1 } }",
         "physical { base_color " + white + " metallic { value: 0 } roughness { value: .5 } }",
         "physical { base_color " + white + " metallic { value: 0 } roughness { value: 0 } }",
-        std::string("dielectric { }"), std::string("dielectric { thin: true }")}) {
+        std::string("dielectric { }"), std::string("dielectric { thin: true }"),
+        std::string("dielectric { roughness { value: .4 } }"),
+        std::string("dielectric { roughness { value: .7 } }")}) {
     SCOPED_TRACE(kind);
     const std::string scene = "background { solid { r: 1 g: 1 b: 1 } } materials { name: 'm' " +
                               kind + " } " +
