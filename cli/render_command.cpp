@@ -140,6 +140,12 @@ class RenderRun {
 
   /// What cannot be written in the end is better known before.
   void check_outputs() const {
+    const auto paths = picture_paths(options_);
+    if (!options_.aovs.empty() && std::none_of(paths.begin(), paths.end(), holds_aovs)) {
+      throw usage_error(fmt::format(
+          "--aovs: '{}' has no room for them; expected an output of the format EXR: -o {}",
+          paths.front().string(), paths.front().stem().concat(".exr").string()));
+    }
     const auto first = [this](const std::filesystem::path& path) {
       return options_.frames ? numbered_path(path, options_.frames->first) : path;
     };

@@ -124,6 +124,10 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       .add_flag("--frame-all", options.frame_all,
                 "Move the camera back along its view until everything is seen")
       ->group("Picture");
+  add("--aovs", "LIST",
+      fmt::format("Channels beside light in pictures of the format EXR: some of {}, or all",
+                  fmt::join(aov_names(), ",")),
+      [&options](const std::string& text) { options.aovs = parse_aovs("--aovs", text); });
   add("--time", "T", "The instant to render, in seconds [the scene's]",
       [&options](const std::string& text) { options.time = parse_number("--time", text); });
   add("--frames", "A-B",
@@ -141,7 +145,8 @@ void add_tracing_options(CLI::App& command, RenderOptions& options) {
         options.accelerator = parse_choice("--accel", text, available_accelerators());
       });
   add("--integrator", "KIND",
-      choices(integrator_names(), "; the last five show what is there instead of light"),
+      choices(integrator_names(),
+              "; all but the first three show what is there instead of light, or how it was found"),
       [&options](const std::string& text) {
         options.integrator = parse_choice("--integrator", text, integrator_names());
       });
@@ -284,6 +289,7 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
   asked.set_filter_radius(options.filter_radius);
   asked.set_seed(options.seed.value_or(settings.sampling().seed()));
   asked.set_integrator(options.integrator.value_or(""));
+  asked.set_aovs(options.aovs.bits());
   asked.set_accelerator(options.accelerator.value_or(""));
   if (options.camera) check_camera(*options.camera, scene);
   asked.set_camera(options.camera.value_or(""));

@@ -57,7 +57,7 @@ struct ColorNames {
 /// machine, so messages are structs as they lie in memory, each followed by its payload.
 struct ImageRequest {
   enum Call : uint32_t {
-    encode,        ///< payload: pixels, 3 channels; the reply: the file's bytes
+    encode,        ///< payload: pixels, 3 channels or those named; the reply: the file's bytes
     decode_all,    ///< payload: a path; the reply: all channels as floats, alpha not multiplied in,
                    ///< then the channels' names, each ended by a zero
     decode_file,   ///< payload: a path; the reply: pixels as the file has them, at most 4 channels,
@@ -72,11 +72,12 @@ struct ImageRequest {
   PixelLayout layout;    ///< encode, convert_colors
   ImageWindow window;    ///< encode
   ImageAttributes attributes;
-  ColorNames colors;     ///< convert_colors
+  char channel_names[256] = {};  ///< encode: separated by commas; empty: red, green, blue
+  ColorNames colors;             ///< convert_colors
   uint32_t to_srgb = 0;  ///< decode_file, decode_bytes: an embedded colour profile is heeded
   uint64_t payload_bytes = 0;
 
-  static constexpr uint32_t kVersion = 7;
+  static constexpr uint32_t kVersion = 8;
 };
 
 struct ImageReply {
