@@ -27,6 +27,7 @@
 #include "coordinator/store/sqlite_tile_store.h"
 #include "coordinator/web/chrome_trace.h"
 #include "proto/wire/scene_codec.h"
+#include "renderer/denoise/denoiser.h"
 #include "renderer/image/image_file.h"
 
 namespace tessera {
@@ -208,7 +209,8 @@ class RenderRun {
     const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
     const OutputSettings output =
         output_settings(options_.scene, loaded_.scene.settings().output(), options_.output);
-    const JobResult result = trace(settings, frame, last);
+    check_denoising(settings);
+    JobResult result = trace(settings, frame, last);
     const JobReport& report = result.report;
     if (report.end == JobReport::End::interrupted) {
       throw Error(ExitCode::interrupted, fmt::format("interrupted; {}", what_was_written(report)));
@@ -220,9 +222,26 @@ class RenderRun {
       throw Error(report.exit_code,
                   fmt::format("{}; {}", report.failure, what_was_written(report)));
     }
+    finish(result);
     write(result, settings, output, frame);
     if (report.end == JobReport::End::failed) throw Error(report.exit_code, report.failure);
     return ExitCode::done;
+  }
+
+  void check_denoising(const v1::FrameSettings& settings) const {
+    if (!options_.denoise || settings.samples_per_pixel() > 1) return;
+    throw usage_error("--denoise: one sample tells nothing of its noise; expected --spp 2 or more");
+  }
+
+  /// Whether the picture is one of --denoise. One with holes is left alone.
+  bool is_denoised(const JobResult& result) const {
+    return options_.denoise && result.report.holes.empty();
+  }
+
+  /// From what was traced to what was asked for.
+  void finish(JobResult& result) const {
+    if (is_denoised(result)) denoise(result.film, core_count());
+    if (result.film.aovs() != options_.aovs) result.film = result.film.with_only(options_.aovs);
   }
 
   std::string what_was_written(const JobReport& report) const {
@@ -284,6 +303,7 @@ class RenderRun {
                                  .seed = settings.seed(),
                                  .samples_per_pixel = settings.samples_per_pixel(),
                                  .render_seconds = result.report.trace_seconds,
+                                 .denoiser = is_denoised(result) ? kDenoiserName : "",
                                  .colors = is_display_referred() ? "display" : "scene-linear",
                                  .frame_width = static_cast<int>(settings.width()),
                                  .frame_height = static_cast<int>(settings.height())};

@@ -11,6 +11,7 @@
 #include "cli/placement.h"
 #include "cli/read_option_flags.h"
 #include "renderer/accel/make_accelerator.h"
+#include "renderer/denoise/denoiser.h"
 #include "renderer/scene/read_camera.h"
 #include "renderer/scene/read_settings.h"
 
@@ -256,6 +257,12 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
 
 void add_render_options(CLI::App& command, RenderOptions& options) {
   add_output_file_option(command, options);
+  command
+      .add_flag(
+          "--denoise", options.denoise,
+          "Smooth noise away, and what is finer than it: more like the truth where samples are "
+          "few, but no longer free of bias")
+      ->group("Picture");
   add_scene_options(command, options);
   add_farm_options(command, options);
   add_report_options(command, options);
@@ -289,7 +296,8 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
   asked.set_filter_radius(options.filter_radius);
   asked.set_seed(options.seed.value_or(settings.sampling().seed()));
   asked.set_integrator(options.integrator.value_or(""));
-  asked.set_aovs(options.aovs.bits());
+  const uint32_t looked_at = options.denoise ? denoising_aovs().bits() : 0;
+  asked.set_aovs(options.aovs.bits() | looked_at);
   asked.set_accelerator(options.accelerator.value_or(""));
   if (options.camera) check_camera(*options.camera, scene);
   asked.set_camera(options.camera.value_or(""));

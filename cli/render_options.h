@@ -34,7 +34,8 @@ struct RenderOptions {
   std::optional<uint32_t> seed;
   std::optional<std::string> accelerator;
   std::optional<std::string> integrator;
-  AovSet aovs;
+  AovSet aovs;  ///< asked for in pictures
+  bool denoise = false;
   std::optional<PixelRect> crop;
   std::optional<FrameRange> frames;
   std::optional<double> time;

@@ -128,6 +128,7 @@ std::vector<std::byte> encode(const Format& format, const Film& film,
   copy_text(fmt::format("tessera {}", kVersion), request.attributes.software);
   copy_text(metadata.scene_digest, request.attributes.scene_digest);
   copy_text(metadata.colors, request.attributes.colors);
+  copy_text(metadata.denoiser, request.attributes.denoiser);
   request.attributes.seed = metadata.seed;
   request.attributes.samples_per_pixel = metadata.samples_per_pixel;
   request.attributes.render_seconds = metadata.render_seconds;

@@ -17,7 +17,8 @@ struct ImageMetadata {
   uint32_t seed = 0;
   uint32_t samples_per_pixel = 0;
   double render_seconds = 0;
-  std::string colors{};  ///< what the scene's numbers stand for: "scene-linear" or "display"
+  std::string denoiser{};  ///< empty: its light is as it was traced
+  std::string colors{};    ///< what the scene's numbers stand for: "scene-linear" or "display"
   /// Of the whole frame, where the film may be a crop of it; 0: it is not. EXR and TIFF tell it.
   int frame_width = 0, frame_height = 0;
 };

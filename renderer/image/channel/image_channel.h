@@ -39,7 +39,8 @@ struct ImageWindow {
 struct ImageAttributes {
   char software[32] = {};
   char scene_digest[72] = {};
-  char colors[24] = {};  ///< what the scene's numbers stand for
+  char denoiser[40] = {};  ///< empty: none
+  char colors[24] = {};    ///< what the scene's numbers stand for
   uint32_t seed = 0;
   uint32_t samples_per_pixel = 0;
   double render_seconds = 0;
