@@ -263,6 +263,12 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
           "Smooth noise away, and what is finer than it: more like the truth where samples are "
           "few, but no longer free of bias")
       ->group("Picture");
+  command
+      .add_flag(
+          "--progressive", options.progressive,
+          "Write the picture after 1, 4, 16 ... samples a pixel too, each in place of the one "
+          "before; takes up to a third longer, for the same last picture")
+      ->group("Picture");
   add_scene_options(command, options);
   add_farm_options(command, options);
   add_report_options(command, options);

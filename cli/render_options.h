@@ -36,6 +36,7 @@ struct RenderOptions {
   std::optional<std::string> integrator;
   AovSet aovs;  ///< asked for in pictures
   bool denoise = false;
+  bool progressive = false;
   std::optional<PixelRect> crop;
   std::optional<FrameRange> frames;
   std::optional<double> time;

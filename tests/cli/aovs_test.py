@@ -120,6 +120,57 @@ class Aovs(ServiceTest):
             mean = sum(variance[f"variance.{channel}"][i] for channel in "RGB") / 3
             self.assertAlmostEqual(mean ** .5, value, delta=1e-6 + 1e-5 * value)
 
+    def test_denoising(self):
+        options = [*SIZE, "--spp", 8, "--integrator", "path"]
+        scene = self.write("paths.tessera", scenes.paths_scene())
+        noisy, _ = self.channels(*options, "--workers", 0, scene=scene)
+        reference = self.channels(*options, "--workers", 0, "--denoise", scene=scene)
+        self.assertEqual({"R", "G", "B"}, set(reference[0]))
+        self.assertNotEqual(noisy, reference[0])
+        self.assertIn("tessera:Denoised", read_exr(self.folder / "a.exr")[0])
+        for workers, tile in ((1, 8), (3, 16)):
+            self.assertEqual(reference, self.channels(*options, "--workers", workers, "--tile", tile,
+                                                      "--denoise", scene=scene))
+        beside, _ = self.channels(*options, "--workers", 0, "--denoise", "--aovs", "samples,depth",
+                                  scene=scene)
+        self.assertEqual({"R", "G", "B", "Z", "samples"}, set(beside))
+        self.assertEqual(reference[0], {channel: beside[channel] for channel in "RGB"})
+        self.channels(*options, "--workers", 0, scene=scene)
+        self.assertNotIn("tessera:Denoised", read_exr(self.folder / "a.exr")[0])
+        self.assert_error(self.run_program("render", scene, "--denoise", "--spp", 1), 2, "--spp 2")
+        service, worker = self.serve(), self.worker()
+        job = int(self.ask("submit", scene, *options, "--aovs", "albedo,normal,depth,variance"))
+        self.ask("fetch", job, "--wait", "--denoise", "-o", "b.pfm")
+        self.run_program("render", scene, *options, "--workers", 0, "--denoise", "-o", "c.pfm")
+        self.assertEqual((self.folder / "c.pfm").read_bytes(), (self.folder / "b.pfm").read_bytes())
+        job = int(self.ask("submit", scene, *options))
+        self.ask("fetch", job, "--wait", "--denoise", "-o", "d.pfm", code=2)
+        self.stop(service, worker)
+
+    def test_passes_end_in_the_same_picture(self):
+        options = [*SIZE, "--spp", 20, "--aovs", "samples", "--workers", 2]
+        reference = self.channels(*options)
+        self.assertEqual(reference, self.channels(*options, "--progressive", name="b.exr"))
+
+    def test_an_interrupt_leaves_the_last_pass(self):
+        for spp in (4096, 16384, 65536):
+            process = self.start("render", self.scene, *SIZE, "--spp", spp, "--aovs", "samples",
+                                 "--workers", 2, "-o", "b.exr", "--quiet", "--progressive")
+            wait_until(lambda: (self.folder / "b.exr").exists() or process.poll() is not None,
+                       "a pass is written")
+            process.send_signal(signal.SIGINT)
+            _, err = process.communicate(timeout=PATIENCE)
+            if process.returncode != 0:
+                break
+        self.assertEqual(4, process.returncode, err)
+        found = read_exr(self.folder / "b.exr")[1]
+        samples = int(found["samples"][0])
+        self.assertIn(samples, [4 ** i for i in range(8)])
+        self.assertIn(f"the picture has {samples} sample", err)
+        expected, _ = self.channels(*SIZE, "--spp", samples, "--aovs", "samples", "--workers", 0,
+                                    "--pattern", "owen-sobol")
+        self.assertEqual(expected, {channel: values.tobytes() for channel, values in found.items()})
+
 
 if __name__ == "__main__":
     unittest.main()
