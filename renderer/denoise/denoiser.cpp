@@ -182,16 +182,17 @@ class Denoiser {
       const float* const there = light_[c].row(y + dy) + dx;
       const float* const spread = variance_[c].row(y);
       const float* const its = variance_[c].row(y + dy) + dx;
+      float* distance = band.row.data();
       for (int x = -kPatch; x < width_ + kPatch; ++x) {
         const float excess =
             squared(here[x] - there[x]) - (spread[x] + std::min(spread[x], its[x]));
-        band.row[static_cast<size_t>(x + kPatch)] +=
-            excess / (1e-10f + kColorScale * (spread[x] + its[x]));
+        *distance++ += excess / (1e-10f + kColorScale * (spread[x] + its[x]));
       }
     }
     for (int x = 0; x < width_; ++x) {
+      const float* const beside = &band.row[static_cast<size_t>(x)];
       float sum = 0;
-      for (int i = 0; i <= 2 * kPatch; ++i) sum += band.row[static_cast<size_t>(x + i)];
+      for (int i = 0; i <= 2 * kPatch; ++i) sum += beside[i];
       sums[x] = sum;
     }
   }
