@@ -149,6 +149,25 @@ TEST(Aovs, what_is_of_one_ray_costs_one_ray) {
   EXPECT_EQ(rays(AovSet().with(Aov::variance).with(Aov::samples)), 0u);
 }
 
+TEST(Aovs, depth_position_and_id_are_those_of_the_first_sample) {
+  const AovSet all = AovSet::all();
+  v1::FrameSettings frame = frame_with(all, 1);
+  frame.set_pattern("owen-sobol");
+  const TilePixels one = render(frame);
+  frame.set_samples_per_pixel(16);
+  const TilePixels many = render(frame);
+  int edges = 0;
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      for (const Aov aov : {Aov::depth, Aov::position, Aov::id}) {
+        ASSERT_EQ(at(one, all, aov, x, y), at(many, all, aov, x, y)) << x << ' ' << y;
+      }
+      edges += at(one, all, Aov::albedo, x, y) != at(many, all, Aov::albedo, x, y);
+    }
+  }
+  EXPECT_GT(edges, 50) << "their samples differ";
+}
+
 TEST(Aovs, pixels_past_everything_are_as_the_renderer_says_of_them) {
   const v1::FrameSettings frame = frame_with(AovSet::all(), 4);
   const auto renderer = make_tile_renderer(parse_scene(kBall), {}, frame, 1);
