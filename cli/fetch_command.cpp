@@ -9,6 +9,7 @@
 
 #include "base/log.h"
 #include "base/plural.h"
+#include "base/process.h"
 #include "cli/command_line.h"
 #include "cli/farm_connection.h"
 #include "cli/interrupt.h"
@@ -20,6 +21,7 @@
 #include "client/farm_client.h"
 #include "job/job_messages.h"
 #include "proto/wire/printable.h"
+#include "renderer/denoise/denoiser.h"
 #include "renderer/image/image_file.h"
 
 namespace tessera {
@@ -43,6 +45,7 @@ struct FetchOptions {
   std::vector<std::filesystem::path> outputs;
   OutputOptions output;
   bool wait = false;
+  bool denoise = false;
   bool forget = false;
   bool quiet = false;
 };
@@ -120,12 +123,15 @@ class Fetch {
       failure_ = Error(report.exit_code, why);
     }
     if (report.tiles_done == 0) return;
-    const Film film = client_.fetch_film(status);
+    Film film = client_.fetch_film(status);
+    const bool denoised = options_.denoise && report.holes.empty();
+    if (denoised) smooth(film);
     const v1::JobFrame& frame = status.frame();
     const ImageMetadata metadata{.scene_digest = frame.scene_digest(),
                                  .seed = frame.settings().seed(),
                                  .samples_per_pixel = frame.settings().samples_per_pixel(),
                                  .render_seconds = report.trace_seconds,
+                                 .denoiser = denoised ? kDenoiserName : "",
                                  .frame_width = static_cast<int>(frame.settings().width()),
                                  .frame_height = static_cast<int>(frame.settings().height())};
     const OutputSettings settings =
@@ -143,6 +149,16 @@ class Fetch {
           film.height(), report.tiles_done, report.tiles_total, report.tiles_restored);
     }
     flush_output();
+  }
+
+  static void smooth(Film& film) {
+    const AovSet needed = denoising_aovs();
+    if ((film.aovs().bits() & needed.bits()) != needed.bits()) {
+      throw usage_error(
+          "--denoise: the job lacks what that looks at; expected one submitted with --aovs "
+          "albedo,normal,depth,variance");
+    }
+    denoise(film, core_count());
   }
 
   const FetchOptions& options_;
@@ -164,6 +180,8 @@ void add_fetch_command(CLI::App& app, Action& action) {
       ->required();
   add_connection_options(*command, options->connection);
   command->add_flag("--wait", options->wait, "Wait for frames that are not done yet");
+  command->add_flag("--denoise", options->denoise,
+                    "As render does; of jobs with --aovs albedo,normal,depth,variance");
   command->add_flag("--forget", options->forget, "Then delete the job, its tiles and its scene");
   command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   command

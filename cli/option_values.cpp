@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -124,6 +125,19 @@ std::string parse_choice(std::string_view option, const std::string& text,
   }
   throw usage_error(fmt::format("{}: '{}'; expected one of {}{}", option, text,
                                 fmt::join(names, ", "), suggestion(text, names)));
+}
+
+AovSet parse_aovs(std::string_view option, const std::string& text) {
+  if (text == "all") return AovSet::all();
+  const std::vector<std::string>& names = aov_names();
+  AovSet aovs;
+  for (size_t at = 0; at <= text.size();) {
+    const size_t end = std::min(text.find(',', at), text.size());
+    const std::string name = parse_choice(option, text.substr(at, end - at), names);
+    aovs = aovs.with(static_cast<Aov>(std::find(names.begin(), names.end(), name) - names.begin()));
+    at = end + 1;
+  }
+  return aovs;
 }
 
 void add_whole(CLI::App& command, const std::string& name, int64_t least, int64_t most,

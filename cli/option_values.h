@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "renderer/film/aov.h"
 #include "renderer/film/tile.h"
 
 namespace CLI {
@@ -43,6 +44,8 @@ FrameRange parse_frames(std::string_view option, std::string_view text);
 /// `text`, if it is one of `names`.
 std::string parse_choice(std::string_view option, const std::string& text,
                          std::span<const std::string> names);
+/// "NAME,NAME ..." of aov_names(), or "all".
+AovSet parse_aovs(std::string_view option, const std::string& text);
 
 /// Adds an option that is a whole number in [least, most].
 void add_whole(CLI::App& command, const std::string& name, int64_t least, int64_t most,

@@ -20,6 +20,7 @@
 #include "cli/output_settings.h"
 #include "cli/picture_warnings.h"
 #include "cli/progress_display.h"
+#include "cli/render_checks.h"
 #include "cli/render_options.h"
 #include "cli/say.h"
 #include "cli/statistics.h"
@@ -27,6 +28,7 @@
 #include "coordinator/store/sqlite_tile_store.h"
 #include "coordinator/web/chrome_trace.h"
 #include "proto/wire/scene_codec.h"
+#include "renderer/denoise/denoiser.h"
 #include "renderer/image/image_file.h"
 
 namespace tessera {
@@ -48,6 +50,8 @@ using Clock = std::chrono::steady_clock;
 /// A frame of fewer samples may be done before its remaining time could be told.
 constexpr uint64_t kFewSamples = uint64_t{1} << 24;
 constexpr double kSecondsToPrepare = 1;
+/// From one pass of --progressive to the next: all before the last together cost a third of it.
+constexpr uint32_t kPassGrowth = 4;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -59,8 +63,8 @@ class RenderRun {
   explicit RenderRun(const RenderOptions& options) : options_(options) {}
 
   ExitCode run() {
-    check_options();
-    check_outputs();
+    check_render_options(options_);
+    check_outputs(options_);
     if (options_.resume) store_ = std::make_shared<SqliteTileStore>(store_path());
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
     // Workers get ready while the scene is read.
@@ -100,80 +104,6 @@ class RenderRun {
     return frame ? numbered_path(path, *frame) : path;
   }
 
-  /// What excludes each other, and what has no place in a pipe.
-  void check_options() const {
-    const FarmConnection& farm = options_.connection;
-    if (!by_farm() && !(farm.key_file.empty() && farm.server_key.empty())) {
-      throw usage_error(fmt::format("{}: is for the farm of --connect; expected that beside it",
-                                    farm.key_file.empty() ? "--server-key" : "--key"));
-    }
-    if (by_farm() && (options_.workers || options_.threads)) {
-      throw usage_error(fmt::format("{}: cannot be chosen with --connect, whose farm has its own",
-                                    options_.workers ? "--workers" : "--threads"));
-    }
-    if (options_.verify && (by_farm() || options_.workers.value_or(2) < 2)) {
-      throw usage_error(by_farm()
-                            ? "--verify: is for the coordinator to choose; expected no --connect"
-                            : "--verify: needs a second worker; expected --workers 2 or more");
-    }
-    if (options_.resume && by_farm()) {
-      throw usage_error("--resume: tiles are kept where the coordinator is; expected no --connect");
-    }
-    if (by_farm() && (options_.trace || !options_.tev.empty())) {
-      throw usage_error(fmt::format("{}: is told by the coordinator; expected no --connect",
-                                    options_.trace ? "--trace" : "--tev"));
-    }
-    if (!options_.tev.empty() && options_.workers == 0) {
-      throw usage_error("--tev: shows what worker processes trace; expected --workers above 0");
-    }
-    if (options_.frames && options_.time) {
-      throw usage_error("--time: a frame of --frames has its own instant; expected one of the two");
-    }
-    if (options_.scene == "-") {
-      throw usage_error("SCENE: '-'; expected a file: standard input is not read");
-    }
-    for (const auto& path : options_.outputs) {
-      if (path != "-") continue;
-      throw usage_error("--output: '-'; expected a file: no picture goes to standard output");
-    }
-  }
-
-  /// What cannot be written in the end is better known before.
-  void check_outputs() const {
-    const auto first = [this](const std::filesystem::path& path) {
-      return options_.frames ? numbered_path(path, options_.frames->first) : path;
-    };
-    for (const auto& path : picture_paths(options_)) {
-      check_writable(first(path));
-      check_not_input(first(path), options_.scene, "--output");
-    }
-    if (options_.stats && !stats_to_standard_output(options_)) {
-      check_output_file(first(*options_.stats), "--stats");
-      check_not_input(first(*options_.stats), options_.scene, "--stats");
-    }
-    if (options_.trace) {
-      check_output_file(first(*options_.trace), "--trace");
-      check_not_input(first(*options_.trace), options_.scene, "--trace");
-    }
-    check_distinct();
-    // The scene has no say in these.
-    const OutputSettings output = output_settings(options_.scene, {}, options_.output);
-    if (output.color_management) check_color_management(*output.color_management);
-    check_input_file(options_.scene, UINT64_MAX);
-  }
-
-  /// Each file would silently replace the one before it.
-  void check_distinct() const {
-    std::set<std::filesystem::path> taken;
-    const auto take = [&taken](const char* option, const std::filesystem::path& path) {
-      if (taken.insert(output_place(path)).second) return;
-      throw usage_error(fmt::format("{}: '{}' is given twice", option, path.string()));
-    };
-    for (const auto& path : picture_paths(options_)) take("--output", path);
-    if (options_.stats && !stats_to_standard_output(options_)) take("--stats", *options_.stats);
-    if (options_.trace) take("--trace", *options_.trace);
-  }
-
   std::unique_ptr<TracingFarm> start_farm() const {
     if (by_farm()) return connect_to_farm(options_.connection);
     const int cores = core_count();
@@ -202,11 +132,13 @@ class RenderRun {
     const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
     const OutputSettings output =
         output_settings(options_.scene, loaded_.scene.settings().output(), options_.output);
-    const JobResult result = trace(settings, frame, last);
+    check_denoising(settings);
+    pass_samples_ = 0;
+    if (options_.progressive) write_passes(settings, output, frame);
+    farm_->keep_tiles(store_);
+    JobResult result = trace(settings, frame, last);
     const JobReport& report = result.report;
-    if (report.end == JobReport::End::interrupted) {
-      throw Error(ExitCode::interrupted, fmt::format("interrupted; {}", what_was_written(report)));
-    }
+    if (report.end == JobReport::End::interrupted) throw interruption(report);
     if (report.exit_code == ExitCode::bad_scene) {
       throw located(options_.scene, report.failure);
     }
@@ -214,9 +146,48 @@ class RenderRun {
       throw Error(report.exit_code,
                   fmt::format("{}; {}", report.failure, what_was_written(report)));
     }
+    finish(result, settings);
     write(result, settings, output, frame);
     if (report.end == JobReport::End::failed) throw Error(report.exit_code, report.failure);
     return ExitCode::done;
+  }
+
+  void check_denoising(const v1::FrameSettings& settings) const {
+    if (!options_.denoise || settings.samples_per_pixel() > 1) return;
+    throw usage_error("--denoise: one sample tells nothing of its noise; expected --spp 2 or more");
+  }
+
+  /// Whether the picture is one of --denoise. One with holes is left alone, and so are passes of
+  /// one sample.
+  bool is_denoised(const JobResult& result, const v1::FrameSettings& settings) const {
+    return options_.denoise && result.report.holes.empty() && settings.samples_per_pixel() > 1;
+  }
+
+  /// From what was traced to what was asked for.
+  void finish(JobResult& result, const v1::FrameSettings& settings) const {
+    if (is_denoised(result, settings)) denoise(result.film, core_count());
+    if (result.film.aovs() != options_.aovs) result.film = result.film.with_only(options_.aovs);
+  }
+
+  /// Pictures of fewer samples, each the first ones of the next: jobs of their own, whose tiles are
+  /// not kept. What goes wrong is for the last one to tell.
+  void write_passes(v1::FrameSettings settings, const OutputSettings& output,
+                    std::optional<int> frame) {
+    const uint32_t all = settings.samples_per_pixel();
+    farm_->keep_tiles(nullptr);
+    for (uint32_t samples = 1; samples < all; samples *= kPassGrowth) {
+      settings.set_samples_per_pixel(samples);
+      JobResult result = trace(settings, frame, false);
+      if (result.report.end == JobReport::End::interrupted) throw interruption(result.report);
+      if (result.report.end != JobReport::End::done) return;
+      finish(result, settings);
+      write_pictures(result, settings, output, frame);
+      pass_samples_ = samples;
+    }
+  }
+
+  Error interruption(const JobReport& report) const {
+    return Error(ExitCode::interrupted, fmt::format("interrupted; {}", what_was_written(report)));
   }
 
   std::string what_was_written(const JobReport& report) const {
@@ -224,6 +195,9 @@ class RenderRun {
         store_ ? fmt::format("{} of {} tiles are kept in '{}': --resume goes on from there",
                              report.tiles_done, report.tiles_total, store_path().string())
                : "no tile was kept, as --resume does";
+    if (!options_.frames && pass_samples_ > 0) {
+      return fmt::format("the picture has {} a pixel; {}", counted(pass_samples_, "sample"), kept);
+    }
     if (!options_.frames) return "no picture was written; " + kept;
     const int frames = options_.frames->last - options_.frames->first + 1;
     return fmt::format("{} of {} {} written; of the next, {}", frames_written_,
@@ -239,7 +213,6 @@ class RenderRun {
                 .frame = settings,
                 .crop = crop_window(options_, settings),
                 .tile_size = options_.tile_size};
-    farm_->keep_tiles(store_);
     const auto start = Clock::now();
     JobResult result = farm_->run(
         std::move(job),
@@ -271,17 +244,18 @@ class RenderRun {
     return loaded_.scene.settings().output().transfer() == v1::Output::DISPLAY;
   }
 
-  void write(const JobResult& result, const v1::FrameSettings& settings,
-             const OutputSettings& output, std::optional<int> frame) {
-    const auto start = Clock::now();
+  /// The first failure: a disk that is full for one may have room for another.
+  std::optional<Error> write_pictures(const JobResult& result, const v1::FrameSettings& settings,
+                                      const OutputSettings& output,
+                                      std::optional<int> frame) const {
     const ImageMetadata metadata{.scene_digest = scene_digest_,
                                  .seed = settings.seed(),
                                  .samples_per_pixel = settings.samples_per_pixel(),
                                  .render_seconds = result.report.trace_seconds,
+                                 .denoiser = is_denoised(result, settings) ? kDenoiserName : "",
                                  .colors = is_display_referred() ? "display" : "scene-linear",
                                  .frame_width = static_cast<int>(settings.width()),
                                  .frame_height = static_cast<int>(settings.height())};
-    // A disk that is full for one may have room for another: nothing finished is thrown away.
     std::optional<Error> failure;
     for (const auto& path : picture_paths(options_)) {
       try {
@@ -290,6 +264,14 @@ class RenderRun {
         if (!failure) failure = error;
       }
     }
+    return failure;
+  }
+
+  void write(const JobResult& result, const v1::FrameSettings& settings,
+             const OutputSettings& output, std::optional<int> frame) {
+    const auto start = Clock::now();
+    // Nothing finished is thrown away.
+    const std::optional<Error> failure = write_pictures(result, settings, output, frame);
     FrameStatistics statistics{.scene_digest = scene_digest_,
                                .frame = settings,
                                .width = result.film.width(),
@@ -365,6 +347,7 @@ class RenderRun {
   double traced_seconds_ = 0;  ///< the last frame, from its start to its film
   uint64_t peak_worker_bytes_ = 0;
   int frames_written_ = 0;
+  uint32_t pass_samples_ = 0;     ///< of the picture that there is of this frame; 0: none
   std::set<std::string> warned_;  ///< each once, not once a frame
 };
 

@@ -11,6 +11,7 @@
 #include "cli/placement.h"
 #include "cli/read_option_flags.h"
 #include "renderer/accel/make_accelerator.h"
+#include "renderer/denoise/denoiser.h"
 #include "renderer/scene/read_camera.h"
 #include "renderer/scene/read_settings.h"
 
@@ -124,6 +125,10 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       .add_flag("--frame-all", options.frame_all,
                 "Move the camera back along its view until everything is seen")
       ->group("Picture");
+  add("--aovs", "LIST",
+      fmt::format("Channels beside light in pictures of the format EXR: some of {}, or all",
+                  fmt::join(aov_names(), ",")),
+      [&options](const std::string& text) { options.aovs = parse_aovs("--aovs", text); });
   add("--time", "T", "The instant to render, in seconds [the scene's]",
       [&options](const std::string& text) { options.time = parse_number("--time", text); });
   add("--frames", "A-B",
@@ -141,7 +146,8 @@ void add_tracing_options(CLI::App& command, RenderOptions& options) {
         options.accelerator = parse_choice("--accel", text, available_accelerators());
       });
   add("--integrator", "KIND",
-      choices(integrator_names(), "; the last five show what is there instead of light"),
+      choices(integrator_names(),
+              "; all but the first three show what is there instead of light, or how it was found"),
       [&options](const std::string& text) {
         options.integrator = parse_choice("--integrator", text, integrator_names());
       });
@@ -251,6 +257,18 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
 
 void add_render_options(CLI::App& command, RenderOptions& options) {
   add_output_file_option(command, options);
+  command
+      .add_flag(
+          "--denoise", options.denoise,
+          "Smooth noise away, and what is finer than it: more like the truth where samples are "
+          "few, but no longer free of bias")
+      ->group("Picture");
+  command
+      .add_flag(
+          "--progressive", options.progressive,
+          "Write the picture after 1, 4, 16 ... samples a pixel too, each in place of the one "
+          "before; takes up to a third longer, for the same last picture")
+      ->group("Picture");
   add_scene_options(command, options);
   add_farm_options(command, options);
   add_report_options(command, options);
@@ -284,6 +302,8 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
   asked.set_filter_radius(options.filter_radius);
   asked.set_seed(options.seed.value_or(settings.sampling().seed()));
   asked.set_integrator(options.integrator.value_or(""));
+  const uint32_t looked_at = options.denoise ? denoising_aovs().bits() : 0;
+  asked.set_aovs(options.aovs.bits() | looked_at);
   asked.set_accelerator(options.accelerator.value_or(""));
   if (options.camera) check_camera(*options.camera, scene);
   asked.set_camera(options.camera.value_or(""));

@@ -11,6 +11,7 @@
 #include "cli/output_settings.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
+#include "renderer/film/aov.h"
 #include "scenes/import/loaded_scene.h"
 
 namespace CLI {
@@ -33,6 +34,9 @@ struct RenderOptions {
   std::optional<uint32_t> seed;
   std::optional<std::string> accelerator;
   std::optional<std::string> integrator;
+  AovSet aovs;  ///< asked for in pictures
+  bool denoise = false;
+  bool progressive = false;
   std::optional<PixelRect> crop;
   std::optional<FrameRange> frames;
   std::optional<double> time;

@@ -127,8 +127,8 @@ Film FarmClient::fetch_film(const v1::JobStatus& status) {
   const auto digest = Digest::parse(status.end().film_digest());
   const bool sane = !crop.empty() && crop.width() <= kMaxFrameSide &&
                     crop.height() <= kMaxFrameSide && crop.area() <= kMaxFramePixels;
-  const uint64_t size =
-      sane ? static_cast<uint64_t>(crop.area()) * kFilmChannels * sizeof(float) : 0;
+  const AovSet aovs(status.frame().settings().aovs());
+  const uint64_t size = sane ? film_bytes(crop, aovs) : 0;
   if (!digest || !sane || status.end().film_size() != size) {
     throw render_error("there is no picture; expected one that can be fetched");
   }
@@ -163,7 +163,7 @@ Film FarmClient::fetch_film(const v1::JobStatus& status) {
       throw render_error(fmt::format("no word from the coordinator at {}", endpoint_));
     }
   }
-  Film film(crop);
+  Film film(crop, aovs);
   std::memcpy(film.values().data(), store.find(*digest)->data(), static_cast<size_t>(size));
   return film;
 }

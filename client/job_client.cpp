@@ -16,7 +16,7 @@ constexpr Time kCancelPatience = std::chrono::seconds(2);
 }  // namespace
 
 JobClient::JobClient(const JobSpec& job, uint64_t submission, Time now)
-    : crop_(job.crop), last_heard_(now), next_question_(now) {
+    : crop_(job.crop), aovs_(job.frame.aovs()), last_heard_(now), next_question_(now) {
   add_frame(job_, job);
   job_.request.set_submission(submission);
   on_tick(now);
@@ -98,7 +98,7 @@ void JobClient::on_status(const v1::JobStatus& status, Time now) {
   if (!forgotten) next_question_ = std::min(next_question_, now + kAskEvery);
   if (status.state() != v1::JobStatus::ENDED) return;
   const auto digest = Digest::parse(status.end().film_digest());
-  const auto expected = static_cast<uint64_t>(crop_.area()) * kFilmChannels * sizeof(float);
+  const uint64_t expected = film_bytes(crop_, aovs_);
   if (digest && status.end().film_size() == expected) fetch_.want(*digest, expected);
   fetch_film(now);
 }
@@ -112,7 +112,7 @@ void JobClient::fetch_film(Time now) {
 }
 
 void JobClient::finish(JobReport report) {
-  JobResult result{std::move(report), Film(crop_)};
+  JobResult result{std::move(report), Film(crop_, aovs_)};
   const auto digest = Digest::parse(status_.end().film_digest());
   const BlobData pixels = digest ? film_.find(*digest) : nullptr;
   if (pixels) {

@@ -53,6 +53,7 @@ class JobClient {
 
   SubmittedJob job_;
   PixelRect crop_;
+  AovSet aovs_;
   BlobStore film_;
   BlobFetch fetch_;
   v1::JobStatus status_;

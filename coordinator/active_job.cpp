@@ -75,7 +75,7 @@ ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const TileKeeping& keeping,
       keeping_(keeping),
       tile_size_(tile_size_of(spec, kept, options)),
       samples_(spec.frame.samples_per_pixel()),
-      assembler_(spec.crop, cut_tiles(spec.crop, tile_size_)),
+      assembler_(spec.crop, cut_tiles(spec.crop, tile_size_), AovSet(spec.frame.aovs())),
       scheduler_(assembler_.tiles(), tile_size_, options),
       verifier_(assembler_.tiles().size(), options.verify, options.verify_key ^ id),
       submitted_(now) {
@@ -179,7 +179,8 @@ void ActiveJob::note_cost(const v1::TileBand& band) {
 void ActiveJob::fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from) {
   const std::vector<float> value(unseen.value().begin(), unseen.value().end());
   const auto finite = [](float channel) { return std::isfinite(channel); };
-  if (value.size() != kFilmChannels || !std::all_of(value.begin(), value.end(), finite)) return;
+  const auto channels = static_cast<size_t>(assembler_.film().channels());
+  if (value.size() != channels || !std::all_of(value.begin(), value.end(), finite)) return;
   if (unseen_distrusted_) return;
   const PixelRect seen = rect_of(unseen.seen());
   if (!unseen_) unseen_ = UnseenWord{from, seen, value};

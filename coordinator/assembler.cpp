@@ -43,8 +43,11 @@ uint64_t saturating_sum(uint64_t a, uint64_t b) {
 
 }  // namespace
 
-Assembler::Assembler(const PixelRect& crop, std::vector<PixelRect> tiles)
-    : tiles_(std::move(tiles)), done_by_(tiles_.size()), film_(crop), counts_(tiles_.size()) {}
+Assembler::Assembler(const PixelRect& crop, std::vector<PixelRect> tiles, AovSet aovs)
+    : tiles_(std::move(tiles)),
+      done_by_(tiles_.size()),
+      film_(crop, aovs),
+      counts_(tiles_.size()) {}
 
 bool Assembler::plausible(const v1::TileBand& band) const {
   const TilePiece piece = TilePiece::of(band.lease());
@@ -117,14 +120,15 @@ std::vector<PixelRect> Assembler::mark_holes() {
 
 std::vector<v1::TileBand> Assembler::bands_of(uint32_t tile) const {
   const PixelRect& rect = tiles_[tile];
-  const size_t row_values = static_cast<size_t>(rect.width()) * kFilmChannels;
+  const size_t row_values = row_size(rect);
   std::vector<float> values;
   values.reserve(row_values * static_cast<size_t>(rect.height()));
   for (int row = rect.y0; row < rect.y1; ++row) {
     const auto pixels = film_.values().subspan(row_offset(rect, row), row_values);
     values.insert(values.end(), pixels.begin(), pixels.end());
   }
-  std::vector<v1::TileBand> bands = encode_bands(values, rect.width(), rect.y0, true);
+  std::vector<v1::TileBand> bands =
+      encode_bands(values, rect.width(), rect.y0, true, film_.channels());
   for (v1::TileBand& band : bands) {
     band.set_tile(tile);
     band.set_lease(tile);
@@ -137,11 +141,15 @@ std::vector<v1::TileBand> Assembler::bands_of(uint32_t tile) const {
   return bands;
 }
 
+size_t Assembler::row_size(const PixelRect& tile) const {
+  return static_cast<size_t>(tile.width()) * static_cast<size_t>(film_.channels());
+}
+
 size_t Assembler::row_offset(const PixelRect& tile, int row) const {
   const PixelRect& rect = film_.rect();
   return (static_cast<size_t>(row - rect.y0) * static_cast<size_t>(rect.width()) +
           static_cast<size_t>(tile.x0 - rect.x0)) *
-         kFilmChannels;
+         static_cast<size_t>(film_.channels());
 }
 
 WorkerId Assembler::owner_of(uint32_t tile, size_t row) const {
@@ -160,8 +168,7 @@ void Assembler::reopen(uint32_t tile) {
 
 std::span<const float> Assembler::row(uint32_t tile, int row) const {
   const PixelRect& rect = tiles_[tile];
-  return film_.values().subspan(row_offset(rect, row),
-                                static_cast<size_t>(rect.width()) * kFilmChannels);
+  return film_.values().subspan(row_offset(rect, row), row_size(rect));
 }
 
 bool Assembler::same_row(uint32_t tile, int row, std::span<const float> values) const {
@@ -173,8 +180,8 @@ BandResult Assembler::add(const v1::TileBand& band, WorkerId from) {
   if (!plausible(band)) return result;
   const uint32_t index = band.tile();
   const PixelRect& tile = tiles_[index];
-  const size_t row_values = static_cast<size_t>(tile.width()) * kFilmChannels;
-  if (!decode_band(band, tile.width(), scratch_)) return result;
+  const size_t row_values = row_size(tile);
+  if (!decode_band(band, tile.width(), scratch_, film_.channels())) return result;
   // A TileRenderer gives none.
   const auto finite = [](float value) { return std::isfinite(value); };
   if (!std::all_of(scratch_.begin(), scratch_.end(), finite)) return result;
@@ -277,8 +284,8 @@ bool Assembler::fill(uint32_t index, std::span<const float> value, const v1::Cou
       count = std::numeric_limits<uint64_t>::max();
     }
   }
-  scratch_.resize(static_cast<size_t>(tile.width()) * kFilmChannels);
-  for (size_t i = 0; i < scratch_.size(); ++i) scratch_[i] = value[i % kFilmChannels];
+  scratch_.resize(row_size(tile));
+  for (size_t i = 0; i < scratch_.size(); ++i) scratch_[i] = value[i % value.size()];
   for (int row = tile.y0; row < tile.y1; ++row) film_.write(tile, row, 1, scratch_);
   complete_tile(index, std::move(counts), from);
   return true;

@@ -40,7 +40,7 @@ struct BandResult {
 /// from any worker, is compared with them bit by bit.
 class Assembler {
  public:
-  Assembler(const PixelRect& crop, std::vector<PixelRect> tiles);
+  Assembler(const PixelRect& crop, std::vector<PixelRect> tiles, AovSet aovs = {});
 
   BandResult add(const v1::TileBand& band, WorkerId from);
   /// Whether all rows of the piece that this lease is of are there, and counters of just these.
@@ -92,6 +92,8 @@ class Assembler {
   void complete_tile(uint32_t tile, std::vector<uint64_t> counts, WorkerId from);
   /// Whose pixels are in that row of a complete tile, counted from its first.
   WorkerId owner_of(uint32_t tile, size_t row) const;
+  /// Values in a row of the tile.
+  size_t row_size(const PixelRect& tile) const;
   /// Where the row of the tile begins among the film's values.
   size_t row_offset(const PixelRect& tile, int row) const;
   /// Whether the film has these very bits in that row.

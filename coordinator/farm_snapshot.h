@@ -85,9 +85,10 @@ struct TileSnapshot {
   uint8_t copies = 0;   ///< workers that hold it now
 };
 
-/// Light of the rect, kFilmChannels values a pixel, rows from the top.
+/// The film of the rect, `channels` values a pixel, light first; rows from the top.
 struct FilmView {
   PixelRect rect;
+  int channels = kFilmChannels;
   std::span<const float> values;  ///< valid until the coordinator is called again, or:
   BlobData keeps;                 ///< as long as this lives; null: of a frame being traced
 };

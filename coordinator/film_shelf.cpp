@@ -40,8 +40,8 @@ BlobData FilmShelf::find(const Digest& digest) {
   }
   const auto recipe = recipes_.find(digest);
   if (recipe == recipes_.end()) return nullptr;
-  const auto& [key, crop, tile_size] = recipe->second;
-  Assembler assembler(crop, cut_tiles(crop, tile_size));
+  const auto& [key, crop, tile_size, aovs] = recipe->second;
+  Assembler assembler(crop, cut_tiles(crop, tile_size), aovs);
   assembler.restore(store_->find(key));
   assembler.mark_holes();
   if (Digest::of(std::as_bytes(assembler.film().values())) != digest) return nullptr;

@@ -26,6 +26,7 @@ class FilmShelf {
     Digest tile_key;
     PixelRect crop;
     int tile_size = 1;
+    AovSet aovs{};
   };
   /// Names the film, and keeps it at hand for now.
   Digest put(const Film& film, const Recipe& recipe);

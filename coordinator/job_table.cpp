@@ -25,11 +25,16 @@ constexpr int kFrameBits = 20;
 constexpr size_t kMaxJobs = 4096;
 Digest digest_of(const std::string& hex) { return Digest::parse(hex).value_or(Digest{}); }
 
+AovSet aovs_of(const v1::SubmitJob& request, uint32_t frame) {
+  return AovSet(request.frames(static_cast<int>(frame)).settings().aovs());
+}
+
 }  // namespace
 
 FilmShelf::Recipe JobTable::recipe_of(const v1::KeptJob& kept, uint32_t frame) {
-  return {digest_of(kept.tile_keys(static_cast<int>(frame))), rect_of(kept.request().crop()),
-          static_cast<int>(kept.request().tile_size())};
+  const v1::SubmitJob& request = kept.request();
+  return {digest_of(kept.tile_keys(static_cast<int>(frame))), rect_of(request.crop()),
+          static_cast<int>(request.tile_size()), aovs_of(request, frame)};
 }
 
 JobTable::JobTable(const CoordinatorOptions& options, std::shared_ptr<JobStore> store)
@@ -105,15 +110,16 @@ const ActiveJob* JobTable::running(uint64_t job, uint32_t frame) const {
 std::optional<FilmView> JobTable::film(uint64_t id, uint32_t frame) {
   if (const ActiveJob* active = running(id, frame)) {
     const Film& film = active->assembler().film();
-    return FilmView{film.rect(), film.values(), nullptr};
+    return FilmView{film.rect(), film.channels(), film.values(), nullptr};
   }
   const FarmJob* const job = find(id);
   const auto end = job && frame < job->frame_count() ? job->end_of(frame) : std::nullopt;
   const BlobData pixels = end ? films_.find(digest_of(end->film_digest())) : nullptr;
   const PixelRect rect = job ? rect_of(job->request().crop()) : PixelRect{};
-  const size_t count = static_cast<size_t>(rect.area()) * kFilmChannels;
+  const int channels = job ? aovs_of(job->request(), frame).channels() : kFilmChannels;
+  const size_t count = static_cast<size_t>(rect.area()) * static_cast<size_t>(channels);
   if (!pixels || pixels->size() != count * sizeof(float)) return std::nullopt;
-  return FilmView{rect, {reinterpret_cast<const float*>(pixels->data()), count}, pixels};
+  return FilmView{rect, channels, {reinterpret_cast<const float*>(pixels->data()), count}, pixels};
 }
 
 std::optional<PreviewImage> JobTable::preview(uint64_t id, uint32_t frame, int most_side) {
@@ -127,7 +133,7 @@ std::optional<PreviewImage> JobTable::preview(uint64_t id, uint32_t frame, int m
   const auto& end = job->end_of(frame);
   const BlobData pixels = end ? films_.find(digest_of(end->film_digest())) : nullptr;
   if (!pixels) return std::nullopt;
-  Film film(rect_of(job->request().crop()));
+  Film film(rect_of(job->request().crop()), aovs_of(job->request(), frame));
   std::memcpy(film.values().data(), pixels->data(),
               std::min(pixels->size(), film.values().size_bytes()));
   return make_preview(film, output, from_message(*end).tiles_done, most_side);

@@ -26,14 +26,15 @@ PreviewImage make_preview(const Film& film, const v1::Output& output, uint64_t t
   Film smaller({0, 0, width, height});
   const auto from = film.values();
   const auto to = smaller.values();
-  const auto at = [](int x, int y, int row) {
-    return (static_cast<size_t>(y) * static_cast<size_t>(row) + static_cast<size_t>(x)) *
-           kFilmChannels;
+  const auto at = [](int x, int y, const Film& of) {
+    const size_t pixel =
+        static_cast<size_t>(y) * static_cast<size_t>(of.width()) + static_cast<size_t>(x);
+    return pixel * static_cast<size_t>(of.channels());
   };
   for (int y = 0; y < film.height(); ++y) {
     for (int x = 0; x < film.width(); ++x) {
       for (size_t c = 0; c < kFilmChannels; ++c) {
-        to[at(x / step, y / step, width) + c] += from[at(x, y, film.width()) + c];
+        to[at(x / step, y / step, smaller) + c] += from[at(x, y, film) + c];
       }
     }
   }
@@ -42,7 +43,7 @@ PreviewImage make_preview(const Film& film, const v1::Output& output, uint64_t t
     for (int x = 0; x < width; ++x) {
       const int columns = std::min(step, film.width() - x * step);
       for (size_t c = 0; c < kFilmChannels; ++c) {
-        to[at(x, y, width) + c] /= static_cast<float>(rows * columns);
+        to[at(x, y, smaller) + c] /= static_cast<float>(rows * columns);
       }
     }
   }

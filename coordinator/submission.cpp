@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "proto/wire/scene_codec.h"
+#include "renderer/film/aov.h"
 #include "renderer/film/tile.h"
 
 namespace tessera {
@@ -23,8 +24,11 @@ uint64_t film_bytes(const v1::SubmitJob& request) {
   const v1::PixelRect& crop = request.crop();
   const int64_t width = int64_t{crop.x1()} - crop.x0(), height = int64_t{crop.y1()} - crop.y0();
   if (width <= 0 || height <= 0 || width > kMaxFrameSide || height > kMaxFrameSide) return 0;
-  constexpr int64_t kPixelBytes = kFilmChannels * sizeof(float);
-  return static_cast<uint64_t>(width * height * kPixelBytes * request.frames_size());
+  int64_t values = 0;
+  for (const v1::JobFrame& frame : request.frames()) {
+    values += width * height * AovSet(frame.settings().aovs()).channels();
+  }
+  return static_cast<uint64_t>(values) * sizeof(float);
 }
 
 }  // namespace

@@ -3,8 +3,33 @@
 #include <fmt/format.h>
 
 #include "job/tile_grid.h"
+#include "proto/wire/pixels.h"
 
 namespace tessera {
+namespace {
+
+/// Films with much beside light must still fit an image file, and a row of a tile one message.
+void check_aovs(const JobSpec& spec) {
+  if (!AovSet::knows(spec.frame.aovs())) {
+    throw usage_error(fmt::format("AOVs of the bits {:#x}; expected some of {:#x}",
+                                  spec.frame.aovs(), AovSet::all().bits()));
+  }
+  const int channels = AovSet(spec.frame.aovs()).channels();
+  if (channels == kFilmChannels) return;
+  constexpr int64_t kMostValues = 4 * kMaxFramePixels;
+  if (spec.crop.area() * channels > kMostValues) {
+    throw usage_error(fmt::format("{} pixels of {} channels; expected at most {} numbers",
+                                  spec.crop.area(), channels, kMostValues));
+  }
+  const int most_side = static_cast<int>(kBandBytes / sizeof(float)) / channels;
+  if (spec.tile_size > most_side) {
+    throw usage_error(
+        fmt::format("tiles of {} pixels a side, {} channels each; expected at most {}",
+                    spec.tile_size, channels, most_side));
+  }
+}
+
+}  // namespace
 
 void check_job(const JobSpec& spec) {
   const int64_t width = spec.frame.width(), height = spec.frame.height();
@@ -24,6 +49,7 @@ void check_job(const JobSpec& spec) {
   if (spec.frame.samples_per_pixel() < 1) {
     throw usage_error("0 samples per pixel; expected at least 1");
   }
+  check_aovs(spec);
   // Their names must fit into one message.
   constexpr size_t kMaxBlobs = 16384;
   if (spec.blobs.size() > kMaxBlobs) {

@@ -27,13 +27,14 @@ TraceOutcome trace(std::shared_ptr<TraceRun> run) {
       return outcome;
     }
     const PixelRect& rect = run->task.rect;
-    const auto expected = static_cast<size_t>(rect.area()) * kFilmChannels;
+    const auto expected = static_cast<size_t>(rect.area()) * static_cast<size_t>(pixels->channels);
     if (pixels->values.size() != expected) {
       outcome.failure =
           fmt::format("the tracer gave {} values; expected {}", pixels->values.size(), expected);
       return outcome;
     }
-    outcome.bands = encode_bands(pixels->values, rect.width(), rect.y0, run->compress);
+    outcome.bands =
+        encode_bands(pixels->values, rect.width(), rect.y0, run->compress, pixels->channels);
     v1::TileBand& last = outcome.bands.back();
     // Above 0, which would say that it is not known.
     last.set_trace_microseconds(1 + static_cast<uint64_t>((thread_time() - began).count() / 1000));

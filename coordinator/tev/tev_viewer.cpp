@@ -21,9 +21,12 @@ std::vector<float> values_of(const FilmView& film, const PixelRect& rect) {
   values.reserve(static_cast<size_t>(rect.area()) * kFilmChannels);
   for (int y = rect.y0; y < rect.y1; ++y) {
     const auto row = static_cast<size_t>(y - film.rect.y0) * static_cast<size_t>(film.rect.width());
-    const size_t from = (row + static_cast<size_t>(rect.x0 - film.rect.x0)) * kFilmChannels;
-    const auto part = film.values.subspan(from, static_cast<size_t>(rect.width()) * kFilmChannels);
-    values.insert(values.end(), part.begin(), part.end());
+    const size_t first = row + static_cast<size_t>(rect.x0 - film.rect.x0);
+    for (size_t pixel = first; pixel < first + static_cast<size_t>(rect.width()); ++pixel) {
+      const auto light =
+          film.values.subspan(pixel * static_cast<size_t>(film.channels), kFilmChannels);
+      values.insert(values.end(), light.begin(), light.end());
+    }
   }
   return values;
 }
@@ -89,7 +92,7 @@ void TevViewer::finish(const Film& film) {
   last.done.assign(last.tiles.size(), true);
   // Waits for the viewer, but not for one that does not take it.
   for (const Time end = monotonic_now() + std::chrono::seconds(1); monotonic_now() < end;) {
-    if (send(last, {film.rect(), film.values(), nullptr})) return;
+    if (send(last, {film.rect(), film.channels(), film.values(), nullptr})) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
 }

@@ -66,8 +66,8 @@ std::optional<uint64_t> unpacked_bytes(const v1::TileBand& band) {
 }  // namespace
 
 std::vector<v1::TileBand> encode_bands(std::span<const float> values, int width, int first_row,
-                                       bool compress) {
-  const size_t row_values = static_cast<size_t>(width) * kWireChannels;
+                                       bool compress, int channels) {
+  const size_t row_values = static_cast<size_t>(width) * static_cast<size_t>(channels);
   const size_t band_values = std::max<size_t>(1, kBandBytes / (row_values * kFloat)) * row_values;
   std::vector<v1::TileBand> bands;
   for (size_t start = 0; start < values.size(); start += band_values) {
@@ -89,9 +89,9 @@ std::vector<v1::TileBand> encode_bands(std::span<const float> values, int width,
   return bands;
 }
 
-bool decode_band(const v1::TileBand& band, int width, std::vector<float>& values) {
+bool decode_band(const v1::TileBand& band, int width, std::vector<float>& values, int channels) {
   if (band.rows() < 1 || width < 1) return false;
-  const size_t row_bytes = static_cast<size_t>(width) * kWireChannels * kFloat;
+  const size_t row_bytes = static_cast<size_t>(width) * static_cast<size_t>(channels) * kFloat;
   const uint64_t expected = uint64_t{row_bytes} * static_cast<uint64_t>(band.rows());
   if (expected > std::max(kBandBytes, row_bytes)) return false;
   const std::string& pixels = band.pixels();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <new>
+#include <vector>
 
 #include "base/digest.h"
 #include "base/error.h"
@@ -25,11 +26,16 @@ float* black(size_t size) {
 
 }  // namespace
 
-Film::Film(const PixelRect& rect)
-    : rect_(rect), size_(static_cast<size_t>(rect.area()) * kFilmChannels), values_(black(size_)) {}
+Film::Film(const PixelRect& rect, AovSet aovs)
+    : rect_(rect),
+      aovs_(aovs),
+      channels_(aovs.channels()),
+      size_(static_cast<size_t>(rect.area()) * static_cast<size_t>(channels_)),
+      values_(black(size_)) {}
 
 void Film::write(const PixelRect& tile, int first_row, int rows, std::span<const float> values) {
-  const auto row_size = static_cast<size_t>(tile.width()) * kFilmChannels;
+  const auto channels = static_cast<size_t>(channels_);
+  const auto row_size = static_cast<size_t>(tile.width()) * channels;
   TESSERA_CHECK(rect_.contains(tile) && first_row >= tile.y0 && first_row + rows <= tile.y1 &&
                     values.size() == row_size * static_cast<size_t>(rows),
                 fmt::format("rows {}+{} of [{},{})x[{},{}), {} values", first_row, rows, tile.x0,
@@ -37,7 +43,7 @@ void Film::write(const PixelRect& tile, int first_row, int rows, std::span<const
   for (int row = 0; row < rows; ++row) {
     const size_t offset = (static_cast<size_t>(first_row + row - rect_.y0) * width() +
                            static_cast<size_t>(tile.x0 - rect_.x0)) *
-                          kFilmChannels;
+                          channels;
     std::copy_n(values.begin() + static_cast<ptrdiff_t>(row_size) * row, row_size,
                 values_.get() + offset);
   }
@@ -50,14 +56,37 @@ void Film::mark_hole(const PixelRect& tile) {
       const float level = ((x / kCheckerSide) ^ (y / kCheckerSide)) & 1 ? 1.0f : 0.0f;
       const size_t offset =
           (static_cast<size_t>(y - rect_.y0) * width() + static_cast<size_t>(x - rect_.x0)) *
-          kFilmChannels;
-      values_[offset] = level;
-      values_[offset + 1] = 0;
-      values_[offset + 2] = level;
+          static_cast<size_t>(channels_);
+      std::fill_n(values_.get() + offset, channels_, 0.0f);
+      values_[offset] = values_[offset + 2] = level;
     }
   }
 }
 
-std::string Film::pixels_sha256() const { return sha256_hex(std::as_bytes(values())); }
+Film Film::with_only(AovSet aovs) const {
+  Film result(rect_, aovs);
+  // Runs of channels that stay: {from, to, how many}.
+  struct Run {
+    int from, to, count;
+  };
+  std::vector<Run> runs{{0, 0, kFilmChannels}};
+  for (size_t i = 0; i < aov_names().size(); ++i) {
+    const auto aov = static_cast<Aov>(i);
+    if (!aovs.has(aov)) continue;
+    runs.push_back({aovs_.first_channel(aov), aovs.first_channel(aov),
+                    AovSet().with(aov).channels() - kFilmChannels});
+  }
+  const float* from = values_.get();
+  float* to = result.values_.get();
+  for (int64_t i = 0; i < rect_.area(); ++i, from += channels_, to += result.channels_) {
+    for (const Run& run : runs) std::copy_n(from + run.from, run.count, to + run.to);
+  }
+  return result;
+}
+
+std::string Film::pixels_sha256() const {
+  if (!aovs_.empty()) return with_only({}).pixels_sha256();
+  return sha256_hex(std::as_bytes(values()));
+}
 
 }  // namespace tessera

@@ -22,7 +22,7 @@ struct PixelRect {
   friend bool operator==(const PixelRect&, const PixelRect&) = default;
 };
 
-/// Channels of the film: linear red, green, blue.
+/// Channels of light: linear red, green, blue. The first of every pixel.
 inline constexpr int kFilmChannels = 3;
 /// Bounds on a frame: a side, and the product of both.
 inline constexpr int kMaxFrameSide = 65536;
@@ -40,11 +40,13 @@ struct RenderTask {
 /// value is a sum over pixels, so totals do not depend on how the frame was cut.
 using CounterMap = std::map<std::string, uint64_t>;
 
-/// A traced tile: the mean of its samples, rect.area() x kFilmChannels values, rows from the top.
+/// A traced tile: the mean of its samples, and what was asked for beside that; rect.area() x
+/// channels values, rows from the top.
 struct TilePixels {
   PixelRect rect;
   std::vector<float> values;
   CounterMap counters;
+  int channels = kFilmChannels;  ///< of a pixel, light first
 };
 
 }  // namespace tessera

@@ -23,10 +23,11 @@ struct Format {
   const char* ending;
   const char* name;  ///< as OpenImageIO calls it; null: it can not write it, we do
   bool is_float;
+  bool has_channels = false;  ///< as many as there are, with names
 };
 
 constexpr std::array<Format, 13> kFormats{{{"png", "png", false},
-                                           {"exr", "openexr", true},
+                                           {"exr", "openexr", true, true},
                                            {"jpg", "jpeg", false},
                                            {"jpeg", "jpeg", false},
                                            {"bmp", "bmp", false},
@@ -118,11 +119,16 @@ std::vector<std::byte> encode(const Format& format, const Film& film,
   ImageRequest request;
   request.call = ImageRequest::encode;
   copy_text(format.name, request.format);
-  request.layout = {film.width(), film.height(), kFilmChannels, format.is_float ? 32 : 8};
+  request.layout = {film.width(), film.height(), film.channels(), format.is_float ? 32 : 8};
+  if (format.has_channels) {
+    copy_text(fmt::format("{}", fmt::join(film.aovs().channel_names(), ",")),
+              request.channel_names);
+  }
   request.window = {film.rect().x0, film.rect().y0, metadata.frame_width, metadata.frame_height};
   copy_text(fmt::format("tessera {}", kVersion), request.attributes.software);
   copy_text(metadata.scene_digest, request.attributes.scene_digest);
   copy_text(metadata.colors, request.attributes.colors);
+  copy_text(metadata.denoiser, request.attributes.denoiser);
   request.attributes.seed = metadata.seed;
   request.attributes.samples_per_pixel = metadata.samples_per_pixel;
   request.attributes.render_seconds = metadata.render_seconds;
@@ -180,9 +186,14 @@ void check_color_management(const ColorManagement& names) {
   }
 }
 
+bool holds_aovs(const fs::path& path) { return format_of(path).has_channels; }
+
 void write_image(const fs::path& path, const Film& film, const OutputSettings& settings,
                  const ImageMetadata& metadata) {
   const Format& format = format_of(path);
+  if (!film.aovs().empty() && !format.has_channels) {
+    return write_image(path, film.with_only({}), settings, metadata);
+  }
   if (!format.name) return write_output_file(path.string(), encode_pfm(film));
   std::vector<std::byte> file;
   try {

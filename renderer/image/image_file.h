@@ -17,7 +17,8 @@ struct ImageMetadata {
   uint32_t seed = 0;
   uint32_t samples_per_pixel = 0;
   double render_seconds = 0;
-  std::string colors{};  ///< what the scene's numbers stand for: "scene-linear" or "display"
+  std::string denoiser{};  ///< empty: its light is as it was traced
+  std::string colors{};    ///< what the scene's numbers stand for: "scene-linear" or "display"
   /// Of the whole frame, where the film may be a crop of it; 0: it is not. EXR and TIFF tell it.
   int frame_width = 0, frame_height = 0;
 };
@@ -52,9 +53,12 @@ void check_writable(const std::filesystem::path& path);
 /// names.
 void check_color_management(const ColorManagement& names);
 
+/// Whether what is beside light has a place in the format that the ending names.
+bool holds_aovs(const std::filesystem::path& path);
+
 /// Writes the format that the ending names: exr, hdr and pfm take the linear values, every other
-/// one is made 8 bits by `settings`. It is encoded in memory, then goes through
-/// write_output_file. Throws a render error where either fails.
+/// one is made 8 bits by `settings`. What is beside light goes where holds_aovs(). It is encoded in
+/// memory, then goes through write_output_file. Throws a render error where either fails.
 void write_image(const std::filesystem::path& path, const Film& film,
                  const OutputSettings& settings, const ImageMetadata& metadata);
 

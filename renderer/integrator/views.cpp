@@ -95,6 +95,18 @@ class CostView final : public Integrator {
 
 }  // namespace
 
+std::optional<FirstSurface> first_surface(const Scene& scene, const Ray& ray, TraceState& state) {
+  std::optional<FirstSurface> first;
+  use_first_surface(scene, ray, state, [&](const SurfacePoint& point, double distance) {
+    first = {.albedo = ShowAlbedo()(point, distance),
+             .normal = point.normal,
+             .depth = distance,
+             .position = point.surface.point,
+             .instance = point.surface.instance};
+  });
+  return first;
+}
+
 std::unique_ptr<const Integrator> make_surface_view(std::shared_ptr<const Scene> scene, View view) {
   switch (view) {
     case View::normals:
@@ -107,6 +119,8 @@ std::unique_ptr<const Integrator> make_surface_view(std::shared_ptr<const Scene>
       return std::make_unique<FirstSurfaceView<ShowId>>(std::move(scene));
     case View::none:
     case View::cost:
+    case View::samples:
+    case View::error:
       break;
   }
   return nullptr;

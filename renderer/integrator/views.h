@@ -1,10 +1,22 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "renderer/integrator/integrator.h"
 
 namespace tessera {
+
+/// What a camera ray shows of the first surface that it meets and that covers at least half of what
+/// is behind it.
+struct FirstSurface {
+  Color albedo;      ///< the share of light from everywhere that it sends on
+  Vec3 normal;       ///< for shading, unit, towards the viewer, world axes
+  double depth = 0;  ///< metres along the ray
+  Point3 position;   ///< world
+  uint32_t instance = 0;
+};
+std::optional<FirstSurface> first_surface(const Scene& scene, const Ray& ray, TraceState& state);
 
 // Views for finding faults in scenes; black where nothing is seen.
 

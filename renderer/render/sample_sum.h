@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "renderer/math/color.h"
@@ -21,11 +22,17 @@ struct Sample {
 /// sample.
 class SampleSum {
  public:
-  /// `gain` is 1 where no sample is negative.
-  explicit SampleSum(double gain = 1) : gain_(gain) {}
+  /// `gain` is 1 where no sample is negative. `spreads`: variance() will be asked for.
+  explicit SampleSum(double gain = 1, bool spreads = false) : gain_(gain), spreads_(spreads) {}
 
   void add(const Sample& sample) {
     ++count_;
+    if (spreads_) {
+      if (count_ == 1) origin_ = sample.color;
+      const Color away = sample.color - origin_;
+      spread_sum_ += away;
+      squares_ += away * away;
+    }
     if (gain_ == 1) {
       sum_ += sample.color;
       return;
@@ -43,10 +50,21 @@ class SampleSum {
     if (gain_ == 1) return sum_ * share;
     return first_ + (sum_ + gain_ * (signed_sum_ - sum_ * (signs_ * share))) * share;
   }
+  uint32_t count() const { return count_; }
+  /// Of mean(), were the samples independent; 0 for one sample, which tells nothing of it.
+  Color variance() const {
+    if (count_ < 2) return kBlack;
+    const double n = count_;
+    const Color spread = squares_ - spread_sum_ * spread_sum_ * (1 / n);
+    const double share = gain_ * gain_ / (n * (n - 1));
+    return Color{std::max(spread.r, 0.0), std::max(spread.g, 0.0), std::max(spread.b, 0.0)} * share;
+  }
 
  private:
   double gain_;
+  bool spreads_;
   uint32_t count_ = 0;
+  Color origin_, spread_sum_, squares_;
   Color sum_, first_, signed_sum_;
   double signs_ = 0;
 };

@@ -9,8 +9,10 @@
 #include "base/error.h"
 #include "renderer/film/block.h"
 #include "renderer/integrator/integrator.h"
+#include "renderer/render/aov_tracer.h"
 #include "renderer/render/block_estimate.h"
 #include "renderer/render/sample_sum.h"
+#include "renderer/render/through_camera.h"
 #include "renderer/scene/scene_builder.h"
 
 namespace tessera {
@@ -51,6 +53,7 @@ class SceneTileRenderer final : public TileRenderer {
   explicit SceneTileRenderer(std::shared_ptr<const Scene> scene)
       : scene_(std::move(scene)),
         integrator_(make_integrator(scene_)),
+        aovs_(scene_),
         samples_coincide_(all_coincide(*scene_)),
         adaptive_(scene_->settings.target_error > 0 && !samples_coincide_) {}
 
@@ -63,14 +66,19 @@ class SceneTileRenderer final : public TileRenderer {
                               task.rect.y0, task.rect.y1, frame.x1, frame.y1, task.sample_count));
     TilePixels tile;
     tile.rect = task.rect;
+    tile.channels = aovs_.aovs().channels();
+    tile.values.resize(static_cast<size_t>(task.rect.area()) * static_cast<size_t>(tile.channels));
     TraceState state;
+    TraceState beside_light;
     integrator_->make_room(state);
     tile.counters["rays_background_skipped"] = 0;
     tile.counters["tiles_background"] = intersection(scene_->seen, task.rect).empty() ? 1 : 0;
-    const bool done = adaptive_ ? render_blocks(task, progress, state, tile)
-                                : render_pixels(task, progress, state, tile);
+    const Output output{task.first_sample, beside_light, tile};
+    const bool done = adaptive_ ? render_blocks(task, progress, state, output)
+                                : render_pixels(task, progress, state, output);
     if (!done) return std::nullopt;
     state.counters.add_to(tile.counters);
+    if (!aovs_.aovs().empty()) tile.counters["rays_aov"] = beside_light.counters.rays_primary;
     if (scene_->built_when_hit)
       tile.counters["meshes_built_when_hit"] = scene_->built_when_hit->exchange(0);
     return tile;
@@ -80,11 +88,13 @@ class SceneTileRenderer final : public TileRenderer {
     if (!scene_->background.is_constant()) return std::nullopt;
     Unseen unseen{scene_->seen, {}};
     TraceState state;
-    const Color mean =
-        mean_of(0, 0, {{}, 0, sample_count}, state, &SceneTileRenderer::constant_background);
-    for (const double channel : {mean.r, mean.g, mean.b}) {
-      unseen.one_pixel.values.push_back(static_cast<float>(channel));
-    }
+    const PixelRect one{0, 0, 1, 1};
+    unseen.one_pixel.rect = one;
+    unseen.one_pixel.channels = aovs_.aovs().channels();
+    unseen.one_pixel.values.resize(static_cast<size_t>(unseen.one_pixel.channels));
+    const SampleSum sum =
+        sum_of(0, 0, {one, 0, sample_count}, state, &SceneTileRenderer::constant_background);
+    put(sum, 0, 0, false, {0, state, unseen.one_pixel});
     state.counters.add_to(unseen.one_pixel.counters);
     unseen.one_pixel.counters["rays_background_skipped"] = sample_count;
     unseen.one_pixel.counters["tiles_background"] = 1;
@@ -94,10 +104,16 @@ class SceneTileRenderer final : public TileRenderer {
  private:
   using SampleFunction = Sample (SceneTileRenderer::*)(const SampleKey&, TraceState&) const;
 
+  /// Where pixels go.
+  struct Output {
+    uint32_t first_sample = 0;
+    TraceState& beside_light;  ///< what AOVs cost
+    TilePixels& tile;
+  };
+
   /// Whether it was not cancelled.
   bool render_pixels(const RenderTask& task, TileProgress& progress, TraceState& state,
-                     TilePixels& tile) const {
-    tile.values.reserve(static_cast<size_t>(task.rect.area()) * kFilmChannels);
+                     const Output& output) const {
     uint64_t unseen_pixels = 0;
     uint64_t work_done = progress.work_done.load(std::memory_order_relaxed);
     for (int y = task.rect.y0; y < task.rect.y1; ++y) {
@@ -106,14 +122,11 @@ class SceneTileRenderer final : public TileRenderer {
         if (progress.cancelled.load(std::memory_order_relaxed)) return false;
         const bool seen = is_seen(x, y);
         if (!seen) ++unseen_pixels;
-        const Color mean = mean_of(x, y, task, state, way_of(seen));
-        for (const double channel : {mean.r, mean.g, mean.b}) {
-          tile.values.push_back(static_cast<float>(channel));
-        }
+        put(sum_of(x, y, task, state, way_of(seen)), x, y, seen, output);
         progress.work_done.store(++work_done, std::memory_order_relaxed);
       }
     }
-    tile.counters["rays_background_skipped"] = unseen_pixels * task.sample_count;
+    output.tile.counters["rays_background_skipped"] = unseen_pixels * task.sample_count;
     return true;
   }
 
@@ -131,9 +144,8 @@ class SceneTileRenderer final : public TileRenderer {
   };
 
   bool render_blocks(const RenderTask& task, TileProgress& progress, TraceState& state,
-                     TilePixels& tile) const {
+                     const Output& output) const {
     const PixelRect frame{0, 0, scene_->settings.width, scene_->settings.height};
-    tile.values.resize(static_cast<size_t>(task.rect.area()) * kFilmChannels);
     // What is traced for the decision alone is counted apart: the rest does not depend on how the
     // frame is cut.
     TraceState beside;
@@ -142,23 +154,24 @@ class SceneTileRenderer final : public TileRenderer {
     const PixelRect first = block_at(task.rect.x0, task.rect.y0, frame);
     for (int y = first.y0; y < task.rect.y1; y += kBlockSide) {
       for (int x = first.x0; x < task.rect.x1; x += kBlockSide) {
-        if (!render_block(block_at(x, y, frame), task, progress, state, beside, counters, tile)) {
+        if (!render_block(block_at(x, y, frame), task, progress, state, beside, counters, output)) {
           return false;
         }
       }
     }
-    tile.counters["rays_background_skipped"] = counters.background;
-    tile.counters["samples_saved"] = counters.saved;
-    tile.counters["blocks_stopped_early"] = counters.stopped;
-    tile.counters["samples_beside_the_tile"] = beside.counters.samples;
+    CounterMap& counts = output.tile.counters;
+    counts["rays_background_skipped"] = counters.background;
+    counts["samples_saved"] = counters.saved;
+    counts["blocks_stopped_early"] = counters.stopped;
+    counts["samples_beside_the_tile"] = beside.counters.samples;
     return true;
   }
 
   bool render_block(const PixelRect& block, const RenderTask& task, TileProgress& progress,
                     TraceState& state, TraceState& beside, BlockCounters& counters,
-                    TilePixels& tile) const {
+                    const Output& output) const {
     std::array<BlockPixel, BlockEstimate::kMaxPixels> pixels;
-    const size_t count = begin_block(block, task, state, counters, tile, pixels);
+    const size_t count = begin_block(block, task, state, counters, output, pixels);
     const SamplePattern pattern = scene_->settings.sampler.pattern;
     BlockEstimate estimate(static_cast<int>(count), pattern != SamplePattern::independent,
                            scene_->sampler->filter_gain());
@@ -190,7 +203,7 @@ class SceneTileRenderer final : public TileRenderer {
       if (!pixels[i].wanted) continue;
       counters.saved += task.sample_count - done;
       if (!pixels[i].seen) counters.background += done;
-      put(pixels[i].sum.mean(), pixels[i].x, pixels[i].y, tile);
+      put(pixels[i].sum, pixels[i].x, pixels[i].y, pixels[i].seen, output);
     }
     return true;
   }
@@ -198,16 +211,16 @@ class SceneTileRenderer final : public TileRenderer {
   /// The pixels that the decision is about. Those past everything, where all such pixels are alike,
   /// are not: they have all their samples, as where a whole tile is filled with them.
   size_t begin_block(const PixelRect& block, const RenderTask& task, TraceState& state,
-                     BlockCounters& counters, TilePixels& tile,
+                     BlockCounters& counters, const Output& output,
                      std::array<BlockPixel, BlockEstimate::kMaxPixels>& pixels) const {
     size_t count = 0;
     for (int y = block.y0; y < block.y1; ++y) {
       for (int x = block.x0; x < block.x1; ++x) {
         const bool wanted = contains_pixel(task.rect, x, y), seen = is_seen(x, y);
         if (seen || !scene_->background.is_constant()) {
-          pixels[count++] = {x, y, wanted, seen, SampleSum(scene_->sampler->filter_gain())};
+          pixels[count++] = {x, y, wanted, seen, empty_sum()};
         } else if (wanted) {
-          put(mean_of(x, y, task, state, way_of(seen)), x, y, tile);
+          put(sum_of(x, y, task, state, way_of(seen)), x, y, seen, output);
           counters.background += task.sample_count;
         }
       }
@@ -215,11 +228,30 @@ class SceneTileRenderer final : public TileRenderer {
     return count;
   }
 
-  static void put(const Color& mean, int x, int y, TilePixels& tile) {
+  // ------------------------------------------------------------------------------------- pixels
+
+  SampleSum empty_sum() const {
+    const bool spreads = aovs_.aovs().has(Aov::variance) || scene_->settings.view == View::error;
+    return SampleSum(scene_->sampler->filter_gain(), spreads);
+  }
+
+  /// Of its light, or of how that was found.
+  Color shown(const SampleSum& sum) const {
+    if (scene_->settings.view == View::samples) return kWhite * sum.count();
+    if (scene_->settings.view != View::error) return sum.mean();
+    const Color variance = sum.variance();
+    return kWhite * std::sqrt((variance.r + variance.g + variance.b) / 3);
+  }
+
+  void put(const SampleSum& sum, int x, int y, bool seen, const Output& output) const {
+    TilePixels& tile = output.tile;
     const PixelRect& rect = tile.rect;
     const size_t at = static_cast<size_t>(int64_t{y - rect.y0} * rect.width() + (x - rect.x0));
-    float* value = &tile.values[at * kFilmChannels];
-    for (const double channel : {mean.r, mean.g, mean.b}) *value++ = static_cast<float>(channel);
+    float* value = &tile.values[at * static_cast<size_t>(tile.channels)];
+    const Color color = shown(sum);
+    for (const double channel : {color.r, color.g, color.b}) *value++ = static_cast<float>(channel);
+    if (aovs_.aovs().empty()) return;
+    aovs_.write(x, y, output.first_sample, seen, sum, output.beside_light, value);
   }
 
   // ------------------------------------------------------------------------------------ samples
@@ -234,30 +266,18 @@ class SceneTileRenderer final : public TileRenderer {
                                               : &SceneTileRenderer::look_past;
   }
 
-  /// What `look` sees along the sample's camera ray, or the mean over the lens.
-  template <typename Look>
-  Sample through_camera(const SampleKey& key, const Look& look) const {
-    const Sampler::RasterSample raster = scene_->sampler->raster_sample(key.x, key.y, key.sample);
-    const Vec2& at = raster.point;
-    const uint32_t lens_samples = scene_->camera->lens_samples();
-    if (lens_samples == 0) return {look(scene_->camera->ray(at.x, at.y), key), raster.negative};
-    Color sum = kBlack;
-    for (uint32_t i = 0; i < lens_samples; ++i) {
-      // A ray through the lens has numbers of its own, whatever else it draws.
-      const SampleKey own{key.x, key.y, key.sample * lens_samples + i};
-      const Vec2 u = scene_->sampler->pair(own.x, own.y, own.sample, SampleUse::lens);
-      sum += look(scene_->camera->lens_ray(at.x, at.y, u), own);
-    }
-    return {sum * (1.0 / lens_samples), raster.negative};
-  }
   Sample trace(const SampleKey& key, TraceState& state) const {
-    return through_camera(key, [&](const Ray& ray, const SampleKey& own) {
-      return integrator_->radiance(ray, own, state);
-    });
+    const auto [color, negative] =
+        through_camera(*scene_, key, [&](const Ray& ray, const SampleKey& own) {
+          return integrator_->radiance(ray, own, state);
+        });
+    return {color, negative};
   }
   Sample look_past(const SampleKey& key, TraceState&) const {
-    return through_camera(
-        key, [&](const Ray& ray, const SampleKey&) { return integrator_->background(ray); });
+    const auto [color, negative] = through_camera(
+        *scene_, key,
+        [&](const Ray& ray, const SampleKey&) { return integrator_->background(ray); });
+    return {color, negative};
   }
   Sample constant_background(const SampleKey&, TraceState&) const {
     return {integrator_->background({})};
@@ -275,21 +295,22 @@ class SceneTileRenderer final : public TileRenderer {
     return sample;
   }
 
-  /// The mean of the task's samples, added in the order of their numbers.
-  Color mean_of(int x, int y, const RenderTask& task, TraceState& state,
-                SampleFunction sample_function) const {
-    SampleSum sum(scene_->sampler->filter_gain());
+  /// The task's samples, added in the order of their numbers.
+  SampleSum sum_of(int x, int y, const RenderTask& task, TraceState& state,
+                   SampleFunction sample_function) const {
+    SampleSum sum = empty_sum();
     // Samples that are all alike are traced once.
     const uint32_t traced = samples_coincide_ ? 1 : task.sample_count;
     state.counters.samples_skipped += task.sample_count - traced;
     for (uint32_t i = 0; i < traced; ++i) {
       sum.add(finite_sample({x, y, task.first_sample + i}, state, sample_function));
     }
-    return sum.mean();
+    return sum;
   }
 
   std::shared_ptr<const Scene> scene_;
   std::unique_ptr<const Integrator> integrator_;
+  AovTracer aovs_;
   bool samples_coincide_;
   bool adaptive_;
 };

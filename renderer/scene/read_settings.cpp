@@ -25,11 +25,10 @@ IntegratorKind integrator_kind(const std::string& name) {
 }
 
 View view_of(const std::string& name) {
-  constexpr std::pair<const char*, View> kViews[] = {{"normals", View::normals},
-                                                     {"depth", View::depth},
-                                                     {"albedo", View::albedo},
-                                                     {"ids", View::ids},
-                                                     {"cost", View::cost}};
+  constexpr std::pair<const char*, View> kViews[] = {
+      {"normals", View::normals}, {"depth", View::depth}, {"albedo", View::albedo},
+      {"ids", View::ids},         {"cost", View::cost},   {"samples", View::samples},
+      {"error", View::error}};
   for (const auto& [view_name, view] : kViews) {
     if (name == view_name) return view;
   }
@@ -135,8 +134,8 @@ SamplerSettings read_sampler(const v1::FrameSettings& frame) {
 }  // namespace
 
 const std::vector<std::string>& integrator_names() {
-  static const std::vector<std::string> names{"auto",  "whitted", "path", "normals",
-                                              "depth", "albedo",  "ids",  "cost"};
+  static const std::vector<std::string> names{"auto",   "whitted", "path", "normals", "depth",
+                                              "albedo", "ids",     "cost", "samples", "error"};
   return names;
 }
 
@@ -197,6 +196,7 @@ RenderSettings read_settings(const v1::Settings& in, const v1::FrameSettings& as
   out.sampler = read_sampler(frame);
   out.target_error = frame.target_error();
   out.min_samples = frame.min_samples();
+  out.aovs = AovSet(frame.aovs());
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "renderer/accel/accelerator.h"
+#include "renderer/film/aov.h"
 #include "renderer/math/color.h"
 #include "renderer/sampler/sampler.h"
 
@@ -15,7 +16,7 @@ namespace tessera {
 /// What follows light; `automatic` until the scene has been looked at.
 enum class IntegratorKind { automatic, whitted, path };
 /// What is shown instead of light.
-enum class View { none, normals, depth, albedo, ids, cost };
+enum class View { none, normals, depth, albedo, ids, cost, samples, error };
 
 /// The names of --integrator; the first is the default.
 const std::vector<std::string>& integrator_names();
@@ -49,7 +50,9 @@ struct RenderSettings {
   View view = View::none;
   /// Whether samples of a pixel differ by the lots that paths draw.
   bool draws_lots() const {
-    return integrator == IntegratorKind::path && (view == View::none || view == View::cost);
+    const bool traces_light =
+        view == View::none || view == View::cost || view == View::samples || view == View::error;
+    return integrator == IntegratorKind::path && traces_light;
   }
   uint32_t max_depth = 8;
   v1::IntegratorSettings::Shadows shadows = v1::IntegratorSettings::SHADOWS_ON;
@@ -58,6 +61,7 @@ struct RenderSettings {
   SamplerSettings sampler;
   double target_error = 0;  ///< of adaptive sampling; 0: every pixel has every sample
   uint32_t min_samples = kDefaultMinSamples;
+  AovSet aovs;
 };
 
 /// Completes `frame` first.

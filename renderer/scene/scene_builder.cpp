@@ -225,15 +225,17 @@ class SceneBuilder {
         return material.inputs != kNoMaterialInputs;
       case View::none:
       case View::cost:
+      case View::samples:
+      case View::error:
         break;
     }
-    return material.uses_shading_normal();
+    return material.uses_shading_normal() || scene_->settings.aovs.has(Aov::normal);
   }
   bool shows_colors(const Material& material) const {
     const View view = scene_->settings.view;
-    return view == View::normals || view == View::depth || view == View::ids
-               ? material.inputs != kNoMaterialInputs
-               : material.uses_vertex_color();
+    const bool hides_colors = (view == View::normals || view == View::depth || view == View::ids) &&
+                              !scene_->settings.aovs.has(Aov::albedo);
+    return hides_colors ? material.inputs != kNoMaterialInputs : material.uses_vertex_color();
   }
 
   void classify(ShapeMaterials& entry) const {

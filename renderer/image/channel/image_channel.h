@@ -39,7 +39,8 @@ struct ImageWindow {
 struct ImageAttributes {
   char software[32] = {};
   char scene_digest[72] = {};
-  char colors[24] = {};  ///< what the scene's numbers stand for
+  char denoiser[40] = {};  ///< empty: none
+  char colors[24] = {};    ///< what the scene's numbers stand for
   uint32_t seed = 0;
   uint32_t samples_per_pixel = 0;
   double render_seconds = 0;
@@ -57,7 +58,7 @@ struct ColorNames {
 /// machine, so messages are structs as they lie in memory, each followed by its payload.
 struct ImageRequest {
   enum Call : uint32_t {
-    encode,        ///< payload: pixels, 3 channels; the reply: the file's bytes
+    encode,        ///< payload: pixels, 3 channels or those named; the reply: the file's bytes
     decode_all,    ///< payload: a path; the reply: all channels as floats, alpha not multiplied in,
                    ///< then the channels' names, each ended by a zero
     decode_file,   ///< payload: a path; the reply: pixels as the file has them, at most 4 channels,
@@ -72,11 +73,12 @@ struct ImageRequest {
   PixelLayout layout;    ///< encode, convert_colors
   ImageWindow window;    ///< encode
   ImageAttributes attributes;
-  ColorNames colors;     ///< convert_colors
+  char channel_names[256] = {};  ///< encode: separated by commas; empty: red, green, blue
+  ColorNames colors;             ///< convert_colors
   uint32_t to_srgb = 0;  ///< decode_file, decode_bytes: an embedded colour profile is heeded
   uint64_t payload_bytes = 0;
 
-  static constexpr uint32_t kVersion = 7;
+  static constexpr uint32_t kVersion = 8;
 };
 
 struct ImageReply {

@@ -85,6 +85,13 @@ OIIO::ImageSpec make_spec(const ImageRequest& request) {
   const bool is_float = request.layout.bits == 32;
   OIIO::ImageSpec spec(request.layout.width, request.layout.height, request.layout.channels,
                        is_float ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+  const std::string names = request.channel_names;
+  if (!names.empty()) {
+    spec.channelnames = OIIO::Strutil::splits(names, ",");
+    if (spec.channelnames.size() != static_cast<size_t>(spec.nchannels)) {
+      fail_image("the channels do not fit their names");
+    }
+  }
   spec.attribute("oiio:ColorSpace", is_float ? "Linear" : "sRGB");
   for (const auto& [name, text] : image_texts(request.attributes)) {
     spec.attribute(name == "Description" ? "ImageDescription" : name, text);
@@ -93,7 +100,8 @@ OIIO::ImageSpec make_spec(const ImageRequest& request) {
 }
 
 ImageAnswer encode(const ImageRequest& request, const std::vector<char>& pixels) {
-  if (!request.layout.is_legal() || request.layout.bytes() != pixels.size()) {
+  if (!request.layout.is_legal(PixelLayout::kMostChannels) ||
+      request.layout.bytes() != pixels.size()) {
     fail_image("the pixels do not fit their layout");
   }
   const MemoryFile file;

@@ -37,6 +37,7 @@ std::vector<std::pair<std::string, std::string>> image_texts(const ImageAttribut
       {"tessera:Seed", std::to_string(attributes.seed)},
       {"tessera:Samples", std::to_string(attributes.samples_per_pixel)},
       {"tessera:RenderSeconds", seconds}};
+  if (attributes.denoiser[0]) texts.emplace_back("tessera:Denoised", attributes.denoiser);
   // Not every format has room for names of ours.
   std::string description;
   for (const auto& [name, text] : texts) {

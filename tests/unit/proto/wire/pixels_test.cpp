@@ -147,5 +147,18 @@ TEST(Bands, OfAnUnknownEncodingAreRefused) {
   EXPECT_FALSE(decode_band(band, 10, decoded));
 }
 
+TEST(Bands, HaveAsManyChannelsAsIsSaid) {
+  const auto values = gradient(10 * 6 * 18);
+  const auto bands = encode_bands(values, 10, 0, true, 18);
+  ASSERT_EQ(bands.size(), 1u);
+  EXPECT_EQ(bands[0].rows(), 6);
+  std::vector<float> decoded;
+  ASSERT_TRUE(decode_band(bands[0], 10, decoded, 18));
+  EXPECT_TRUE(same_bits(decoded, values));
+  for (const int channels : {3, 17, 19}) {
+    EXPECT_FALSE(decode_band(bands[0], 10, decoded, channels)) << channels;
+  }
+}
+
 }  // namespace
 }  // namespace tessera

@@ -1,0 +1,95 @@
+#include "cli/render_checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "renderer/image/image_file.h"
+
+namespace tessera {
+namespace {
+
+/// Each file would silently replace the one before it.
+void check_distinct(const RenderOptions& options) {
+  std::set<std::filesystem::path> taken;
+  const auto take = [&taken](const char* option, const std::filesystem::path& path) {
+    if (taken.insert(output_place(path)).second) return;
+    throw usage_error(fmt::format("{}: '{}' is given twice", option, path.string()));
+  };
+  for (const auto& path : picture_paths(options)) take("--output", path);
+  if (options.stats && !stats_to_standard_output(options)) take("--stats", *options.stats);
+  if (options.trace) take("--trace", *options.trace);
+}
+
+}  // namespace
+
+void check_render_options(const RenderOptions& options) {
+  const FarmConnection& farm = options.connection;
+  const bool by_farm = !farm.endpoint.empty();
+  if (!by_farm && !(farm.key_file.empty() && farm.server_key.empty())) {
+    throw usage_error(fmt::format("{}: is for the farm of --connect; expected that beside it",
+                                  farm.key_file.empty() ? "--server-key" : "--key"));
+  }
+  if (by_farm && (options.workers || options.threads)) {
+    throw usage_error(fmt::format("{}: cannot be chosen with --connect, whose farm has its own",
+                                  options.workers ? "--workers" : "--threads"));
+  }
+  if (options.verify && (by_farm || options.workers.value_or(2) < 2)) {
+    throw usage_error(by_farm ? "--verify: is for the coordinator to choose; expected no --connect"
+                              : "--verify: needs a second worker; expected --workers 2 or more");
+  }
+  if (options.resume && by_farm) {
+    throw usage_error("--resume: tiles are kept where the coordinator is; expected no --connect");
+  }
+  if (by_farm && (options.trace || !options.tev.empty())) {
+    throw usage_error(fmt::format("{}: is told by the coordinator; expected no --connect",
+                                  options.trace ? "--trace" : "--tev"));
+  }
+  if (!options.tev.empty() && options.workers == 0) {
+    throw usage_error("--tev: shows what worker processes trace; expected --workers above 0");
+  }
+  if (options.frames && options.time) {
+    throw usage_error("--time: a frame of --frames has its own instant; expected one of the two");
+  }
+  if (options.scene == "-") {
+    throw usage_error("SCENE: '-'; expected a file: standard input is not read");
+  }
+  for (const auto& path : options.outputs) {
+    if (path != "-") continue;
+    throw usage_error("--output: '-'; expected a file: no picture goes to standard output");
+  }
+}
+
+void check_outputs(const RenderOptions& options) {
+  const auto paths = picture_paths(options);
+  if (!options.aovs.empty() && std::none_of(paths.begin(), paths.end(), holds_aovs)) {
+    throw usage_error(fmt::format(
+        "--aovs: '{}' has no room for them; expected an output of the format EXR: -o {}",
+        paths.front().string(), paths.front().stem().concat(".exr").string()));
+  }
+  const auto first = [&options](const std::filesystem::path& path) {
+    return options.frames ? numbered_path(path, options.frames->first) : path;
+  };
+  for (const auto& path : picture_paths(options)) {
+    check_writable(first(path));
+    check_not_input(first(path), options.scene, "--output");
+  }
+  if (options.stats && !stats_to_standard_output(options)) {
+    check_output_file(first(*options.stats), "--stats");
+    check_not_input(first(*options.stats), options.scene, "--stats");
+  }
+  if (options.trace) {
+    check_output_file(first(*options.trace), "--trace");
+    check_not_input(first(*options.trace), options.scene, "--trace");
+  }
+  check_distinct(options);
+  // The scene has no say in these.
+  const OutputSettings output = output_settings(options.scene, {}, options.output);
+  if (output.color_management) check_color_management(*output.color_management);
+  check_input_file(options.scene, UINT64_MAX);
+}
+
+}  // namespace tessera

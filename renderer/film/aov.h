@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tessera {
+
+/// What a film may hold beside light (arbitrary output variables), in the order of its channels.
+/// Of surfaces the first one that a camera ray meets counts; where there is none, all are 0.
+///   albedo    the share of light from everywhere that it sends on: mean of the samples
+///   normal    for shading, unit, towards the viewer, world axes: mean of the samples
+///   depth     metres along the ray of the first sample
+///   position  where that ray meets it, metres, world axes
+///   id        of the object that it meets there, from 1
+///   variance  of the pixel's light as a mean of its samples, by their spread
+///   samples   how many the pixel's light is the mean of
+enum class Aov : uint32_t { albedo, normal, depth, position, id, variance, samples };
+
+/// The names of --aovs, in the order of Aov.
+const std::vector<std::string>& aov_names();
+
+/// Some of them. A value; its bits are those of FrameSettings.aovs.
+class AovSet {
+ public:
+  constexpr AovSet() = default;
+  /// All of those bits that mean something.
+  explicit AovSet(uint32_t bits);
+  /// Whether all bits mean something.
+  static bool knows(uint32_t bits) { return AovSet(bits).bits() == bits; }
+  static AovSet all() { return AovSet(~uint32_t{0}); }
+
+  AovSet with(Aov aov) const { return AovSet(bits_ | bit(aov)); }
+  bool has(Aov aov) const { return (bits_ & bit(aov)) != 0; }
+  bool empty() const { return bits_ == 0; }
+  uint32_t bits() const { return bits_; }
+  /// Whether any is of surfaces.
+  bool needs_surfaces() const;
+
+  /// Numbers a pixel of a film with these: its light, then each of them.
+  int channels() const;
+  /// The first channel of one that is among them.
+  int first_channel(Aov aov) const;
+  /// By which files call the channels: "R", "G", "B", "albedo.R" ...
+  std::vector<std::string> channel_names() const;
+
+  friend bool operator==(const AovSet&, const AovSet&) = default;
+
+ private:
+  static constexpr uint32_t bit(Aov aov) { return uint32_t{1} << static_cast<uint32_t>(aov); }
+
+  uint32_t bits_ = 0;
+};
+
+}  // namespace tessera

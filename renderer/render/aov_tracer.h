@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "renderer/integrator/integrator.h"
+#include "renderer/render/sample_sum.h"
+#include "renderer/scene/scene.h"
+
+namespace tessera {
+
+/// What a pixel holds beside light. Surfaces are looked for along the very camera rays that light
+/// came by, once more and by themselves: who asks for nothing has nothing done, and light keeps its
+/// bits. Immutable; any thread.
+class AovTracer {
+ public:
+  explicit AovTracer(std::shared_ptr<const Scene> scene);
+
+  AovSet aovs() const { return aovs_; }
+  /// To `out`, the channels behind light of the pixel at x, y, whose light is the mean of samples
+  /// from `first_sample` on. `seen`: its rays may meet something. What no float holds becomes 0.
+  void write(int x, int y, uint32_t first_sample, bool seen, const SampleSum& light,
+             TraceState& state, float* out) const;
+
+ private:
+  struct Surfaces;
+  Surfaces surfaces_of(int x, int y, uint32_t first_sample, uint32_t count,
+                       TraceState& state) const;
+
+  std::shared_ptr<const Scene> scene_;
+  AovSet aovs_;
+};
+
+}  // namespace tessera

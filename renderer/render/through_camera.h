@@ -1,0 +1,31 @@
+#pragma once
+
+#include <utility>
+
+#include "renderer/integrator/integrator.h"
+#include "renderer/scene/scene.h"
+
+namespace tessera {
+
+/// What `look(ray, key)` sees along the sample's camera ray, or the mean over the lens; and whether
+/// the filter is negative there.
+template <typename Look>
+auto through_camera(const Scene& scene, const SampleKey& key, const Look& look) {
+  using Seen = decltype(look(Ray{}, key));
+  const Sampler::RasterSample raster = scene.sampler->raster_sample(key.x, key.y, key.sample);
+  const Vec2& at = raster.point;
+  const uint32_t lens_samples = scene.camera->lens_samples();
+  if (lens_samples == 0) {
+    return std::pair<Seen, bool>(look(scene.camera->ray(at.x, at.y), key), raster.negative);
+  }
+  Seen sum{};
+  for (uint32_t i = 0; i < lens_samples; ++i) {
+    // A ray through the lens has numbers of its own, whatever else it draws.
+    const SampleKey own{key.x, key.y, key.sample * lens_samples + i};
+    const Vec2 u = scene.sampler->pair(own.x, own.y, own.sample, SampleUse::lens);
+    sum += look(scene.camera->lens_ray(at.x, at.y, u), own);
+  }
+  return std::pair<Seen, bool>(sum * (1.0 / lens_samples), raster.negative);
+}
+
+}  // namespace tessera
