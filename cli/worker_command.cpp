@@ -74,6 +74,7 @@ ExitCode work(const WorkerCommandOptions& options) {
   if (!options.cache.empty()) {
     worker.cache = std::make_shared<BlobCache>(options.cache,
                                                options.cache_budget.value_or(kDefaultCacheBudget));
+    worker.spool_folder = options.cache;
   } else if (options.cache_budget) {
     throw usage_error("--cache-budget: is for --cache; expected that beside it");
   }
@@ -112,9 +113,10 @@ void add_worker_command(CLI::App& app, Action& action) {
   command->get_option("--connect")->required();
   add_whole(*command, "--threads", 1, 1024, "Threads that trace [one a core]", options->threads);
   command
-      ->add_option("--cache", options->cache,
-                   "Keep what scenes are made of in this folder, so that it is never sent again; "
-                   "workers of one machine may share it [nowhere]")
+      ->add_option(
+          "--cache", options->cache,
+          "Keep what scenes are made of in this folder, so that it is never sent again, and "
+          "results that no coordinator took; workers of one machine may share it [nowhere]")
       ->type_name("DIR");
   command
       ->add_option_function<std::string>(

@@ -179,6 +179,64 @@ TEST(RenderLoop, AnotherCoordinatorAtTheSamePlaceGetsItsOwnPicture) {
   workers.join();
 }
 
+/// Takes a while for each tile, and notes it.
+class Noting : public FakeRenderer {
+ public:
+  Noting(uint32_t seed, std::atomic<int>& traced) : FakeRenderer(seed), traced_(traced) {}
+  std::optional<TilePixels> render(const RenderTask& task, TileProgress& p) const override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    auto pixels = FakeRenderer::render(task, p);
+    if (pixels) ++traced_;
+    return pixels;
+  }
+
+ private:
+  std::atomic<int>& traced_;
+};
+
+TEST(RenderLoop, WhatAnOrphanTracedBeforeItEndedIsHandedInByTheNextProcess) {
+  const TemporaryFolder folder;
+  MemoryNetwork network;
+  CoordinatorOptions options;
+  options.heartbeat = std::chrono::milliseconds(50);
+  options.lost_after = std::chrono::seconds(2);
+  RenderLoop loop(network.server(), options);
+  std::atomic<int> traced{0};
+  WorkerOptions worker = worker_options(1);
+  worker.spool_folder = folder.path();
+  worker.make_renderer = [&](const v1::Scene&, const BlobStore&, const v1::FrameSettings& frame,
+                             int) { return std::make_shared<Noting>(frame.seed(), traced); };
+  Threads second;
+  auto first = std::make_unique<Threads>();
+  first->add(network.client(), worker);
+  const auto has_spooled = [&] { return !std::filesystem::is_empty(folder.path()); };
+  const JobSpec job = make_job(64, 64, 16);
+  int seen = 0;
+  // The coordinator stands still in the middle of the job.
+  const JobResult result = loop.run(
+      job,
+      [&](const JobProgress& progress) {
+        if (!first || progress.tiles_done == 0) return;
+        seen = traced;
+        while (traced < seen + 3) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        first->stop();
+        first->join();
+        first.reset();
+        EXPECT_TRUE(has_spooled());
+        seen = traced - static_cast<int>(progress.tiles_done);
+        second.add(network.client(), worker);
+      },
+      kNever);
+  loop.shut_down("done");
+  second.join();
+  EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+  // Exactly 16, but where the machine is so slow that a worker is taken for lost.
+  EXPECT_GE(seen, 3);
+  EXPECT_LT(traced, 16 + seen) << "none twice";
+  EXPECT_EQ(result.report.tiles_done, 16u);
+  EXPECT_FALSE(has_spooled());
+}
+
 TEST(RenderLoop, AClientThatIsInterruptedBeforeAnybodyAnswersEndsAtOnce) {
   const auto client = connect_client("tcp://127.0.0.1:1");
   const std::atomic<bool> stop{true};
