@@ -8,7 +8,9 @@
 
 #include "base/json_log.h"
 #include "base/log.h"
+#include "base/plural.h"
 #include "base/process.h"
+#include "base/process_usage.h"
 #include "base/shared_arena.h"
 #include "cli/command_line.h"
 #include "cli/farm_connection.h"
@@ -77,6 +79,11 @@ ExitCode work(const WorkerCommandOptions& options) {
     worker.spool_folder = options.cache;
   } else if (options.cache_budget) {
     throw usage_error("--cache-budget: is for --cache; expected that beside it");
+  }
+  worker.memory_kills = memory_kills();
+  if (worker.memory_kills > 0) {
+    spdlog::warn("this memory group has killed {} for want of memory: fewer tiles at one time",
+                 counted(worker.memory_kills, "worker"));
   }
   worker.orphan_timeout = options.orphan_timeout;
   worker.idle_timeout = options.idle_timeout;

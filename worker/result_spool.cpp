@@ -89,8 +89,8 @@ bool ResultSpool::take_over(const fs::path& path) {
   size_ = static_cast<uint64_t>(status.st_size);
   uint64_t offset = 0;
   const auto hello = read(offset), welcome = read(offset);
-  const auto age = std::chrono::system_clock::now() -
-                   std::chrono::system_clock::from_time_t(status.st_mtime);
+  const auto age =
+      std::chrono::system_clock::now() - std::chrono::system_clock::from_time_t(status.st_mtime);
   if (!hello || !hello->has_hello() || hello->hello().numerics_id() != numerics_id_ ||
       hello->hello().worker_id() == 0 || !welcome || !welcome->has_welcome() ||
       age > kLongestLeft || size_ > budget_bytes_) {
@@ -98,8 +98,8 @@ bool ResultSpool::take_over(const fs::path& path) {
     return false;
   }
   farm_ = welcome->welcome().farm();
-  origin_ = Origin{hello->hello().worker_id(), hello->hello().session() + kSessionsOfAProcess,
-                   farm_};
+  origin_ =
+      Origin{hello->hello().worker_id(), hello->hello().session() + kSessionsOfAProcess, farm_};
   return true;
 }
 

@@ -14,6 +14,7 @@
 #include "base/log.h"
 #include "base/plural.h"
 #include "base/process_usage.h"
+#include "base/tally.h"
 #include "base/version.h"
 #include "proto/wire/frame.h"
 #include "proto/wire/version.h"
@@ -63,7 +64,11 @@ v1::Hello make_hello(const WorkerOptions& options,
   hello.set_process_id(static_cast<uint32_t>(getpid()));
   const auto threads = static_cast<uint32_t>(std::max(1, options.threads));
   hello.set_threads(threads);
-  hello.set_credit(threads * kTilesPerThread);
+  uint32_t credit = threads * kTilesPerThread;
+  for (uint64_t i = 0; i < options.memory_kills && credit > 1; ++i) {
+    credit = lowered_credit(credit, threads);
+  }
+  hello.set_credit(credit);
   return hello;
 }
 
@@ -153,7 +158,8 @@ class WorkerLoop {
       if (message) {
         session_.on_message(received->channel, *message, monotonic_now());
       } else {
-        spdlog::warn("dropped a message of {} bytes that is none of ours", received->bytes.size());
+        const auto count = garbage_.note(monotonic_now());
+        if (count) spdlog::warn("dropped {} that cannot be read", counted(*count, "message"));
       }
     }
   }
@@ -220,6 +226,7 @@ class WorkerLoop {
   std::unique_ptr<ResultSpool> spool_;  ///< null: nowhere
   WorkerSession session_;
   WorkerEnd end_;
+  Tally garbage_;
   int threads_;
   Time idle_timeout_;
   Time last_work_ = monotonic_now();

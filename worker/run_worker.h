@@ -34,6 +34,9 @@ struct WorkerOptions {
   /// Where they are kept beyond that, and when the worker has to end; empty: nowhere.
   std::filesystem::path spool_folder{};
   uint64_t spool_bytes = uint64_t{1} << 30;
+  /// So many workers before this one were killed for the memory of their group: each time it takes
+  /// fewer tiles at one time.
+  uint64_t memory_kills = 0;
   TileRendererFactory make_renderer;
   /// Keeps blobs on disk; null: nowhere. Used by no one else.
   std::shared_ptr<BlobCache> cache{};

@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include <exception>
+#include <new>
 #include <utility>
 
 #include "base/monotonic.h"
@@ -52,6 +53,10 @@ TraceOutcome trace(std::shared_ptr<TraceRun> run) {
     for (const auto& [name, value] : pixels->counters) {
       (*last.mutable_counters()->mutable_values())[name] = value;
     }
+  } catch (const std::bad_alloc&) {
+    outcome.bands.clear();
+    outcome.out_of_memory = true;
+    outcome.failure = "there is no memory for it";
   } catch (const std::exception& error) {
     outcome.failure = error.what();
   }

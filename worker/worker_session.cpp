@@ -32,6 +32,10 @@ uint64_t scene_bytes(const v1::JobStart& start) {
 
 }  // namespace
 
+uint32_t lowered_credit(uint32_t credit, uint32_t threads) {
+  return credit > threads && threads > 0 ? threads : std::max<uint32_t>(1, credit / 2);
+}
+
 WorkerSession::WorkerSession(SessionOptions options, Time now)
     : options_(std::move(options)),
       last_heard_(now),
@@ -358,6 +362,13 @@ void WorkerSession::on_traced(TraceOutcome outcome, Time now) {
   if (it == runs_.end() || it->second != outcome.run) return;
   runs_.erase(it);
   if (outcome.cancelled) return;
+  const uint32_t credit = options_.hello.credit();
+  if (outcome.out_of_memory && credit > 1) {
+    // It goes back, and may come again when there are fewer beside it.
+    options_.hello.set_credit(lowered_credit(credit, options_.hello.threads()));
+    next_heartbeat_ = std::min(next_heartbeat_, now);
+    return;
+  }
   if (!outcome.failure.empty()) {
     v1::Envelope message;
     v1::TileFailed& failed = *message.mutable_tile_failed();
@@ -414,6 +425,7 @@ void WorkerSession::send_heartbeat(Time now) {
   heartbeat.set_session(options_.hello.session());
   heartbeat.set_results(results_made_);
   heartbeat.set_leaves(leaves_);
+  heartbeat.set_credit(options_.hello.credit());
   for (auto& [id, job] : jobs_) {
     auto& entry = *heartbeat.add_jobs();
     entry.set_job(id);

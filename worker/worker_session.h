@@ -67,6 +67,10 @@ struct Quit {
 using SessionAction = std::variant<SendMessage, ConnectBulk, Reconnect, StartBuild, StartTrace,
                                    LookForBlob, KeepBlob, SpoolResult, Quit>;
 
+/// How many tiles a worker of that many threads should hold, once memory was too short for
+/// `credit`: none that waits; then half as many, down to one.
+uint32_t lowered_credit(uint32_t credit, uint32_t threads);
+
 /// The worker's side of the protocol: says hello until it is welcomed, gathers the jobs' blobs, has
 /// their scenes built and tiles traced, sends their bands, tells each second what it holds, and
 /// comes anew when the coordinator is silent. Has no socket, thread or clock.

@@ -377,6 +377,45 @@ TEST(RenderLoop, AClientWhoseBulkLineStaysAwayIsToldAndDoesNotWaitForEver) {
   server.join();
 }
 
+/// A client whose line brings every message twice.
+class Doubling : public ClientTransport {
+ public:
+  explicit Doubling(std::unique_ptr<ClientTransport> real) : real_(std::move(real)) {}
+  void connect_bulk(const std::string& endpoint) override { real_->connect_bulk(endpoint); }
+  void wait(std::chrono::milliseconds timeout) override { real_->wait(timeout); }
+  std::optional<ReceivedMessage> receive() override {
+    if (again_) return std::exchange(again_, std::nullopt);
+    return again_ = real_->receive();
+  }
+  void send(Channel channel, MessageBytes bytes) override {
+    real_->send(channel, std::move(bytes));
+  }
+  void reconnect() override { real_->reconnect(); }
+  void wake() override { real_->wake(); }
+
+ private:
+  std::unique_ptr<ClientTransport> real_;
+  std::optional<ReceivedMessage> again_;
+};
+
+TEST(RenderLoop, AClientToldTwiceOfAJobListsItOnce) {
+  RenderLoop loop(bind_server("tcp://127.0.0.1:*"), {});
+  std::atomic<bool> stop{false};
+  std::thread server([&] { loop.serve(stop); });
+  Doubling transport(connect_client(loop.endpoint()));
+  FarmClient client(transport, loop.endpoint(), kNever);
+  for (int i = 0; i < 2; ++i) {
+    SubmittedJob submitted;
+    add_frame(submitted, make_job(64, 64, 16));
+    submitted.request.set_submission(draw_submission());
+    submitted.request.set_detached(true);
+    client.submit(submitted);
+  }
+  EXPECT_EQ(client.list().jobs_size(), 2);
+  stop = true;
+  server.join();
+}
+
 TEST(RenderLoop, NobodyAnswersAClient) {
   const auto client = connect_client("tcp://127.0.0.1:1");
   EXPECT_THROW(run_remote_job(*client, "memory", make_job(8, 8, 8), nullptr, kNever,

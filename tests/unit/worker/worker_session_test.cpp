@@ -613,6 +613,39 @@ TEST_F(WorkerSessionTest, WhoIsRefusedOrAnOrphanForTooLong) {
   EXPECT_THAT(session.take_unsent(), IsEmpty());
 }
 
+TEST_F(WorkerSessionTest, TakesFewerTilesWhereMemoryIsShort) {
+  SessionOptions large = options();
+  large.hello.set_credit(20);
+  large.hello.set_threads(4);
+  session = WorkerSession(large, Time{0});
+  make_ready(7);
+  const auto starve = [this](uint64_t lease) {
+    assign(7, lease);
+    TraceOutcome outcome;
+    outcome.run = wants<StartTrace>().at(0).run;
+    outcome.out_of_memory = true;
+    outcome.failure = "no memory";
+    session.on_traced(outcome, seconds(1));
+    EXPECT_LE(session.next_deadline(), seconds(1)) << "it tells so at once";
+    session.on_tick(seconds(1));
+  };
+  std::vector<uint32_t> told;
+  for (const uint64_t lease : {1u, 2u, 3u}) {
+    starve(lease);
+    const auto heartbeat = sent(v1::Envelope::kHeartbeat).at(0).heartbeat();
+    EXPECT_EQ(heartbeat.progress_size(), 0) << "it is given back";
+    told.push_back(heartbeat.credit());
+  }
+  EXPECT_EQ(told, (std::vector<uint32_t>{4, 2, 1}));
+  assign(7, 4);
+  TraceOutcome alone;
+  alone.run = wants<StartTrace>().at(0).run;
+  alone.out_of_memory = true;
+  alone.failure = "no memory";
+  session.on_traced(alone, seconds(1));
+  EXPECT_THAT(sent(v1::Envelope::kTileFailed), SizeIs(1)) << "alone, the tile is what is too large";
+}
+
 TEST_F(WorkerSessionTest, TellsWhatATileTook) {
   make_ready(7);
   assign(7, 1);
