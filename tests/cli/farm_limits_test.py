@@ -173,11 +173,13 @@ class Memory(Limits):
         again = self.start("worker", "--connect", self.endpoint, "--threads", 4,
                            preexec_fn=lambda: (group / "cgroup.procs").write_text(str(os.getpid())))
         self.assertIn("this memory group has killed 1 worker", again.stderr.readline())
-        wait_until(lambda: self.logged().count("has come, with") == 3, "it has come")
-        with urllib.request.urlopen(f"{page}api/v1/workers", timeout=60) as answer:
-            credit = {worker["name"].rpartition(":")[2]: worker["credit"]
-                      for worker in json.load(answer)["workers"]}
-        self.assertEqual((4, 10), (credit[str(again.pid)], credit[str(rich.pid)]))
+
+        def credit_of(process):
+            with urllib.request.urlopen(f"{page}api/v1/workers", timeout=60) as answer:
+                return {worker["name"].rpartition(":")[2]: worker["credit"]
+                        for worker in json.load(answer)["workers"]}.get(str(process.pid))
+        wait_until(lambda: credit_of(again), "it has come")
+        self.assertEqual((4, 10), (credit_of(again), credit_of(rich)))
         self.end_all(service, [rich, again])
 
     @staticmethod

@@ -257,6 +257,7 @@ class Ends(ServiceTest):
         cache = self.folder / "cache"
         service, first = self.serve(), self.worker("--cache", cache)
         job = int(self.ask("submit", self.scene, "--size", "64x64", "--tile", "16", "--spp", 1024))
+        wait_until(lambda: self.status(job)["tiles"]["done"] > 0, "the job runs")
         wait_until(lambda: threads_at_work(first) >= 2, "both threads trace")
         service.send_signal(signal.SIGKILL)
         service.communicate()
