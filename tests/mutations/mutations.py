@@ -199,7 +199,7 @@ MUTATIONS = [
     Mutation("farm: results of other numerics are handed in", "worker/result_spool.cpp",
              "hello->hello().numerics_id() != numerics_id_ ||", "", "worker_test", "ResultSpoolTest.*"),
     Mutation("farm: results of another farm are handed in", "worker/result_spool.cpp",
-             "while (farm == farm_) {", "while (true) {", "worker_test", "ResultSpoolTest.*"),
+             "while (farm == farm_) {", "while (farm != 0) {", "worker_test", "ResultSpoolTest.*"),
     Mutation("farm: a large blob is digested when it is whole", "proto/wire/blob_transfer.cpp",
              "digest_more(part);\n  return", "if (part.received + 1 == chunk_count(part.size)) digest_more(part);\n  return",
              "farm_wire_test", "BlobFetch.*"),
