@@ -2,6 +2,8 @@
 
 #include <sodium.h>
 
+#include <type_traits>
+
 namespace tessera {
 namespace {
 
@@ -32,6 +34,26 @@ Digest Digest::of(std::span<const std::byte> data) {
   Digest digest;
   crypto_generichash(digest.bytes.data(), digest.bytes.size(), as_octets(data), data.size(),
                      nullptr, 0);
+  return digest;
+}
+
+static_assert(sizeof(crypto_generichash_state) == sizeof(DigestStream));
+static_assert(std::is_trivially_copyable_v<crypto_generichash_state>);
+
+DigestStream::DigestStream() {
+  crypto_generichash_init(reinterpret_cast<crypto_generichash_state*>(state_.data()), nullptr, 0,
+                          sizeof(Digest::bytes));
+}
+
+void DigestStream::add(std::span<const std::byte> data) {
+  crypto_generichash_update(reinterpret_cast<crypto_generichash_state*>(state_.data()),
+                            as_octets(data), data.size());
+}
+
+Digest DigestStream::finish() {
+  Digest digest;
+  crypto_generichash_final(reinterpret_cast<crypto_generichash_state*>(state_.data()),
+                           digest.bytes.data(), digest.bytes.size());
   return digest;
 }
 

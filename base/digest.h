@@ -26,6 +26,19 @@ struct Digest {
   friend auto operator<=>(const Digest&, const Digest&) = default;
 };
 
+/// The digest of bytes that come piece by piece.
+class DigestStream {
+ public:
+  DigestStream();
+  void add(std::span<const std::byte> data);
+  /// Of all that was added; call once, at the end.
+  Digest finish();
+
+ private:
+  // libsodium's state, which wants to lie so.
+  alignas(64) std::array<std::byte, 384> state_;
+};
+
 /// SHA-256 (FIPS 180-4) as 64 hexadecimal digits: the form in which pictures are compared.
 std::string sha256_hex(std::span<const std::byte> data);
 

@@ -3,10 +3,12 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <charconv>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <string>
 
 namespace tessera {
 
@@ -28,6 +30,56 @@ ProcessUsage process_usage() {
   const std::filesystem::directory_iterator files("/proc/self/fd", error);
   if (!error) usage.open_files = static_cast<uint64_t>(std::distance(begin(files), end(files)));
   return usage;
+}
+
+namespace {
+
+/// The word or number behind `name` in a file of lines "NAME VALUE".
+std::string value_in(const std::filesystem::path& path, const std::string& name) {
+  std::ifstream file(path);
+  for (std::string word, value; file >> word >> value;) {
+    if (word == name) return value;
+  }
+  return "";
+}
+
+uint64_t number_of(const std::string& text) {
+  uint64_t number = 0;
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
+
+std::string word_in(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string word;
+  file >> word;
+  return word;
+}
+
+}  // namespace
+
+uint64_t memory_kills() {
+  // "0::/GROUP" in version 2 of cgroups, "5:memory:/GROUP" in version 1, whose limit is a number in
+  // any case.
+  constexpr uint64_t kNoLimit = uint64_t{1} << 60;
+  std::ifstream groups("/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    const size_t group = line.find(":/");
+    if (group == std::string::npos) continue;
+    const std::string name = line.substr(group + 2), kind = line.substr(0, group);
+    if (kind == "0:") {
+      const auto folder = std::filesystem::path("/sys/fs/cgroup") / name;
+      const uint64_t limit = number_of(word_in(folder / "memory.max"));
+      if (limit > 0) return number_of(value_in(folder / "memory.events", "oom_kill"));
+    } else if (kind.ends_with(":memory")) {
+      const auto folder = std::filesystem::path("/sys/fs/cgroup/memory") / name;
+      const uint64_t limit = number_of(word_in(folder / "memory.limit_in_bytes"));
+      if (limit > 0 && limit < kNoLimit) {
+        return number_of(value_in(folder / "memory.oom_control", "oom_kill"));
+      }
+    }
+  }
+  return 0;
 }
 
 std::chrono::nanoseconds thread_time() {

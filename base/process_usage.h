@@ -16,4 +16,8 @@ ProcessUsage process_usage();
 /// Processor time that the calling thread has had.
 std::chrono::nanoseconds thread_time();
 
+/// How many processes of our memory group (cgroup) were killed since they, together, exceeded its
+/// limit; 0 where there is no limit, or none that can be read.
+uint64_t memory_kills();
+
 }  // namespace tessera

@@ -114,7 +114,7 @@ ExitCode serve(const ServeOptions& options) {
   std::shared_ptr<JobStore> store;
   if (!options.store.empty()) store = std::make_shared<SqliteJobStore>(options.store);
   const bool has_keys = security.keys.has_value();
-  if (has_keys || !options.http_token.empty()) catch_hangups();
+  catch_hangups();
   provide_descriptors();
   RenderLoop loop(bind_server(options.endpoint, std::move(security)), coordinator_options(options),
                   std::move(store));
@@ -131,6 +131,9 @@ ExitCode serve(const ServeOptions& options) {
   // What is traced while no store keeps it is lost in any case.
   loop.serve(interrupted(), options.store.empty() ? Time{0} : kDrain, [&] {
     if (!take_hangup()) return;
+    if (!has_keys && options.http_token.empty()) {
+      spdlog::info("SIGHUP: there is neither --allow nor --http-token to read again");
+    }
     if (has_keys) read_keys_again(loop, options);
     if (!options.http_token.empty()) read_tokens_again(*page);
   });

@@ -27,7 +27,7 @@
 namespace tessera {
 namespace {
 
-constexpr char kFooter[] =
+constexpr char kSubmitFooter[] =
     "Prints the job's number, and returns once the coordinator has the whole scene: it sends only\n"
     "what the coordinator lacks. The job goes on without this command.\n"
     "Examples:\n"
@@ -119,7 +119,7 @@ void add_submit_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<SubmitOptions>();
   CLI::App* command =
       app.add_subcommand("submit", "Hand a scene to a farm, which renders it on its own");
-  command->footer(kFooter);
+  command->footer(kSubmitFooter);
   add_scene_options(*command, options->render);
   constexpr char kGroup[] = "Who does the work";
   add_connection_options(*command, options->connection, kGroup);

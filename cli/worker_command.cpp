@@ -8,7 +8,9 @@
 
 #include "base/json_log.h"
 #include "base/log.h"
+#include "base/plural.h"
 #include "base/process.h"
+#include "base/process_usage.h"
 #include "base/shared_arena.h"
 #include "cli/command_line.h"
 #include "cli/farm_connection.h"
@@ -74,8 +76,14 @@ ExitCode work(const WorkerCommandOptions& options) {
   if (!options.cache.empty()) {
     worker.cache = std::make_shared<BlobCache>(options.cache,
                                                options.cache_budget.value_or(kDefaultCacheBudget));
+    worker.spool_folder = options.cache;
   } else if (options.cache_budget) {
     throw usage_error("--cache-budget: is for --cache; expected that beside it");
+  }
+  worker.memory_kills = memory_kills();
+  if (worker.memory_kills > 0) {
+    spdlog::warn("this memory group has killed {} for want of memory: fewer tiles at one time",
+                 counted(worker.memory_kills, "worker"));
   }
   worker.orphan_timeout = options.orphan_timeout;
   worker.idle_timeout = options.idle_timeout;
@@ -112,9 +120,10 @@ void add_worker_command(CLI::App& app, Action& action) {
   command->get_option("--connect")->required();
   add_whole(*command, "--threads", 1, 1024, "Threads that trace [one a core]", options->threads);
   command
-      ->add_option("--cache", options->cache,
-                   "Keep what scenes are made of in this folder, so that it is never sent again; "
-                   "workers of one machine may share it [nowhere]")
+      ->add_option(
+          "--cache", options->cache,
+          "Keep what scenes are made of in this folder, so that it is never sent again, and "
+          "results that no coordinator took; workers of one machine may share it [nowhere]")
       ->type_name("DIR");
   command
       ->add_option_function<std::string>(

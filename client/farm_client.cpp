@@ -24,13 +24,15 @@ FarmClient::FarmClient(ClientTransport& transport, std::string endpoint,
       endpoint_(std::move(endpoint)),
       stop_(stop),
       patience_(patience),
-      last_heard_(monotonic_now()) {}
+      last_heard_(monotonic_now()),
+      first_word_(last_heard_) {}
 
 void FarmClient::receive(const Handler& handle, bool& done) {
   while (const auto received = transport_.receive()) {
     const auto message = decode(received->bytes, max_message_bytes(received->channel));
     if (!message) continue;
     last_heard_ = monotonic_now();
+    first_word_.heard();
     check_not_refused(*message, endpoint_);
     done |= handle(received->channel, *message);
   }
@@ -48,6 +50,7 @@ void FarmClient::converse(const v1::Envelope& question, const Handler& done) {
     transport_.wait(kLongestWait);
     receive(done, finished);
     check_let_in(transport_, endpoint_);
+    first_word_.check(endpoint_, now);
     if (stop_) throw Error(ExitCode::interrupted, "interrupted");
     if (now - last_heard_ > patience_) {
       throw render_error(
@@ -108,8 +111,9 @@ v1::JobList FarmClient::list() {
     converse(question, [&](Channel, const v1::Envelope& message) {
       if (!message.has_job_list()) return false;
       const v1::JobList& part = message.job_list();
-      // An answer to the question before, asked twice.
-      if (!part.jobs().empty() && part.jobs(0).job() <= after) return false;
+      // Questions are asked again while answers are on their way: of several, the first counts.
+      const uint64_t last = all.jobs().empty() ? 0 : all.jobs(all.jobs_size() - 1).job();
+      if (last != after || (!part.jobs().empty() && part.jobs(0).job() <= after)) return false;
       more = part.more();
       for (const v1::JobStatus& job : part.jobs()) *all.add_jobs() = job;
       all.set_workers(part.workers());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/monotonic.h"
+#include "client/refusal.h"
 #include "client/submitted_job.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/transport/transport.h"
@@ -49,6 +50,7 @@ class FarmClient {
   const std::atomic<bool>& stop_;
   Time patience_;
   Time last_heard_;
+  FirstWord first_word_;
   uint64_t bytes_sent_ = 0, blobs_sent_ = 0;
 };
 

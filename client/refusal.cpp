@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "proto/transport/listening.h"
 #include "proto/wire/printable.h"
 
 namespace tessera {
@@ -23,6 +24,14 @@ void check_let_in(const ClientTransport& transport, const std::string& endpoint)
 std::string known_trouble(const ClientTransport& transport) {
   const auto trouble = transport.trouble();
   return trouble ? ": " + trouble->why : "";
+}
+
+void FirstWord::check(const std::string& endpoint, Time now) {
+  if (now < look_) return;
+  look_ = now + std::chrono::seconds(2);
+  if (!nobody_listens(endpoint)) return;
+  throw render_error(
+      fmt::format("nothing listens at {}; expected a running 'tessera serve' there", endpoint));
 }
 
 void TroublePatience::check(const ClientTransport& transport, const std::string& endpoint,

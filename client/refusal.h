@@ -15,6 +15,19 @@ void check_let_in(const ClientTransport& transport, const std::string& endpoint)
 /// ": why" for what is wrong with the connection, as far as that is known.
 std::string known_trouble(const ClientTransport& transport);
 
+/// For a coordinator that has not been heard yet.
+class FirstWord {
+ public:
+  explicit FirstWord(Time now) : look_(now + std::chrono::seconds(2)) {}
+  void heard() { look_ = Time::max(); }
+  /// Throws render_error where it is certain that there is none: not at once, since it may be
+  /// starting.
+  void check(const std::string& endpoint, Time now);
+
+ private:
+  Time look_;
+};
+
 /// For a line that is away while the other one talks, so that nobody is silent.
 class TroublePatience {
  public:

@@ -25,6 +25,7 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
   check_job(job);
   JobClient client(job, draw_submission(), monotonic_now());
   TroublePatience trouble(patience, monotonic_now());
+  FirstWord first_word(monotonic_now());
   Time next_progress{};
   while (true) {
     if (!client.bulk_endpoint().empty()) transport.connect_bulk(client.bulk_endpoint());
@@ -37,11 +38,13 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
     while (const auto received = transport.receive()) {
       const auto message = decode(received->bytes, max_message_bytes(received->channel));
       if (!message) continue;
+      first_word.heard();
       check_not_refused(*message, endpoint);
       client.on_message(received->channel, *message, monotonic_now());
     }
     const Time now = monotonic_now();
     check_let_in(transport, endpoint);
+    first_word.check(endpoint, now);
     trouble.check(transport, endpoint, client.moves_blobs(), now);
     if (stop) client.cancel(now);
     if (now >= client.next_deadline()) client.on_tick(now);

@@ -58,7 +58,10 @@ void FarmJob::begin(uint32_t frame, std::unique_ptr<ActiveJob> active, Time now)
 }
 
 void FarmJob::end(uint32_t frame, v1::JobEnd end) {
-  if (!ends_[frame]) ++frames_ended_;
+  if (!ends_[frame]) {
+    ++frames_ended_;
+    if (end.how() == v1::JobEnd::DONE) ++frames_done_;
+  }
   ends_[frame] = std::move(end);
   std::erase_if(running_, [frame](const Running& running) { return running.frame == frame; });
 }

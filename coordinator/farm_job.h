@@ -35,7 +35,8 @@ class FarmJob {
 
   uint32_t frame_count() const { return static_cast<uint32_t>(ends_.size()); }
   const std::optional<v1::JobEnd>& end_of(uint32_t frame) const { return ends_[frame]; }
-  uint32_t frames_ended() const { return frames_ended_; }
+  /// Those whose pictures are whole.
+  uint32_t frames_done() const { return frames_done_; }
   /// All frames have ended, or none of those that are left is wanted.
   bool ended() const;
   /// The first frame that was not begun and has not ended.
@@ -74,7 +75,7 @@ class FarmJob {
   std::optional<JobSpec> local_;
   std::shared_ptr<TileStore> local_tiles_;
   std::vector<std::optional<v1::JobEnd>> ends_;  ///< by frame
-  uint32_t frames_ended_ = 0, next_frame_ = 0;
+  uint32_t frames_ended_ = 0, frames_done_ = 0, next_frame_ = 0;
   uint64_t tiles_per_frame_ = 0;
   std::deque<Running> running_;
   std::optional<TileCosts> last_costs_;

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "coordinator/seconds_histogram.h"
 #include "proto/wire/blob.h"
 #include "renderer/film/tile.h"
 
@@ -27,8 +26,8 @@ struct FarmSnapshot {
     int width = 0, height = 0;                          ///< of what is rendered: the crop's
     double elapsed_seconds = 0, remaining_seconds = 0;  ///< remaining < 0: not known
     double worker_seconds = 0;                          ///< that it has had
-    int exit_code = 0;                                  ///< of ExitCode, once it has ended
-    std::string failure;                                ///< why it failed
+    int exit_code = 0;    ///< of ExitCode; of no meaning before its end
+    std::string failure;  ///< why it failed
     /// The frames being traced, counted from 0, for tiles and preview.
     std::vector<uint32_t> frames_running;
   };
@@ -54,17 +53,12 @@ struct FarmSnapshot {
     uint64_t workers_seen = 0, workers_lost = 0, workers_set_aside = 0;
     uint64_t bytes_scene = 0, bytes_results = 0;  ///< to and from workers
     uint64_t jobs_accepted = 0;
-    double tile_seconds = 0;  ///< sum over tiles_done
-    /// How many of tiles_done took at most so many seconds, and one more for all that took longer.
-    static constexpr std::array kTileSeconds = {0.001, 0.003, 0.01, 0.03, 0.1,  0.3,
-                                                1.0,   3.0,   10.0, 30.0, 100.0};
-    std::array<uint64_t, kTileSeconds.size() + 1> tiles_by_seconds{};
+    SecondsHistogram tile_seconds;    ///< from assignment to completion, of tiles_done
+    SecondsHistogram commit_seconds;  ///< of what was written to the store
 
     void note_tile(double seconds) {
-      const auto bound = std::lower_bound(kTileSeconds.begin(), kTileSeconds.end(), seconds);
-      ++tiles_by_seconds[static_cast<size_t>(bound - kTileSeconds.begin())];
       ++tiles_done;
-      tile_seconds += seconds;
+      tile_seconds.note(seconds);
     }
   };
   uint64_t farm = 0, epoch = 0;

@@ -53,7 +53,7 @@ v1::JobStatus status_of(const FarmJob& job, uint32_t frame, const std::string& t
   status.set_tiles_restored(job.tiles_restored());
   status.set_elapsed_seconds(progress.elapsed_seconds);
   status.set_remaining_seconds(progress.remaining_seconds);
-  status.set_frames_done(job.frames_ended());
+  status.set_frames_done(job.frames_done());
   status.set_frames_total(job.frame_count());
   if (frame < job.frame_count()) {
     *status.mutable_frame() = request.frames(static_cast<int>(frame));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/digest.h"
+#include "coordinator/seconds_histogram.h"
 #include "coordinator/tile_store.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/wire/blob_store.h"
@@ -19,6 +20,9 @@ class JobStore : public TileStore {
   virtual uint64_t farm() const = 0;
   /// Another each time that the store is opened, and larger; 0: it does not count.
   virtual uint64_t epoch() const = 0;
+
+  /// How long writing took, each time since it was opened.
+  virtual SecondsHistogram commit_seconds() const { return {}; }
 
   /// All of them, by number. Made by save(), so that they are to be trusted.
   virtual std::vector<v1::KeptJob> jobs() = 0;

@@ -85,6 +85,7 @@ void JobTable::describe(FarmSnapshot& snapshot, Time now) const {
   snapshot.store_trouble = store_trouble();
   snapshot.counters.tiles_restored = tiles_restored_;
   snapshot.counters.jobs_accepted = jobs_accepted_;
+  snapshot.counters.commit_seconds = store_->commit_seconds();
   for (const auto& [id, job] : jobs_) {
     if (!job->local()) snapshot.jobs.push_back(tessera::describe(*job, now));
   }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/log.h"
+#include "base/plural.h"
 #include "coordinator/coordinator.h"
 #include "coordinator/permissions.h"
 #include "proto/wire/frame.h"
@@ -133,7 +134,11 @@ void RenderLoop::receive() {
     const Time start = monotonic_now();
     const auto message = decode(received->bytes, max_message_bytes(received->channel));
     if (!message) {
-      spdlog::warn("dropped a message of {} bytes that is none of ours", received->bytes.size());
+      if (const auto count = garbage_.note(start)) {
+        spdlog::warn("dropped {} that {} none of ours, the last one of {} bytes",
+                     counted(*count, "message"), *count == 1 ? "is" : "are",
+                     received->bytes.size());
+      }
       continue;
     }
     if (const auto reject = refuse(received->sender, *message)) {

@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 
+#include "base/tally.h"
 #include "coordinator/coordinator_options.h"
 #include "coordinator/local_workers.h"
 #include "job/job.h"
@@ -78,6 +79,7 @@ class RenderLoop {
   std::map<pid_t, Time> silent_since_;  ///< local workers that have not said hello
   Time next_look_{};                    ///< at local workers
   uint64_t tiles_done_ = 0;             ///< when last looked at
+  Tally garbage_;                       ///< messages that nobody can read
   std::set<std::string> told_refused_;  ///< names of keys, at most as many as are on the list
   std::function<void(Coordinator&, Time)> observer_;
   Time observe_every_{}, next_observation_{};

@@ -125,6 +125,11 @@ void WorkerDesk::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbe
   note_work(worker, heartbeat, now);
   worker.foreign = 0;
   worker.leaves = heartbeat.leaves();
+  if (heartbeat.credit() > 0 && heartbeat.credit() < worker.hello.credit()) {
+    worker.hello.set_credit(heartbeat.credit());
+    spdlog::warn("worker {} is short of memory: it takes {} at one time", worker.name(),
+                 counted(heartbeat.credit(), "tile"));
+  }
   for (ActiveJob* job : jobs_.running()) {
     SchedulerEvents events;
     worker.foreign +=

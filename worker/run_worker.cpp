@@ -14,11 +14,13 @@
 #include "base/log.h"
 #include "base/plural.h"
 #include "base/process_usage.h"
+#include "base/tally.h"
 #include "base/version.h"
 #include "proto/wire/frame.h"
 #include "proto/wire/version.h"
 #include "worker/blob_loader.h"
 #include "worker/render_service.h"
+#include "worker/result_spool.h"
 #include "worker/worker_session.h"
 
 namespace tessera {
@@ -37,19 +39,36 @@ std::string host_name() {
   return name.data();
 }
 
-v1::Hello make_hello(const WorkerOptions& options) {
+std::string numerics_of(const WorkerOptions& options) {
+  return options.numerics_id.empty() ? kNumericsId : options.numerics_id;
+}
+
+std::unique_ptr<ResultSpool> open_spool(const WorkerOptions& options) {
+  if (options.spool_folder.empty()) return nullptr;
+  return std::make_unique<ResultSpool>(options.spool_folder, options.spool_bytes,
+                                       numerics_of(options));
+}
+
+/// As who `before` was, where there was one.
+v1::Hello make_hello(const WorkerOptions& options,
+                     const std::optional<ResultSpool::Origin>& before) {
   std::random_device random;
   v1::Hello hello;
   hello.set_protocol_major(options.protocol_major ? options.protocol_major : kProtocolMajor);
   hello.set_protocol_minor(kProtocolMinor);
   hello.set_build(kBuild);
-  hello.set_numerics_id(options.numerics_id.empty() ? kNumericsId : options.numerics_id);
-  hello.set_worker_id((uint64_t{random()} << 32 | random()) | 1);
+  hello.set_numerics_id(numerics_of(options));
+  hello.set_worker_id(before ? before->worker_id : (uint64_t{random()} << 32 | random()) | 1);
+  hello.set_session(before ? before->session : 0);
   hello.set_host(host_name());
   hello.set_process_id(static_cast<uint32_t>(getpid()));
   const auto threads = static_cast<uint32_t>(std::max(1, options.threads));
   hello.set_threads(threads);
-  hello.set_credit(threads * kTilesPerThread);
+  uint32_t credit = threads * kTilesPerThread;
+  for (uint64_t i = 0; i < options.memory_kills && credit > 1; ++i) {
+    credit = lowered_credit(credit, threads);
+  }
+  hello.set_credit(credit);
   return hello;
 }
 
@@ -60,7 +79,8 @@ class WorkerLoop {
       : transport_(transport),
         service_(options.make_renderer, options.threads, [&transport] { transport.wake(); }),
         loader_(options.cache, [&transport] { transport.wake(); }),
-        session_(session_options(options), monotonic_now()),
+        spool_(open_spool(options)),
+        session_(session_options(options, spool_.get()), monotonic_now()),
         threads_(options.threads),
         idle_timeout_(options.idle_timeout),
         drain_(options.drain) {}
@@ -99,19 +119,34 @@ class WorkerLoop {
       if (session_.next_deadline() <= monotonic_now()) session_.on_tick(monotonic_now());
       tell_connection();
     }
+    if (spool_) spool_results();
     // Nothing waits for the tiles any more.
     session_.leave(end_.reason);
     return end_;
   }
 
  private:
-  static SessionOptions session_options(const WorkerOptions& options) {
+  static SessionOptions session_options(const WorkerOptions& options, const ResultSpool* spool) {
     SessionOptions result;
-    result.hello = make_hello(options);
+    result.hello = make_hello(options, spool ? spool->origin() : std::nullopt);
     result.orphan_timeout = options.orphan_timeout;
     result.blob_sources = {options.cache != nullptr, options.shares_memory, options.at_hand};
-    result.spool_bytes = options.spool_bytes;
+    result.result_bytes = options.result_bytes;
     return result;
+  }
+
+  /// What is left is for a worker that comes after this one.
+  void spool_results() {
+    const std::vector<v1::Envelope> unsent = session_.take_unsent();
+    for (const auto& result : unsent) spool_->keep(session_.hello(), session_.farm(), result);
+    if (!spool_->empty()) spdlog::info("results that nobody took are kept for the next worker");
+  }
+
+  void hand_in_spooled() {
+    if (!spool_ || spool_->empty()) return;
+    const size_t count = spool_->hand_in(
+        session_.farm(), [this](v1::Envelope result) { session_.on_spooled(std::move(result)); });
+    spdlog::info("handed in {} that was kept on disk", counted(count, "message"));
   }
 
   void receive() {
@@ -123,7 +158,8 @@ class WorkerLoop {
       if (message) {
         session_.on_message(received->channel, *message, monotonic_now());
       } else {
-        spdlog::warn("dropped a message of {} bytes that is none of ours", received->bytes.size());
+        const auto count = garbage_.note(monotonic_now());
+        if (count) spdlog::warn("dropped {} that cannot be read", counted(*count, "message"));
       }
     }
   }
@@ -141,6 +177,7 @@ class WorkerLoop {
     }
     if (session_.is_welcome() == std::exchange(told_welcome_, session_.is_welcome())) return;
     if (told_welcome_) {
+      hand_in_spooled();
       spdlog::info("connected, with {}", counted(threads_, "thread"));
     } else {
       spdlog::info("the coordinator is silent; connecting again");
@@ -169,7 +206,11 @@ class WorkerLoop {
         loader_.look(look->lookup);
       } else if (auto* keep = std::get_if<KeepBlob>(&action)) {
         loader_.keep(keep->digest, std::move(keep->blob));
+      } else if (auto* spool = std::get_if<SpoolResult>(&action)) {
+        if (spool_) spool_->keep(session_.hello(), session_.farm(), spool->result);
       } else if (auto* quit = std::get_if<Quit>(&action)) {
+        // Who is refused has nothing to hand in.
+        if (spool_ && quit->refused) spool_->clear();
         end_ = {quit->exit_code, quit->reason};
         const auto trouble = transport_.trouble();
         if (trouble) end_.reason += ": " + trouble->why;
@@ -182,8 +223,10 @@ class WorkerLoop {
   ClientTransport& transport_;
   RenderService service_;
   BlobLoader loader_;
+  std::unique_ptr<ResultSpool> spool_;  ///< null: nowhere
   WorkerSession session_;
   WorkerEnd end_;
+  Tally garbage_;
   int threads_;
   Time idle_timeout_;
   Time last_work_ = monotonic_now();

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -29,8 +30,14 @@ struct WorkerOptions {
   Time orphan_timeout = std::chrono::seconds(60);
   /// Ends (done) after so long without anything to build, trace or fetch; Time::max(): never.
   Time idle_timeout = Time::max();
-  /// Results that are kept for a coordinator that is away.
-  uint64_t spool_bytes = uint64_t{256} << 20;
+  /// Results that are kept in memory for a coordinator that is away.
+  uint64_t result_bytes = uint64_t{256} << 20;
+  /// Where they are kept beyond that, and when the worker has to end; empty: nowhere.
+  std::filesystem::path spool_folder{};
+  uint64_t spool_bytes = uint64_t{1} << 30;
+  /// So many workers before this one were killed for the memory of their group: each time it takes
+  /// fewer tiles at one time.
+  uint64_t memory_kills = 0;
   TileRendererFactory make_renderer;
   /// Keeps blobs on disk; null: nowhere. Used by no one else.
   std::shared_ptr<BlobCache> cache{};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <exception>
+#include <new>
 #include <utility>
 
 #include "base/monotonic.h"
@@ -41,6 +42,10 @@ TraceOutcome trace(std::shared_ptr<TraceRun> run) {
     for (const auto& [name, value] : pixels->counters) {
       (*last.mutable_counters()->mutable_values())[name] = value;
     }
+  } catch (const std::bad_alloc&) {
+    outcome.bands.clear();
+    outcome.out_of_memory = true;
+    outcome.failure = "there is no memory for it";
   } catch (const std::exception& error) {
     outcome.failure = error.what();
   }

@@ -30,6 +30,8 @@ struct TraceOutcome {
   std::shared_ptr<TraceRun> run;
   std::vector<v1::TileBand> bands;  ///< without session, job, lease and tile
   bool cancelled = false;
+  bool out_of_memory =
+      false;  ///< the failure is no fault of the tile's, as long as it was not alone
   std::string failure;
 };
 

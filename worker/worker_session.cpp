@@ -32,13 +32,16 @@ uint64_t scene_bytes(const v1::JobStart& start) {
 
 }  // namespace
 
+uint32_t lowered_credit(uint32_t credit, uint32_t threads) {
+  return credit > threads && threads > 0 ? threads : std::max<uint32_t>(1, credit / 2);
+}
+
 WorkerSession::WorkerSession(SessionOptions options, Time now)
     : options_(std::move(options)),
       last_heard_(now),
       next_hello_(now),
       hello_pause_(kFirstHelloPause),
       cache_(options_.blob_sources) {
-  options_.hello.set_session(0);
   on_tick(now);
 }
 
@@ -109,10 +112,11 @@ void WorkerSession::on_message(Channel channel, const v1::Envelope& message, Tim
     case v1::Envelope::kWelcome:
       return on_welcome(message.welcome(), now);
     case v1::Envelope::kReject:
-      actions_.push_back(Quit{message.reject().reason() == v1::Reject::QUARANTINED
-                                  ? ExitCode::render_failed
-                                  : ExitCode::bad_usage,
-                              "refused by the coordinator: " + printable(message.reject().text())});
+      forget_results([](const Result&) { return true; });
+      actions_.push_back(
+          Quit{message.reject().reason() == v1::Reject::QUARANTINED ? ExitCode::render_failed
+                                                                    : ExitCode::bad_usage,
+               "refused by the coordinator: " + printable(message.reject().text()), true});
       return;
     case v1::Envelope::kHelloRequest:
       // Requests answer every message that crossed the hello; one hello answers them all.
@@ -188,7 +192,10 @@ void WorkerSession::on_found(const BlobFound& found, Time now) {
 void WorkerSession::on_welcome(const v1::Welcome& welcome, Time now) {
   if (welcome.session() != options_.hello.session()) return;
   const bool another = welcome_.farm() != 0 && welcome.farm() != welcome_.farm();
-  if (another) forget_jobs();
+  if (another) {
+    forget_jobs();
+    forget_results([](const Result&) { return true; });
+  }
   welcome_ = welcome;
   if (welcomed_) return;
   welcomed_ = true;
@@ -219,7 +226,8 @@ void WorkerSession::on_job_start(const v1::JobStart& start, Time now) {
   const bool same =
       known != jobs_.end() && known->second.start.SerializeAsString() == start.SerializeAsString();
   if (!same) {
-    forget_job(start.job());
+    // Results of one that is not known are of a process before this.
+    if (known != jobs_.end()) forget_job(start.job());
     // It is told again until there is room.
     if (!make_room(start)) return;
     Job& fresh = jobs_[start.job()];
@@ -345,12 +353,22 @@ void WorkerSession::on_cancel_tile(const v1::CancelTile& cancel) {
 void WorkerSession::on_traced(TraceOutcome outcome, Time now) {
   const TraceRun& run = *outcome.run;
   // It has room now for what is wanted, which else the coordinator would learn with the next one.
-  if (outcome.cancelled) next_heartbeat_ = std::min(next_heartbeat_, now);
+  // And who leaves waits for no more than to hear that the last one has come.
+  if (outcome.cancelled || (leaves_ && runs_.size() <= 1)) {
+    next_heartbeat_ = std::min(next_heartbeat_, now);
+  }
   const auto it = runs_.find({run.job, run.lease});
   // One that is not held any more was of a job that is forgotten.
   if (it == runs_.end() || it->second != outcome.run) return;
   runs_.erase(it);
   if (outcome.cancelled) return;
+  const uint32_t credit = options_.hello.credit();
+  if (outcome.out_of_memory && credit > 1) {
+    // It goes back, and may come again when there are fewer beside it.
+    options_.hello.set_credit(lowered_credit(credit, options_.hello.threads()));
+    next_heartbeat_ = std::min(next_heartbeat_, now);
+    return;
+  }
   if (!outcome.failure.empty()) {
     v1::Envelope message;
     v1::TileFailed& failed = *message.mutable_tile_failed();
@@ -376,11 +394,20 @@ void WorkerSession::send_result(v1::Envelope message) {
   if (welcomed_) send() = message;
   result_bytes_ += message.ByteSizeLong();
   results_.push_back({++results_made_, std::move(message)});
-  // The oldest have most likely come, or were traced anew.
-  while (result_bytes_ > options_.spool_bytes) {
+  while (result_bytes_ > options_.result_bytes) {
     result_bytes_ -= results_.front().message.ByteSizeLong();
+    // Where it was sent, it has most likely come.
+    if (!welcomed_) actions_.push_back(SpoolResult{std::move(results_.front().message)});
     results_.pop_front();
   }
+}
+
+std::vector<v1::Envelope> WorkerSession::take_unsent() {
+  std::vector<v1::Envelope> unsent;
+  if (welcomed_) return unsent;
+  for (Result& result : std::exchange(results_, {})) unsent.push_back(std::move(result.message));
+  result_bytes_ = 0;
+  return unsent;
 }
 
 void WorkerSession::forget_results(const std::function<bool(const Result&)>& which) {
@@ -398,6 +425,7 @@ void WorkerSession::send_heartbeat(Time now) {
   heartbeat.set_session(options_.hello.session());
   heartbeat.set_results(results_made_);
   heartbeat.set_leaves(leaves_);
+  heartbeat.set_credit(options_.hello.credit());
   for (auto& [id, job] : jobs_) {
     auto& entry = *heartbeat.add_jobs();
     entry.set_job(id);
@@ -419,6 +447,7 @@ void WorkerSession::send_heartbeat(Time now) {
 void WorkerSession::on_tick(Time now) {
   const Time silence = now - last_heard_;
   if (silence >= options_.orphan_timeout) {
+    welcomed_ = false;
     actions_.push_back(Quit{ExitCode::render_failed, "the coordinator is silent"});
     return;
   }

@@ -23,11 +23,14 @@
 namespace tessera {
 
 struct SessionOptions {
-  v1::Hello hello;  ///< all of it but the session number
+  /// All of it; the session number is the last one that a process before this one used under the
+  /// same id, else 0.
+  v1::Hello hello;
   Time orphan_timeout = Time::max();
   uint64_t blob_budget_bytes = uint64_t{4} << 30;
   SceneCache::Sources blob_sources{};
-  uint64_t spool_bytes = uint64_t{256} << 20;  ///< of results, while the coordinator is away
+  /// Of results in memory, while the coordinator is away.
+  uint64_t result_bytes = uint64_t{256} << 20;
 };
 
 /// What the session wants done, in order.
@@ -52,12 +55,21 @@ struct KeepBlob {
   Digest digest;
   BlobData blob;
 };
+/// A result for which there is no room in memory: to be given to on_spooled() once welcome.
+struct SpoolResult {
+  v1::Envelope result;
+};
 struct Quit {
   ExitCode exit_code = ExitCode::done;
   std::string reason;
+  bool refused = false;  ///< by the coordinator, for good
 };
 using SessionAction = std::variant<SendMessage, ConnectBulk, Reconnect, StartBuild, StartTrace,
-                                   LookForBlob, KeepBlob, Quit>;
+                                   LookForBlob, KeepBlob, SpoolResult, Quit>;
+
+/// How many tiles a worker of that many threads should hold, once memory was too short for
+/// `credit`: none that waits; then half as many, down to one.
+uint32_t lowered_credit(uint32_t credit, uint32_t threads);
 
 /// The worker's side of the protocol: says hello until it is welcomed, gathers the jobs' blobs, has
 /// their scenes built and tiles traced, sends their bands, tells each second what it holds, and
@@ -77,11 +89,19 @@ class WorkerSession {
   std::vector<SessionAction> take_actions();
   /// Whether the coordinator has taken this worker in, and is there.
   bool is_welcome() const { return welcomed_; }
+  /// What it says of itself, and whose jobs it has, or had last; 0: nobody's yet.
+  const v1::Hello& hello() const { return options_.hello; }
+  uint64_t farm() const { return welcome_.farm(); }
+
+  /// A result of that farm that was spooled, by this process or by one before it under the same id.
+  void on_spooled(v1::Envelope result) { send_result(std::move(result)); }
+  /// Takes out the results that nobody may have: the coordinator is not there.
+  std::vector<v1::Envelope> take_unsent();
 
   /// Gives back what it has not begun and takes nothing more; the rest is traced and sent.
   void drain(Time now);
-  /// Nothing is left of that.
-  bool drained() const { return leaves_ && runs_.empty(); }
+  /// Nothing is left of that, and what was traced has come, or the coordinator is not there.
+  bool drained() const { return leaves_ && runs_.empty() && (!welcomed_ || results_.empty()); }
   /// Gives back what it holds and says goodbye.
   void leave(const std::string& reason);
 

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/monotonic.h"
 #include "proto/wire/kept.h"
 
 namespace tessera {
@@ -32,6 +33,19 @@ const fs::path& made(const fs::path& folder) {
   }
   return folder;
 }
+
+/// Notes how long it lived, also where what it times throws.
+class Timed {
+ public:
+  explicit Timed(SecondsHistogram& times) : times_(times) {}
+  ~Timed() { times_.note(to_seconds(monotonic_now() - start_)); }
+  Timed(const Timed&) = delete;
+  Timed& operator=(const Timed&) = delete;
+
+ private:
+  SecondsHistogram& times_;
+  Time start_ = monotonic_now();
+};
 
 std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -97,12 +111,18 @@ std::vector<v1::KeptJob> SqliteJobStore::jobs() {
   return jobs;
 }
 
+void SqliteJobStore::keep(const Digest& key, const FinishedTile& tile) {
+  const Timed timed(commit_seconds_);
+  tiles_.keep(key, tile);
+}
+
 uint64_t SqliteJobStore::last_job() { return number("last_job"); }
 
 void SqliteJobStore::save(const v1::KeptJob& job) {
   v1::KeptJob without_ends = job;
   without_ends.clear_ends();
   const std::string kept = without_ends.SerializeAsString();
+  const Timed timed(commit_seconds_);
   const SqliteDatabase::Flushed flushed(database_);
   // The number first: one that is skipped does no harm, one that is given twice would.
   if (job.job() > last_job()) set_number("last_job", job.job());
@@ -114,6 +134,7 @@ void SqliteJobStore::save(const v1::KeptJob& job) {
 
 void SqliteJobStore::save_end(uint64_t job, const v1::KeptJob::End& end) {
   const std::string kept = end.end().SerializeAsString();
+  const Timed timed(commit_seconds_);
   Statement(database_, "INSERT OR REPLACE INTO ends VALUES (?, ?, ?)")
       .bind(static_cast<int64_t>(job))
       .bind(int64_t{end.frame()})
@@ -145,6 +166,7 @@ bool SqliteJobStore::has_blob(const Digest& digest) {
 }
 
 void SqliteJobStore::put_blob(const Digest& digest, const BlobData& data) {
+  const Timed timed(commit_seconds_);
   if (!has_blob(digest)) write_output_file(blob_path(digest), text_of(*data));
 }
 

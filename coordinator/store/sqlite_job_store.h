@@ -20,6 +20,7 @@ class SqliteJobStore : public JobStore {
   uint64_t farm() const override { return farm_; }
   uint64_t epoch() const override { return epoch_; }
 
+  SecondsHistogram commit_seconds() const override { return commit_seconds_; }
   std::vector<v1::KeptJob> jobs() override;
   uint64_t last_job() override;
   void save(const v1::KeptJob& job) override;
@@ -32,7 +33,7 @@ class SqliteJobStore : public JobStore {
   BlobData find_blob(const Digest& digest) override;
   void keep_only_blobs(const std::unordered_set<Digest>& digests) override;
 
-  void keep(const Digest& key, const FinishedTile& tile) override { tiles_.keep(key, tile); }
+  void keep(const Digest& key, const FinishedTile& tile) override;
   void drop(const Digest& key, const PixelRect& tile) override { tiles_.drop(key, tile); }
   std::vector<FinishedTile> find(const Digest& key) override { return tiles_.find(key); }
 
@@ -45,6 +46,7 @@ class SqliteJobStore : public JobStore {
   SqliteDatabase database_;
   TileTable tiles_;
   uint64_t farm_ = 0, epoch_ = 0;
+  SecondsHistogram commit_seconds_;
 };
 
 }  // namespace tessera

@@ -26,6 +26,11 @@ const char* name_of(FarmSnapshot::WorkerState state) {
   return kNames[static_cast<size_t>(state)];
 }
 
+bool has_ended(FarmSnapshot::JobState state) {
+  return state == FarmSnapshot::JobState::done || state == FarmSnapshot::JobState::failed ||
+         state == FarmSnapshot::JobState::cancelled;
+}
+
 /// With no more digits than a page needs.
 double rounded(double value) { return std::round(value * 1e4) / 1e4; }
 
@@ -46,8 +51,9 @@ Json to_json(const FarmSnapshot::Job& job) {
             {"elapsed_seconds", rounded(job.elapsed_seconds)},
             {"remaining_seconds", nullptr},
             {"worker_seconds", rounded(job.worker_seconds)},
-            {"exit_code", job.exit_code},
+            {"exit_code", nullptr},
             {"failure", job.failure}};
+  if (has_ended(job.state)) json["exit_code"] = job.exit_code;
   if (job.remaining_seconds >= 0) json["remaining_seconds"] = rounded(job.remaining_seconds);
   return json;
 }
@@ -83,7 +89,7 @@ Json to_json(const FarmSnapshot::Counters& counters) {
           {"bytes_scene", counters.bytes_scene},
           {"bytes_results", counters.bytes_results},
           {"jobs_accepted", counters.jobs_accepted},
-          {"tile_seconds", rounded(counters.tile_seconds)}};
+          {"tile_seconds", rounded(counters.tile_seconds.sum)}};
 }
 
 template <typename Things>

@@ -31,6 +31,19 @@ class Metrics {
   void counter(std::string_view name, std::string_view help, double value) {
     add(name, "counter", help, {{"", value}});
   }
+  void histogram(std::string_view name, std::string_view help, const SecondsHistogram& times) {
+    add(name, "histogram", help, {});
+    double below = 0;
+    for (size_t i = 0; i < times.counts.size(); ++i) {
+      below += static_cast<double>(times.counts[i]);
+      const std::string bound = i < SecondsHistogram::kBounds.size()
+                                    ? fmt::format("{}", SecondsHistogram::kBounds[i])
+                                    : "+Inf";
+      line(fmt::format("{}_bucket", name), fmt::format("{{le=\"{}\"}}", bound), below);
+    }
+    line(fmt::format("{}_sum", name), "", times.sum);
+    line(fmt::format("{}_count", name), "", below);
+  }
   void line(std::string_view name, std::string_view labels, double value) {
     write("tessera_{}{} {}\n", name, labels, value);
   }
@@ -109,17 +122,10 @@ void add_tiles(Metrics& metrics, const FarmSnapshot::Counters& counters) {
                   number(counters.duplicates));
   metrics.counter("tile_mismatches_total", "Results that differed from another worker's.",
                   number(counters.mismatches));
-  metrics.add("tile_seconds", "histogram", "From the assignment of a tile to its completion.", {});
-  uint64_t below = 0;
-  for (size_t i = 0; i < counters.tiles_by_seconds.size(); ++i) {
-    below += counters.tiles_by_seconds[i];
-    const std::string bound = i < FarmSnapshot::Counters::kTileSeconds.size()
-                                  ? fmt::format("{}", FarmSnapshot::Counters::kTileSeconds[i])
-                                  : "+Inf";
-    metrics.line("tile_seconds_bucket", fmt::format("{{le=\"{}\"}}", bound), number(below));
-  }
-  metrics.line("tile_seconds_sum", "", counters.tile_seconds);
-  metrics.line("tile_seconds_count", "", number(below));
+  metrics.histogram("tile_seconds", "From the assignment of a tile to its completion.",
+                    counters.tile_seconds);
+  metrics.histogram("store_commit_seconds", "Of each write of tiles, jobs and blobs to the store.",
+                    counters.commit_seconds);
   metrics.add("wire_bytes_total", "counter", "Bytes of blobs sent to workers, and of pixels back.",
               {{"{kind=\"scene\"}", number(counters.bytes_scene)},
                {"{kind=\"result\"}", number(counters.bytes_results)}});

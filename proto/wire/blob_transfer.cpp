@@ -15,7 +15,7 @@ constexpr Time kAskAgainAfter = std::chrono::seconds(2),
                kAskAgainAtLatest = std::chrono::minutes(1);
 constexpr int kMaxCorrupt = 3;
 /// Of address space; what no chunk has come for takes no memory.
-constexpr uint64_t kMostReserved = uint64_t{256} << 20;
+constexpr uint64_t kMostReserved = uint64_t{1} << 30;
 
 /// An empty blob has one chunk too, which completes it.
 size_t chunk_count(uint64_t size) {
@@ -160,14 +160,35 @@ bool BlobFetch::on_chunk(const v1::BlobChunk& chunk, BlobStore& store) {
     std::copy(bytes.begin(), bytes.end(),
               part.data.begin() + static_cast<ptrdiff_t>(chunk.offset()));
   }
+  if (part.came.size() <= index) part.came.resize(index + 1);
+  part.came[index] = true;
+  digest_more(part);
   return ++part.received == chunk_count(part.size) && complete(it, store);
+}
+
+void BlobFetch::digest_more(Part& part) {
+  while (part.digested < part.came.size() && part.came[part.digested]) {
+    part.digest.add(std::span(part.data).subspan(part.digested * kBlobChunkBytes,
+                                                 chunk_size(part.size, part.digested)));
+    ++part.digested;
+  }
+}
+
+uint64_t BlobFetch::digested_bytes() const {
+  uint64_t sum = 0;
+  for (const auto& [digest, part] : parts_) {
+    sum += std::min<uint64_t>(uint64_t{part.digested} * kBlobChunkBytes, part.size);
+  }
+  return sum;
 }
 
 bool BlobFetch::complete(Parts::iterator it, BlobStore& store) {
   Part& part = it->second;
-  if (Digest::of(part.data) != it->first) {
+  if (part.digest.finish() != it->first) {
     part.data = {};
-    part.asked = part.received = 0;
+    part.came = {};
+    part.digest = {};
+    part.asked = part.received = part.digested = 0;
     unasked_.push_front(it->first);
     note_damage(it);
     return false;

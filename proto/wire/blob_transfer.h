@@ -46,6 +46,9 @@ class BlobFetch {
   void on_missing(const v1::BlobMissing& missing);
 
   bool finished() const { return parts_.empty(); }
+  /// Of blobs that are not complete, so many bytes went into their digests already: what is left to
+  /// do when the last chunk comes is little, however large the blob.
+  uint64_t digested_bytes() const;
   /// Why it cannot succeed; empty as long as it can.
   const std::string& failure() const { return failure_; }
   std::optional<Time> next_deadline() const;
@@ -59,6 +62,9 @@ class BlobFetch {
     std::vector<std::byte> data;  ///< grows as chunks come, so that a size alone costs nothing
     size_t asked = 0;             ///< so many chunks from the first on
     size_t received = 0;
+    std::vector<bool> came{};  ///< by chunk, so far
+    size_t digested = 0;       ///< so many chunks from the first on
+    DigestStream digest{};     ///< of these
     int corrupt = 0;
     bool held = false;      ///< until on_loaded()
     bool by_place = false;  ///< until that was answered, nothing but the first chunk is asked for
@@ -66,6 +72,8 @@ class BlobFetch {
   using Parts = std::map<Digest, Part>;
   Parts::iterator find(const std::string& hex);
   Part* add(const Digest& digest, uint64_t size);
+  /// Adds what lies without a gap to the digest.
+  static void digest_more(Part& part);
   bool complete(Parts::iterator part, BlobStore& store);
   void note_damage(Parts::iterator part);
   v1::BlobRequest request(const Digest& digest, size_t chunk) const;

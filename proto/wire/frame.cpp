@@ -42,6 +42,15 @@ Frame encode(const v1::Envelope& message) {
   return frame;
 }
 
+std::optional<size_t> frame_length(std::span<const std::byte> begin) {
+  Header header;
+  if (begin.size() < sizeof header) return std::nullopt;
+  std::memcpy(&header, begin.data(), sizeof header);
+  const bool ours = std::memcmp(header.magic, Header().magic, sizeof header.magic) == 0;
+  if (!ours || header.length > kMaxFrame - kFrameHeaderSize) return std::nullopt;
+  return kFrameHeaderSize + header.length;
+}
+
 std::optional<v1::Envelope> decode(std::span<const std::byte> frame, size_t limit) {
   if (frame.size() < kFrameHeaderSize || frame.size() > limit) return std::nullopt;
   Header header;

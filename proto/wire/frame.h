@@ -21,6 +21,9 @@ inline constexpr size_t kMaxFrame = size_t{4} << 20;
 /// Broken promise if the message exceeds kMaxFrame.
 Frame encode(const v1::Envelope& message);
 
+/// How long the frame is that begins so; nothing if no frame does. decode() checks it.
+std::optional<size_t> frame_length(std::span<const std::byte> begin);
+
 /// Nothing if `frame` is longer than `limit`, damaged, nested too deeply or no Envelope.
 /// Never throws on account of what the bytes say.
 std::optional<v1::Envelope> decode(std::span<const std::byte> frame, size_t limit);

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Farms at the limits of a machine: very many workers, a scene that all want at once, no memory, no
 ports, other addresses, small packets."""
+import json
 import os
 import pathlib
 import re
@@ -163,7 +164,8 @@ class Memory(Limits):
             skip(self, f"a memory group is not permitted: {error}")
         self.addCleanup(self.remove, group)
         self.scene = self.write("hills.obj", hills(700))
-        service = self.serve_with_log()
+        service = self.serve_with_log("--http", "127.0.0.1:0")
+        page = service.stdout.readline().split()[-1]
         poor = self.start("worker", "--connect", self.endpoint, "--threads", 1, "--quiet",
                           preexec_fn=lambda: (group / "cgroup.procs").write_text(str(os.getpid())))
         rich = self.worker()
@@ -172,7 +174,18 @@ class Memory(Limits):
         self.assertEqual(-signal.SIGKILL, poor.wait(PATIENCE))
         self.assertEqual(self.expected(), self.pixels(job))
         self.assertIn("lost worker", self.logged())
-        self.end_all(service, [rich])
+        # The next one of that group takes fewer tiles at one time, and says why.
+        again = self.start("worker", "--connect", self.endpoint, "--threads", 4,
+                           preexec_fn=lambda: (group / "cgroup.procs").write_text(str(os.getpid())))
+        self.assertIn("this memory group has killed 1 worker", again.stderr.readline())
+
+        def credit_of(process):
+            with urllib.request.urlopen(f"{page}api/v1/workers", timeout=60) as answer:
+                return {worker["name"].rpartition(":")[2]: worker["credit"]
+                        for worker in json.load(answer)["workers"]}.get(str(process.pid))
+        wait_until(lambda: credit_of(again), "it has come")
+        self.assertEqual((4, 10), (credit_of(again), credit_of(rich)))
+        self.end_all(service, [rich, again])
 
     @staticmethod
     def remove(group):

@@ -233,6 +233,51 @@ class Ends(ServiceTest):
         self.stop(service, worker)
 
 
+    def test_where_nobody_listens_that_is_said_soon(self):
+        commands = [("status",), ("submit", self.scene), ("render", self.scene)]
+        for endpoint in (self.endpoint, f"ipc://{self.folder}/none"):
+            for command in commands:
+                with self.subTest(endpoint=endpoint, command=command[0]):
+                    began = time.monotonic()
+                    result = self.run_program(*command, "--connect", endpoint)
+                    self.assert_error(result, 3, f"nothing listens at {endpoint}", "tessera serve")
+                    # Without that it gives up after 15 s.
+                    self.assertLess(time.monotonic() - began, 12)
+
+    def test_who_comes_a_little_later_is_waited_for(self):
+        asks = self.start("status", "--connect", self.endpoint)
+        time.sleep(0.5)
+        service = self.serve()
+        out, err = asks.communicate(timeout=30)
+        self.assertEqual(0, asks.returncode, err)
+        self.assertIn("0 workers", out)
+        self.stop(service)
+
+    def test_results_of_a_worker_that_had_to_end_are_handed_in_by_the_next(self):
+        cache = self.folder / "cache"
+        service, first = self.serve(), self.worker("--cache", cache)
+        job = int(self.ask("submit", self.scene, "--size", "64x64", "--tile", "16", "--spp", 1024))
+        wait_until(lambda: self.status(job)["tiles"]["done"] > 0, "the job runs")
+        wait_until(lambda: threads_at_work(first) >= 2, "both threads trace")
+        service.send_signal(signal.SIGKILL)
+        service.communicate()
+        first.send_signal(signal.SIGTERM)
+        self.assertEqual(0, first.wait(60 * SLOWER))
+        left = list(cache.glob("*.results"))
+        self.assertEqual(1, len(left))
+        kept = self.kept_tiles()
+        service = self.serve()
+        second = self.start("worker", "--connect", self.endpoint, "--threads", 2, "--cache", cache)
+        wait_until(lambda: not list(cache.glob("*.results")), "they are handed in")
+        wait_until(lambda: self.status(job)["tiles"]["done"] > kept, "they are taken")
+        self.ask("fetch", job, "--wait", "-o", "fetched.pfm")
+        self.render(self.scene, "-o", "alone.pfm", "--workers", "0", "--size", "64x64", "--spp", 1024)
+        self.assertEqual((self.folder / "alone.pfm").read_bytes(),
+                         (self.folder / "fetched.pfm").read_bytes())
+        self.stop(service)
+        self.assertIn("that was kept on disk", second.communicate(timeout=60)[1])
+
+
 class Jobs(ServiceTest):
     def test_from_submission_to_pictures(self):
         service, worker = self.serve(), self.worker()

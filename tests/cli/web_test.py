@@ -2,6 +2,7 @@
 """The coordinator's web page, API and viewers: the real program, and the page in a real browser."""
 import json
 import os
+import re
 import shutil
 import signal
 import socket
@@ -71,7 +72,10 @@ class Api(WebTest):
         trace = self.api(f"jobs/{job}/trace.json")
         tiles = [event for event in trace["traceEvents"] if event.get("cat") == "tile"]
         self.assertEqual(TILES, len({event["name"] for event in tiles}))
-        self.assertIn(b'tessera_tiles_total{state="done"} 300\n', self.get("/metrics")[1])
+        metrics = self.get("/metrics")[1]
+        self.assertIn(b'tessera_tiles_total{state="done"} 300\n', metrics)
+        commits = int(re.search(rb"tessera_store_commit_seconds_count (\d+)\n", metrics)[1])
+        self.assertGreaterEqual(commits, TILES, "one a tile, and the job's")
         self.assertEqual(409, self.get(f"/api/v1/jobs/{job}/pause", data={})[0])
         texts = [line["text"] for line in self.api("log")["lines"]]
         self.assertTrue(any("has come" in text for text in texts), texts)
@@ -86,12 +90,19 @@ class Api(WebTest):
         service = self.serve()
         job = self.submit()
         self.assertEqual("paused", self.api(f"jobs/{job}/pause", data={})["state"])
+        self.assertIsNone(self.api(f"jobs/{job}")["exit_code"], "it has none yet")
         self.assertEqual(7, self.api(f"jobs/{job}/priority", data={"priority": 7})["priority"])
         result = self.run_program("status", job, "--json", "--connect", self.endpoint)
         status = json.loads(result.out)
         self.assertEqual(("paused", 7), (status["state"], status["priority"]))
         self.assertEqual(403, self.get(f"/api/v1/jobs/{job}/cancel", data={}, Origin="http://evil.example")[0])
         self.assertEqual("cancelled", self.api(f"jobs/{job}/cancel", data={})["state"])
+        wait_until(lambda: self.api(f"jobs/{job}")["state"] == "cancelled", "it is shown")
+        shown = self.api(f"jobs/{job}")
+        self.assertEqual((4, 0, 1), (shown["exit_code"], shown["frames_done"], shown["frames_total"]))
+        # Without keys and tokens there is nothing that it would read again.
+        service.send_signal(signal.SIGHUP)
+        wait_until(lambda: any("SIGHUP" in line["text"] for line in self.api("log")["lines"]), "it is told")
         self.stop(service)
 
     def test_tokens(self):

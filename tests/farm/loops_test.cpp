@@ -179,6 +179,64 @@ TEST(RenderLoop, AnotherCoordinatorAtTheSamePlaceGetsItsOwnPicture) {
   workers.join();
 }
 
+/// Takes a while for each tile, and notes it.
+class Noting : public FakeRenderer {
+ public:
+  Noting(uint32_t seed, std::atomic<int>& traced) : FakeRenderer(seed), traced_(traced) {}
+  std::optional<TilePixels> render(const RenderTask& task, TileProgress& p) const override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    auto pixels = FakeRenderer::render(task, p);
+    if (pixels) ++traced_;
+    return pixels;
+  }
+
+ private:
+  std::atomic<int>& traced_;
+};
+
+TEST(RenderLoop, WhatAnOrphanTracedBeforeItEndedIsHandedInByTheNextProcess) {
+  const TemporaryFolder folder;
+  MemoryNetwork network;
+  CoordinatorOptions options;
+  options.heartbeat = std::chrono::milliseconds(50);
+  options.lost_after = std::chrono::seconds(2);
+  RenderLoop loop(network.server(), options);
+  std::atomic<int> traced{0};
+  WorkerOptions worker = worker_options(1);
+  worker.spool_folder = folder.path();
+  worker.make_renderer = [&](const v1::Scene&, const BlobStore&, const v1::FrameSettings& frame,
+                             int) { return std::make_shared<Noting>(frame.seed(), traced); };
+  Threads second;
+  auto first = std::make_unique<Threads>();
+  first->add(network.client(), worker);
+  const auto has_spooled = [&] { return !std::filesystem::is_empty(folder.path()); };
+  const JobSpec job = make_job(64, 64, 16);
+  int seen = 0;
+  // The coordinator stands still in the middle of the job.
+  const JobResult result = loop.run(
+      job,
+      [&](const JobProgress& progress) {
+        if (!first || progress.tiles_done == 0) return;
+        seen = traced;
+        while (traced < seen + 3) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        first->stop();
+        first->join();
+        first.reset();
+        EXPECT_TRUE(has_spooled());
+        seen = traced - static_cast<int>(progress.tiles_done);
+        second.add(network.client(), worker);
+      },
+      kNever);
+  loop.shut_down("done");
+  second.join();
+  EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
+  // Exactly 16, but where the machine is so slow that a worker is taken for lost.
+  EXPECT_GE(seen, 3);
+  EXPECT_LT(traced, 16 + seen) << "none twice";
+  EXPECT_EQ(result.report.tiles_done, 16u);
+  EXPECT_FALSE(has_spooled());
+}
+
 TEST(RenderLoop, AClientThatIsInterruptedBeforeAnybodyAnswersEndsAtOnce) {
   const auto client = connect_client("tcp://127.0.0.1:1");
   const std::atomic<bool> stop{true};
@@ -315,6 +373,45 @@ TEST(RenderLoop, AClientWhoseBulkLineStaysAwayIsToldAndDoesNotWaitForEver) {
   expect_told(
       [&] { run_remote_job(*transport, loop.endpoint(), job, nullptr, kNever, kPatience); });
   submits.join();
+  stop = true;
+  server.join();
+}
+
+/// A client whose line brings every message twice.
+class Doubling : public ClientTransport {
+ public:
+  explicit Doubling(std::unique_ptr<ClientTransport> real) : real_(std::move(real)) {}
+  void connect_bulk(const std::string& endpoint) override { real_->connect_bulk(endpoint); }
+  void wait(std::chrono::milliseconds timeout) override { real_->wait(timeout); }
+  std::optional<ReceivedMessage> receive() override {
+    if (again_) return std::exchange(again_, std::nullopt);
+    return again_ = real_->receive();
+  }
+  void send(Channel channel, MessageBytes bytes) override {
+    real_->send(channel, std::move(bytes));
+  }
+  void reconnect() override { real_->reconnect(); }
+  void wake() override { real_->wake(); }
+
+ private:
+  std::unique_ptr<ClientTransport> real_;
+  std::optional<ReceivedMessage> again_;
+};
+
+TEST(RenderLoop, AClientToldTwiceOfAJobListsItOnce) {
+  RenderLoop loop(bind_server("tcp://127.0.0.1:*"), {});
+  std::atomic<bool> stop{false};
+  std::thread server([&] { loop.serve(stop); });
+  Doubling transport(connect_client(loop.endpoint()));
+  FarmClient client(transport, loop.endpoint(), kNever);
+  for (int i = 0; i < 2; ++i) {
+    SubmittedJob submitted;
+    add_frame(submitted, make_job(64, 64, 16));
+    submitted.request.set_submission(draw_submission());
+    submitted.request.set_detached(true);
+    client.submit(submitted);
+  }
+  EXPECT_EQ(client.list().jobs_size(), 2);
   stop = true;
   server.join();
 }

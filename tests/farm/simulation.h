@@ -30,6 +30,7 @@ struct Faults {
   bool one_lies = false;     ///< the third worker's pixels are wrong
   bool one_alone = false;    ///< there is but one worker
   bool bad_scene = false;    ///< no worker can build the scene
+  bool one_starves = false;  ///< the first worker has memory for one tile at a time
   bool restarts = false;     ///< the coordinator dies once, and another takes its place
 };
 
@@ -69,6 +70,7 @@ class Simulation {
     uint32_t process = 0;
     int failures_left = 0;  ///< two do not make a tile given up
     bool lies = false;
+    bool starves = false;
     bool hangs = false;  ///< from its next tile on
     bool drains = false;
     double slowness = 1;

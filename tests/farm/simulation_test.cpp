@@ -77,6 +77,24 @@ int flawed(int count, const Adjust& adjust) {
   return result;
 }
 
+TEST_F(FarmMutation, AWorkerShortOfMemoryIsGivenFewerTilesAndIsNotBlamed) {
+  for (uint64_t seed = 1; seed <= 200; ++seed) {
+    const bool alone = seed % 4 == 0;
+    Simulation simulation(seed, [alone](Faults& faults, CoordinatorOptions& options) {
+      if (alone) options.verify = 0;
+      if (alone) faults = Faults{};
+      faults.one_starves = true;
+      faults.one_alone = alone;
+      faults.bad_scene = false;
+    });
+    const auto result = simulation.run();
+    ASSERT_EQ(flaw(simulation, result), "") << "seed " << seed;
+    if (!alone) continue;
+    EXPECT_EQ(result->report.end, JobReport::End::done) << "seed " << seed;
+    EXPECT_EQ(result->film.pixels_sha256(), expected_sha256(simulation.job())) << "seed " << seed;
+  }
+}
+
 TEST_F(FarmMutation, AWorkerThatLiesIsCaught) {
   int caught = 0;
   for (uint64_t seed = 1; seed <= 400; ++seed) {

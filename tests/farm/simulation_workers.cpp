@@ -36,6 +36,7 @@ void Simulation::join() {
   worker.peer = fmt::format("peer-{}", ++peers_);
   worker.failures_left = faults_.one_fails && processes_ == 1 ? 2 : 0;
   worker.hangs = faults_.one_hangs && processes_ == 2;
+  worker.starves = faults_.one_starves && processes_ == 1;
   worker.lies = faults_.one_lies && processes_ == 3;
   worker.slowness = draw() < 0.2 ? 10 : 0.5 + draw();
   SessionOptions options;
@@ -147,6 +148,12 @@ void Simulation::finish_tracing(uint32_t process, const std::shared_ptr<TraceRun
 TraceOutcome Simulation::outcome_of(Worker& worker, const std::shared_ptr<TraceRun>& run) {
   TraceOutcome outcome = tessera::trace(run);
   if (outcome.cancelled) return outcome;
+  if (worker.starves && worker.queue.size() + worker.tracing.size() > 0) {
+    outcome.bands.clear();
+    outcome.out_of_memory = true;
+    outcome.failure = "simulated";
+    return outcome;
+  }
   const auto microseconds = static_cast<uint64_t>(seconds_of(*run) * worker.slowness * 1e6);
   if (!outcome.bands.empty()) outcome.bands.back().set_trace_microseconds(microseconds);
   if (worker.failures_left > 0) {

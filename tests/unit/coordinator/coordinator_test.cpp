@@ -391,5 +391,29 @@ TEST_F(CoordinatorTest, InterruptsQueuedJobsToo) {
   EXPECT_EQ(coordinator.take_result(first)->report.holes.size(), 4u);
 }
 
+TEST_F(CoordinatorTest, AWorkerThatIsShortOfMemoryHoldsFewerTiles) {
+  coordinator.submit(job(64), {});
+  v1::Envelope large = hello(1);
+  large.mutable_hello()->set_credit(6);
+  large.mutable_hello()->set_threads(4);
+  say("w1", large);
+  ready("w1", job_id());
+  EXPECT_EQ(heard(v1::Envelope::kAssign).size(), 6u);
+  v1::Envelope heartbeat;
+  heartbeat.mutable_heartbeat()->set_session(1);
+  heartbeat.mutable_heartbeat()->set_credit(2);
+  v1::Heartbeat::Job& known = *heartbeat.mutable_heartbeat()->add_jobs();
+  known.set_job(job_id());
+  known.set_ready(true);
+  // It has given all back.
+  say("w1", heartbeat, seconds(3));
+  EXPECT_EQ(heard(v1::Envelope::kAssign).size(), 8u);
+  EXPECT_EQ(coordinator.snapshot(seconds(3)).workers.at(0).credit, 2u);
+  // No heartbeat raises it again.
+  heartbeat.mutable_heartbeat()->set_credit(100);
+  say("w1", heartbeat, seconds(4));
+  EXPECT_EQ(coordinator.snapshot(seconds(4)).workers.at(0).credit, 2u);
+}
+
 }  // namespace
 }  // namespace tessera::testing

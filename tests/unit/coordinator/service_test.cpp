@@ -368,5 +368,18 @@ TEST_F(ServiceTest, AWorkerThatLeavesGetsNoMoreAndItsQueueIsGivenToOthers) {
   EXPECT_EQ(assigned().size(), 5u) << "its last tile brings it no other";
 }
 
+TEST_F(ServiceTest, FramesThatWereCancelledAreNotDone) {
+  const uint64_t id = submit(1, 0, 32, 1, 3);
+  come(1, 4);
+  for (size_t i = 0; i < 4; ++i) say("w1", band(assigned().at(i), 1));
+  EXPECT_EQ(ask(id).frames_done(), 1u);
+  get_ready("w1");
+  ask(id, v1::JobQuery::CANCEL);
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::ENDED);
+  EXPECT_EQ(ask(id).frames_done(), 1u);
+  restart();
+  EXPECT_EQ(ask(id).frames_done(), 1u);
+}
+
 }  // namespace
 }  // namespace tessera::testing

@@ -113,6 +113,18 @@ TEST(Trace, PassesOnWhatATracerThrows) {
   EXPECT_EQ(trace(run_of(std::make_shared<Throwing>())).failure, "broken");
 }
 
+TEST(Trace, TellsThatThereIsNoMemory) {
+  class Starving : public TileRenderer {
+    std::optional<TilePixels> render(const RenderTask&, TileProgress&) const override {
+      throw std::bad_alloc();
+    }
+    CounterMap build_counters() const override { return {}; }
+  };
+  const auto outcome = trace(run_of(std::make_shared<Starving>()));
+  EXPECT_TRUE(outcome.out_of_memory);
+  EXPECT_NE(outcome.failure, "");
+}
+
 TEST(Trace, DoesNotStartWhatIsCancelled) {
   const auto run = run_of(std::make_shared<FakeRenderer>(1));
   run->progress.cancelled = true;

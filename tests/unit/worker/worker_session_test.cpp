@@ -120,6 +120,13 @@ class WorkerSessionTest : public ::testing::Test {
     session.on_message(Channel::control, message, {});
   }
 
+  void ping(uint64_t results, Time now) {
+    v1::Envelope message;
+    message.mutable_ping()->set_session(1);
+    message.mutable_ping()->set_results(results);
+    session.on_message(Channel::control, message, now);
+  }
+
   v1::Scene scene;
   BlobStore store;
   Digest scene_digest;
@@ -201,12 +208,6 @@ TEST_F(WorkerSessionTest, KeepsResultsUntilTheyHaveCome) {
     assign(7, lease);
     session.on_traced(trace(wants<StartTrace>().at(0).run), now);
     EXPECT_EQ(sent(v1::Envelope::kTileBand).size(), 1u);
-  };
-  const auto ping = [this](uint64_t results, Time now) {
-    v1::Envelope message;
-    message.mutable_ping()->set_session(1);
-    message.mutable_ping()->set_results(results);
-    session.on_message(Channel::control, message, now);
   };
   result(11, {});
   session.on_tick(seconds(1));
@@ -544,7 +545,115 @@ TEST_F(WorkerSessionTest, DrainingItGivesBackAtOnceWhatItHasNotBegun) {
   EXPECT_THAT(wants<StartTrace>(), IsEmpty()) << "it takes no more";
   session.on_traced(trace(runs[0].run), seconds(2));
   EXPECT_THAT(sent(v1::Envelope::kTileBand), SizeIs(1));
+  EXPECT_FALSE(session.drained()) << "perhaps it has not come";
+  EXPECT_LE(session.next_deadline(), seconds(2)) << "it asks at once";
+  session.on_tick(seconds(2));
+  EXPECT_EQ(sent(v1::Envelope::kHeartbeat).at(0).heartbeat().results(), 1u);
+  ping(1, seconds(2));
   EXPECT_TRUE(session.drained());
+}
+
+TEST_F(WorkerSessionTest, DrainingItWaitsForNoCoordinatorThatIsAway) {
+  make_ready(7);
+  assign(7, 1);
+  const auto run = wants<StartTrace>().at(0).run;
+  run->started = true;
+  session.drain(seconds(1));
+  session.on_traced(trace(run), seconds(2));
+  EXPECT_FALSE(session.drained());
+  EXPECT_THAT(session.take_unsent(), IsEmpty());
+  session.on_tick(seconds(6));
+  EXPECT_TRUE(session.drained());
+  const auto unsent = session.take_unsent();
+  ASSERT_THAT(unsent, SizeIs(1));
+  EXPECT_EQ(unsent[0].tile_band().lease(), 1u);
+}
+
+TEST_F(WorkerSessionTest, WhatHasNoRoomInMemoryIsSpooledWhileTheCoordinatorIsAway) {
+  SessionOptions small = options();
+  small.result_bytes = 5000;  // one of 16x16 pixels
+  session = WorkerSession(small, Time{0});
+  make_ready(7);
+  for (const uint64_t lease : {1u, 2u}) assign(7, lease);
+  const auto runs = wants<StartTrace>();
+  session.on_tick(seconds(5));
+  for (const auto& start : runs) session.on_traced(trace(start.run), seconds(6));
+  const auto spooled = wants<SpoolResult>();
+  ASSERT_THAT(spooled, SizeIs(1));
+  EXPECT_EQ(spooled[0].result.tile_band().lease(), 1u);
+  welcome(2, seconds(7));
+  EXPECT_THAT(sent(v1::Envelope::kTileBand), SizeIs(1));
+  session.on_spooled(spooled[0].result);
+  EXPECT_EQ(sent(v1::Envelope::kTileBand).at(0).tile_band().lease(), 1u);
+}
+
+TEST_F(WorkerSessionTest, ResultsOfAProcessBeforeAreToldUntilTheyHaveCome) {
+  SessionOptions after = options();
+  after.hello.set_session(100);
+  session = WorkerSession(after, Time{0});
+  EXPECT_EQ(sent(v1::Envelope::kHello).at(0).hello().session(), 101u);
+  welcome(101);
+  v1::Envelope result;
+  result.mutable_tile_band()->set_job(7);
+  result.mutable_tile_band()->set_lease(1);
+  session.on_spooled(result);
+  EXPECT_THAT(sent(v1::Envelope::kTileBand), SizeIs(1));
+  start(7);
+  v1::Envelope request;
+  request.mutable_hello_request();
+  session.on_message(Channel::control, request, seconds(2));
+  welcome(102, seconds(2));
+  EXPECT_THAT(sent(v1::Envelope::kTileBand), SizeIs(1));
+  session.on_message(Channel::control, request, seconds(3));
+  welcome(103, seconds(3), 2);
+  EXPECT_THAT(sent(v1::Envelope::kTileBand), IsEmpty()) << "of another farm";
+}
+
+TEST_F(WorkerSessionTest, WhoIsRefusedOrAnOrphanForTooLong) {
+  make_ready(7);
+  assign(7, 1);
+  session.on_traced(trace(wants<StartTrace>().at(0).run), {});
+  session.on_tick(seconds(30));
+  EXPECT_FALSE(wants<Quit>().at(0).refused);
+  EXPECT_THAT(session.take_unsent(), SizeIs(1));
+  v1::Envelope message;
+  message.mutable_reject();
+  session.on_message(Channel::control, message, seconds(31));
+  EXPECT_TRUE(wants<Quit>().at(0).refused);
+  EXPECT_THAT(session.take_unsent(), IsEmpty());
+}
+
+TEST_F(WorkerSessionTest, TakesFewerTilesWhereMemoryIsShort) {
+  SessionOptions large = options();
+  large.hello.set_credit(20);
+  large.hello.set_threads(4);
+  session = WorkerSession(large, Time{0});
+  make_ready(7);
+  const auto starve = [this](uint64_t lease) {
+    assign(7, lease);
+    TraceOutcome outcome;
+    outcome.run = wants<StartTrace>().at(0).run;
+    outcome.out_of_memory = true;
+    outcome.failure = "no memory";
+    session.on_traced(outcome, seconds(1));
+    EXPECT_LE(session.next_deadline(), seconds(1)) << "it tells so at once";
+    session.on_tick(seconds(1));
+  };
+  std::vector<uint32_t> told;
+  for (const uint64_t lease : {1u, 2u, 3u}) {
+    starve(lease);
+    const auto heartbeat = sent(v1::Envelope::kHeartbeat).at(0).heartbeat();
+    EXPECT_EQ(heartbeat.progress_size(), 0) << "it is given back";
+    told.push_back(heartbeat.credit());
+  }
+  EXPECT_EQ(told, (std::vector<uint32_t>{4, 2, 1}));
+  assign(7, 4);
+  TraceOutcome alone;
+  alone.run = wants<StartTrace>().at(0).run;
+  alone.out_of_memory = true;
+  alone.failure = "no memory";
+  session.on_traced(alone, seconds(1));
+  EXPECT_THAT(sent(v1::Envelope::kTileFailed), SizeIs(1)) << "alone, the tile is what is too large";
 }
 
 TEST_F(WorkerSessionTest, TellsWhatATileTook) {

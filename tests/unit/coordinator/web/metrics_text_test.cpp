@@ -123,6 +123,8 @@ TEST(MetricsText, TellsTheFarm) {
   snapshot.counters.note_tile(0.001);
   snapshot.counters.note_tile(0.02);
   snapshot.counters.note_tile(1e6);
+  snapshot.counters.commit_seconds.note(0.0002);
+  snapshot.counters.commit_seconds.note(2);
   snapshot.counters.retries = 3;
   snapshot.counters.bytes_scene = 123'456'789'012;
   FarmMonitor::Work work;
@@ -143,6 +145,9 @@ TEST(MetricsText, TellsTheFarm) {
   EXPECT_EQ(read.value("tessera_tile_seconds_bucket{le=\"100\"}"), 2);
   EXPECT_EQ(read.value("tessera_tile_seconds_bucket{le=\"+Inf\"}"), 3);
   EXPECT_DOUBLE_EQ(read.value("tessera_tile_seconds_sum"), 1e6 + 0.021);
+  EXPECT_EQ(read.value("tessera_store_commit_seconds_bucket{le=\"0.0003\"}"), 1);
+  EXPECT_EQ(read.value("tessera_store_commit_seconds_count"), 2);
+  EXPECT_EQ(read.value("tessera_store_commit_seconds_sum"), 2.0002);
   EXPECT_EQ(read.value("tessera_tile_retries_total"), 3);
   EXPECT_EQ(read.value("tessera_wire_bytes_total{kind=\"scene\"}"), 123'456'789'012);
   EXPECT_EQ(read.value("tessera_coordinator_epoch"), 1'790'000'000'123);

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+namespace tessera {
+
+/// Whether it is certain that nobody listens at an endpoint: each of its addresses refuses
+/// connections, or there is no such socket. Takes up to half a second, and opens a connection where
+/// somebody does listen. False for what is no endpoint.
+bool nobody_listens(const std::string& endpoint);
+
+}  // namespace tessera
