@@ -51,8 +51,9 @@ class SceneTileRenderer final : public TileRenderer {
   explicit SceneTileRenderer(std::shared_ptr<const Scene> scene)
       : scene_(std::move(scene)),
         integrator_(make_integrator(scene_)),
-        samples_coincide_(all_coincide(*scene_)),
-        adaptive_(scene_->settings.target_error > 0 && !samples_coincide_) {}
+        samples_coincide_(all_coincide(*scene_) && scene_->skips.equal_samples),
+        adaptive_(scene_->settings.target_error > 0 && !samples_coincide_ &&
+                  scene_->skips.converged_blocks) {}
 
   CounterMap build_counters() const override { return scene_->counters; }
 
@@ -299,8 +300,10 @@ class SceneTileRenderer final : public TileRenderer {
 std::shared_ptr<const TileRenderer> make_tile_renderer(const v1::Scene& scene,
                                                        const BlobStore& blobs,
                                                        const v1::FrameSettings& frame, int threads,
-                                                       const SharedArena* arena) {
-  return std::make_shared<SceneTileRenderer>(build_scene(scene, blobs, frame, threads, arena));
+                                                       const SharedArena* arena,
+                                                       const Skips& skips) {
+  return std::make_shared<SceneTileRenderer>(
+      build_scene(scene, blobs, frame, threads, arena, skips));
 }
 
 }  // namespace tessera

@@ -14,6 +14,7 @@
 #include "renderer/scene/area_lights.h"
 #include "renderer/scene/occluders.h"
 #include "renderer/scene/read_settings.h"
+#include "renderer/scene/skips.h"
 #include "renderer/shading/background.h"
 #include "renderer/shading/environment_sampler.h"
 #include "renderer/shading/light.h"
@@ -41,6 +42,7 @@ struct SceneFeatures {
 /// and shared by threads.
 struct Scene {
   RenderSettings settings;
+  Skips skips;
   std::optional<Camera> camera;    ///< always there once built
   std::optional<Sampler> sampler;  ///< always there once built
   Background background;
