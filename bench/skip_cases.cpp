@@ -72,9 +72,9 @@ LoadedScene meshes_behind() {
 
 /// A ball with normals, texture coordinates and colours, of which its material shows none.
 LoadedScene bare_ball() {
-  LoadedScene out = scene_of(settings(480, 360) + camera(2, 1.5, 3) +
+  LoadedScene out = scene_of(settings(640, 480) + camera(1.1, .8, 1.6) +
                              "materials { name: 'bare' unlit { color { value { } } } }\n");
-  MeshData mesh = uv_sphere(300, 600);
+  MeshData mesh = icosphere(1, false);
   const size_t vertices = mesh.vertex_count();
   mesh.normals = mesh.positions;
   mesh.uvs.assign(2 * vertices, .5F);
@@ -86,20 +86,12 @@ LoadedScene bare_ball() {
 
 LoadedScene unused_pictures() {
   LoadedScene out = one_sphere();
-  out.scene.mutable_settings()->set_width(320);
-  out.scene.mutable_settings()->set_height(240);
-  constexpr uint32_t kSide = 2048;
-  for (int i = 0; i < 8; ++i) {
+  out.scene.mutable_settings()->set_width(160);
+  out.scene.mutable_settings()->set_height(120);
+  for (int i = 0; i < 20'000; ++i) {
     v1::Texture& texture = *out.scene.add_textures();
     texture.set_name(fmt::format("unused{}", i));
-    v1::Texture::Image& image = *texture.mutable_image();
-    image.set_width(kSide);
-    image.set_height(kSide);
-    image.set_channels(3);
-    image.set_bits(8);
-    std::vector<std::byte> texels(size_t{3} * kSide * kSide, static_cast<std::byte>(i));
-    image.mutable_texels()->set_size(texels.size());
-    image.mutable_texels()->set_digest(out.blobs.put(std::move(texels)).hex());
+    texture.mutable_noise()->set_octaves(4);
   }
   return out;
 }
@@ -111,8 +103,11 @@ LoadedScene black_lamps() {
 }
 
 LoadedScene ground_under_lamps() {
-  std::string text = settings(400, 300) + camera(2, 1.5, 3) + kGround + sphere(0, 0, 0, 1);
-  for (int i = 0; i < 8; ++i) text += lamp(-2 + .5 * i, 3, 2, "intensity: .2");
+  std::string text =
+      settings(400, 300) + camera(2, 1.5, 3) + kGround + sphere(0, 0, 0, .3) +
+      "nodes { shape { materials: 'ground' plane { normal { x: 1 } offset: -1 } } }\n"
+      "nodes { shape { materials: 'ground' plane { normal { z: 1 } offset: -1 } } }\n";
+  for (int i = 0; i < 8; ++i) text += lamp(-.8 + .5 * i, 3, 2, "intensity: .2");
   return scene_of(text);
 }
 
@@ -121,11 +116,9 @@ LoadedScene opaque_spheres() {
                   lamp(3, 3, 3) + lamp(-3, 3, 3) + lamp(0, 4, 0));
 }
 
-LoadedScene plain_spheres() {
-  return scene_of(
-      settings(320, 240, "integrator { kind: 'path' } sampling { samples_per_pixel: 4 }") +
-      camera(2, 1.5, 3) + kGround + sphere(0, 0, 0, 1) +
-      "background { solid { r: 1 g: 1 b: 1 } }\n");
+LoadedScene plain_ball() {
+  return scene_of(settings(640, 480) + camera(1, .8, 1.6) +
+                  "materials { name: 'plain' unlit { } }\n" + sphere(0, 0, 0, 1, "plain"));
 }
 
 LoadedScene small_ball() {
@@ -153,7 +146,15 @@ LoadedScene lamps_all_around() {
 
 LoadedScene short_lamps() {
   std::string text = settings(320, 240) + camera(2, 1.5, 3) + kSun + kGround + many_spheres();
-  for (int i = 0; i < 16; ++i) text += lamp(-2 + .25 * i, 0, 1.2, "radius: .4");
+  for (int i = 0; i < 3; ++i) text += lamp(-1 + i, 0, 1.2, "radius: .4");
+  return scene_of(text);
+}
+
+LoadedScene thousand_lamps() {
+  std::string text = settings(160, 120) + camera(2, 1.5, 3) + kGround + many_spheres();
+  for (int z = 0; z < 32; ++z)
+    for (int x = 0; x < 32; ++x)
+      text += lamp(-4 + .25 * x, 0, -4 + .25 * z, "radius: 1.2 intensity: .1");
   return scene_of(text);
 }
 
@@ -165,10 +166,11 @@ LoadedScene shining_spheres() {
 }
 
 LoadedScene half_textured() {
-  return scene_of(settings(640, 480) + camera(2, 1.5, 3) + kSun +
+  return scene_of(settings(640, 480) + camera(1, .8, 1.6) +
                   "textures { name: 'tiles' mapping: OBJECT checker { } }\n"
-                  "materials { name: 'tiled' classic { diffuse { texture: 'tiles' } } }\n" +
-                  sphere(0, 0, 0, 1) + sphere(0, 1.2, 0, .1, "tiled"));
+                  "materials { name: 'tiled' classic { diffuse { texture: 'tiles' } } }\n"
+                  "materials { name: 'plain' unlit { } }\n" +
+                  sphere(0, 0, 0, 1, "plain") + sphere(0, 1.2, 0, .1, "tiled"));
 }
 
 LoadedScene glass_balls() {
@@ -204,7 +206,7 @@ const std::vector<SkipCase>& skip_cases() {
        {"attributes_dropped"},
        {"attributes_dropped"}},
       {"unused-textures",
-       "eight pictures that nothing shows",
+       "20,000 textures that nothing shows",
        &Skips::unused_textures,
        unused_pictures,
        {"textures_skipped"},
@@ -215,8 +217,14 @@ const std::vector<SkipCase>& skip_cases() {
        black_lamps,
        {"lights_dark"},
        {"lights_used"}},
+      {"distant-lights",
+       "1024 lamps of short reach",
+       &Skips::distant_lights,
+       thousand_lamps,
+       {"lights_culled"},
+       {"lights_culled", "shadow_rays_skipped", "rays_shadow"}},
       {"shadowless-planes",
-       "a ground under eight lamps",
+       "a corner of three walls, eight lamps",
        &Skips::shadowless_planes,
        ground_under_lamps,
        {"planes_without_shadow"},
@@ -225,12 +233,12 @@ const std::vector<SkipCase>& skip_cases() {
        "216 spheres, three lamps",
        &Skips::opaque_as_clear,
        opaque_spheres,
-       {"occluders_opaque"},
+       {"instances_opaque"},
        {"instances"}},
       {"absent-features",
-       "path traced: a ball, all diffuse",
+       "a ball in one colour",
        &Skips::absent_features,
-       plain_spheres,
+       plain_ball,
        {"features_absent"},
        {"features_absent"}},
       {"background-pixels",
@@ -262,7 +270,7 @@ const std::vector<SkipCase>& skip_cases() {
        {"shadow_rays_skipped"},
        {"shadow_rays_skipped", "rays_shadow"}},
       {"unreached-lights",
-       "16 lamps of short reach",
+       "three lamps of short reach",
        &Skips::unreached_lights,
        short_lamps,
        {"shadow_rays_skipped"},

@@ -148,7 +148,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
   Color ambient = scene.settings.ambient;
   Color sum = material.emission;
   [[maybe_unused]] RayOrigins origins(point.surface);
-  scene.for_each_light(point.surface.instance, [&](uint32_t index) {
+  const auto add_light = [&](uint32_t index) {
     const Light& light = scene.lights[index];
     if (!light.ambient_attenuated) ambient += light.ambient;
     LightSample sample;
@@ -190,7 +190,9 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
                                                       cone_width(scene, path_length), counters);
     }
     sum += arriving * share;
-  });
+  };
+  counters.lights_culled +=
+      scene.for_each_light(point.surface.instance, point.surface.point, add_light);
   if (kRich && material.model != MaterialModel::classic) {
     return sum + ambient * ambient_share(material, diffuse) * kept;
   }

@@ -207,7 +207,7 @@ class PathTracer final : public Integrator {
         sum += from_area_light(light, there, density, point, scatter, origins, path, width, state);
       }
     }
-    scene_->for_each_light(point.surface.instance, [&](uint32_t index) {
+    const auto add_light = [&](uint32_t index) {
       const Light& light = scene_->lights[index];
       LightSample sample;
       const auto leave_out = [&](bool skips) {
@@ -234,7 +234,9 @@ class PathTracer final : public Integrator {
                                           width, state.counters);
       }
       sum += arriving * visible;
-    });
+    };
+    state.counters.lights_culled +=
+        scene_->for_each_light(point.surface.instance, point.surface.point, add_light);
     path.sum += path.throughput * sum;
   }
 

@@ -12,6 +12,7 @@
 #include "renderer/film/tile.h"
 #include "renderer/sampler/sampler.h"
 #include "renderer/scene/area_lights.h"
+#include "renderer/scene/light_reach.h"
 #include "renderer/scene/occluders.h"
 #include "renderer/scene/read_settings.h"
 #include "renderer/scene/skips.h"
@@ -36,6 +37,8 @@ struct SceneFeatures {
   bool secondary = false;  ///< mirrors, transparency, absorption, surfaces without back faces
   bool rich = false;       ///< materials with textures, or of other models than classic and unlit
   bool lambert = false;    ///< no material but classic ones that only scatter evenly or shine
+
+  int absent() const { return !shadows + !secondary + !rich + lambert; }
 };
 
 /// One frame, ready to be traced: made of exactly what its picture depends on. Immutable once built
@@ -57,7 +60,7 @@ struct Scene {
   std::vector<Instance> instances;
   std::vector<InstanceShading> shading;  ///< one an instance
   std::vector<Light> lights;
-  std::vector<uint32_t> global_lights;               ///< ascending indices into lights
+  LightReach global_lights;                          ///< indices into lights
   std::vector<std::vector<uint32_t>> scoped_lights;  ///< the others of each scope, ascending
 
   // For the path integrator.
@@ -82,16 +85,19 @@ struct Scene {
     const uint32_t slot = index < s.material_count ? index : s.material_count - 1;
     return materials[material_slots[s.first_material + slot]];
   }
-  /// Calls `visit` with the index of each light that reaches the instance, in ascending order.
+  /// Calls `visit` with the index of each light that reaches the instance and may reach the point,
+  /// in ascending order. Returns how many of the first do not reach the point.
   template <typename Visit>
-  void for_each_light(uint32_t instance, const Visit& visit) const {
+  uint64_t for_each_light(uint32_t instance, const Point3& point, const Visit& visit) const {
+    const std::span<const uint32_t> globals = global_lights.at(point);
     auto scoped = scoped_lights[shading[instance].light_set].begin();
     const auto end = scoped_lights[shading[instance].light_set].end();
-    for (const uint32_t global : global_lights) {
+    for (const uint32_t global : globals) {
       for (; scoped != end && *scoped < global; ++scoped) visit(*scoped);
       visit(global);
     }
     for (; scoped != end; ++scoped) visit(*scoped);
+    return global_lights.all().size() - globals.size();
   }
 };
 

@@ -150,12 +150,12 @@ class SceneBuilder {
       return scene_->skips.dark_lights && is_black(scene_->lights[i].intensity) &&
              is_black(scene_->lights[i].ambient);
     };
-    scene_->global_lights = std::move(graph_.global_lights);
+    std::vector<uint32_t> globals = std::move(graph_.global_lights);
     scene_->scoped_lights = std::move(graph_.scopes);
-    const size_t lights_before = scene_->global_lights.size();
-    std::erase_if(scene_->global_lights, is_dark);
-    std::sort(scene_->global_lights.begin(), scene_->global_lights.end());
-    scene_->counters["lights_dark"] = lights_before - scene_->global_lights.size();
+    scene_->counters["lights_dark"] = std::erase_if(globals, is_dark);
+    std::sort(globals.begin(), globals.end());
+    scene_->global_lights =
+        LightReach(scene_->lights, std::move(globals), scene_->skips.distant_lights);
     for (std::vector<uint32_t>& scope : scene_->scoped_lights) {
       std::erase_if(scope, is_dark);
       std::sort(scope.begin(), scope.end());
@@ -189,11 +189,8 @@ class SceneBuilder {
       scene_->features.rich |= material.is_rich();
       scene_->features.lambert &= material.is_lambert();
     }
-    if (!scene_->skips.unused_textures) {
-      for (const v1::Texture& texture : description_.textures()) {
-        textures_.use({.kind = "scene"}, texture.name());
-      }
-    }
+    for (const v1::Texture& texture : description_.textures())
+      if (!scene_->skips.unused_textures) textures_.use({.kind = "scene"}, texture.name());
     scene_->materials = materials_.take();
     scene_->inputs = materials_.take_inputs();
     texture_count_ = textures_.size();
@@ -366,14 +363,9 @@ class SceneBuilder {
       mesh_bytes_dropped += built.bytes_dropped;
       attributes_dropped += built.attributes_dropped;
     }
-    const SceneFeatures& features = scene_->features;
-    for (const bool absent :
-         {!features.shadows, !features.secondary, !features.rich, features.lambert})
-      counters["features_absent"] += absent ? 1 : 0;
-    if (scene_->occluders.opaque || scene_->path_occluders.opaque) {
-      counters["occluders_opaque"] =
-          static_cast<uint64_t>(std::count(is_clear_.begin(), is_clear_.end(), false));
-    }
+    counters["features_absent"] = static_cast<uint64_t>(scene_->features.absent());
+    counters["instances_opaque"] =
+        static_cast<uint64_t>(std::count(is_clear_.begin(), is_clear_.end(), false));
     if (graph_.flat_nodes > 0) {
       spdlog::warn("{} nodes are scaled to nothing or out of range: left out", graph_.flat_nodes);
     }

@@ -12,6 +12,7 @@ struct Skips {
   bool unused_attributes = true;  ///< normals, texture coordinates and colours that nothing reads
   bool unused_textures = true;    ///< textures that nothing names
   bool dark_lights = true;        ///< black lights
+  bool distant_lights = true;     ///< lights of which a list by place tells that they end before
   bool shadowless_planes = true;  ///< grounds that have everything on their lights' side
   bool opaque_as_clear = true;    ///< asking what is opaque how much it lets through
   bool absent_features = true;    ///< asking every hit for what no material of the scene has
