@@ -64,10 +64,13 @@ class SceneTileRenderer final : public TileRenderer {
                               task.rect.y0, task.rect.y1, frame.x1, frame.y1, task.sample_count));
     TilePixels tile;
     tile.rect = task.rect;
-    TraceState state;
+    TileState state;
     integrator_->make_room(state);
     tile.counters["rays_background_skipped"] = 0;
     tile.counters["tiles_background"] = intersection(scene_->seen, task.rect).empty() ? 1 : 0;
+    if (scene_->background.is_constant() && !scene_->seen.contains(task.rect)) {
+      state.beyond = pixel_beyond(task);
+    }
     const bool done = adaptive_ ? render_blocks(task, progress, state, tile)
                                 : render_pixels(task, progress, state, tile);
     if (!done) return std::nullopt;
@@ -80,13 +83,11 @@ class SceneTileRenderer final : public TileRenderer {
   std::optional<Unseen> unseen(uint32_t sample_count) const override {
     if (!scene_->background.is_constant()) return std::nullopt;
     Unseen unseen{scene_->seen, {}};
-    TraceState state;
-    const Color mean =
-        mean_of(0, 0, {{}, 0, sample_count}, state, &SceneTileRenderer::constant_background);
-    for (const double channel : {mean.r, mean.g, mean.b}) {
+    const PixelBeyond pixel = pixel_beyond({{}, 0, sample_count});
+    for (const double channel : {pixel.mean.r, pixel.mean.g, pixel.mean.b}) {
       unseen.one_pixel.values.push_back(static_cast<float>(channel));
     }
-    state.counters.add_to(unseen.one_pixel.counters);
+    pixel.counters.add_to(unseen.one_pixel.counters);
     unseen.one_pixel.counters["rays_background_skipped"] = sample_count;
     unseen.one_pixel.counters["tiles_background"] = 1;
     return unseen;
@@ -95,8 +96,30 @@ class SceneTileRenderer final : public TileRenderer {
  private:
   using SampleFunction = Sample (SceneTileRenderer::*)(const SampleKey&, TraceState&) const;
 
+  /// A pixel past everything before a background of one colour: all of them are alike.
+  struct PixelBeyond {
+    Color mean;
+    TraceCounters counters;
+  };
+  struct TileState : TraceState {
+    PixelBeyond beyond;  ///< set where the tile may have some and the background has one colour
+  };
+  PixelBeyond pixel_beyond(const RenderTask& task) const {
+    TraceState state;
+    const Color mean = mean_of(0, 0, task, state, &SceneTileRenderer::constant_background);
+    return {mean, state.counters};
+  }
+  /// The mean, counted as if it had been worked out anew.
+  static Color mean_beyond(TileState& state) {
+    const TraceCounters& counters = state.beyond.counters;
+    state.counters.samples += counters.samples;
+    state.counters.samples_skipped += counters.samples_skipped;
+    state.counters.nan_samples += counters.nan_samples;
+    return state.beyond.mean;
+  }
+
   /// Whether it was not cancelled.
-  bool render_pixels(const RenderTask& task, TileProgress& progress, TraceState& state,
+  bool render_pixels(const RenderTask& task, TileProgress& progress, TileState& state,
                      TilePixels& tile) const {
     tile.values.reserve(static_cast<size_t>(task.rect.area()) * kFilmChannels);
     uint64_t unseen_pixels = 0;
@@ -107,7 +130,9 @@ class SceneTileRenderer final : public TileRenderer {
         if (progress.cancelled.load(std::memory_order_relaxed)) return false;
         const bool seen = is_seen(x, y);
         if (!seen) ++unseen_pixels;
-        const Color mean = mean_of(x, y, task, state, way_of(seen));
+        const Color mean = seen || !scene_->background.is_constant()
+                               ? mean_of(x, y, task, state, way_of(seen))
+                               : mean_beyond(state);
         for (const double channel : {mean.r, mean.g, mean.b}) {
           tile.values.push_back(static_cast<float>(channel));
         }
@@ -131,7 +156,7 @@ class SceneTileRenderer final : public TileRenderer {
     uint64_t background = 0, saved = 0, stopped = 0;
   };
 
-  bool render_blocks(const RenderTask& task, TileProgress& progress, TraceState& state,
+  bool render_blocks(const RenderTask& task, TileProgress& progress, TileState& state,
                      TilePixels& tile) const {
     const PixelRect frame{0, 0, scene_->settings.width, scene_->settings.height};
     tile.values.resize(static_cast<size_t>(task.rect.area()) * kFilmChannels);
@@ -156,7 +181,7 @@ class SceneTileRenderer final : public TileRenderer {
   }
 
   bool render_block(const PixelRect& block, const RenderTask& task, TileProgress& progress,
-                    TraceState& state, TraceState& beside, BlockCounters& counters,
+                    TileState& state, TraceState& beside, BlockCounters& counters,
                     TilePixels& tile) const {
     std::array<BlockPixel, BlockEstimate::kMaxPixels> pixels;
     const size_t count = begin_block(block, task, state, counters, tile, pixels);
@@ -183,7 +208,7 @@ class SceneTileRenderer final : public TileRenderer {
       if (done < 2 || !is_power_of_two(done)) continue;
       estimate.look(done);
       converged = done >= scene_->settings.min_samples &&
-                  estimate.standard_error() < scene_->settings.target_error;
+                  estimate.standard_error() < error_after(done, task.sample_count);
     }
     const bool early = count > 0 && done < task.sample_count;
     if (early && contains_pixel(task.rect, block.x0, block.y0)) ++counters.stopped;
@@ -196,9 +221,18 @@ class SceneTileRenderer final : public TileRenderer {
     return true;
   }
 
+  /// Below this a block may stop: the target where all samples were taken, and less the fewer were.
+  /// By the root of their number: then what one sample more takes off the square error, which is
+  /// about that error / n, is the same for all blocks when they stop, and no other shares of as
+  /// many samples make a better picture.
+  double error_after(uint32_t done, uint32_t most) const {
+    const double all = std::min(most, kDefaultMostSamples);
+    return scene_->settings.target_error * std::min(1.0, std::sqrt(done / all));
+  }
+
   /// The pixels that the decision is about. Those past everything, where all such pixels are alike,
   /// are not: they have all their samples, as where a whole tile is filled with them.
-  size_t begin_block(const PixelRect& block, const RenderTask& task, TraceState& state,
+  size_t begin_block(const PixelRect& block, const RenderTask& task, TileState& state,
                      BlockCounters& counters, TilePixels& tile,
                      std::array<BlockPixel, BlockEstimate::kMaxPixels>& pixels) const {
     size_t count = 0;
@@ -208,7 +242,7 @@ class SceneTileRenderer final : public TileRenderer {
         if (seen || !scene_->background.is_constant()) {
           pixels[count++] = {x, y, wanted, seen, SampleSum(scene_->sampler->filter_gain())};
         } else if (wanted) {
-          put(mean_of(x, y, task, state, way_of(seen)), x, y, tile);
+          put(mean_beyond(state), x, y, tile);
           counters.background += task.sample_count;
         }
       }
@@ -228,11 +262,9 @@ class SceneTileRenderer final : public TileRenderer {
   bool is_seen(int x, int y) const { return scene_->seen.contains({x, y, x + 1, y + 1}); }
 
   /// How a pixel's samples are found. Of one past everything they are what tracing would give,
-  /// without tracing; where all such pixels are alike not even a ray is made.
+  /// without tracing.
   SampleFunction way_of(bool seen) const {
-    return seen                               ? &SceneTileRenderer::trace
-           : scene_->background.is_constant() ? &SceneTileRenderer::constant_background
-                                              : &SceneTileRenderer::look_past;
+    return seen ? &SceneTileRenderer::trace : &SceneTileRenderer::look_past;
   }
 
   /// What `look` sees along the sample's camera ray, or the mean over the lens.
