@@ -1,4 +1,5 @@
 #include "bench/rays.h"
+#include "bench/error/statistics.h"
 #include "bench/thread_seconds.h"
 
 #include <algorithm>
@@ -162,12 +163,6 @@ std::vector<EmbreeRay> to_float(const RaySet& set) {
     rays.push_back(f);
   }
   return rays;
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 /// Answers of a linear scan to every `step`-th ray of a set.

@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/plural.h"
 #include "base/process.h"
+#include "bench/error/statistics.h"
 #include "cli/timed_process.h"
 #include "coordinator/coordinator.h"
 #include "coordinator/render_loop.h"
@@ -55,12 +56,6 @@ std::string write_spheres(const TemporaryFolder& folder, int side) {
   std::string path = folder.file(fmt::format("spheres-{}.tesserab", side));
   write_scene_file(path, spheres.scene, spheres.blobs);
   return path;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
 }
 
 json paired_row(const std::string& measure, double limit, int repeats,

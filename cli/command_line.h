@@ -30,6 +30,7 @@ void add_bench_command(CLI::App& app, Action& action);
 void add_tracing_benches(CLI::App& bench, Action& action);
 void add_precision_and_growth_benches(CLI::App& bench, Action& action);
 void add_error_bench(CLI::App& bench, Action& action);
+void add_skip_bench(CLI::App& bench, Action& action);
 
 /// One line on standard error for the exception that is being handled, and the exit code that it
 /// asks for: 3 unless it is an Error.

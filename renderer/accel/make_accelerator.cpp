@@ -30,10 +30,11 @@ const std::vector<std::string>& available_accelerators() {
 
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
                                                          AcceleratorKind kind, int threads,
-                                                         const SharedTree& shared) {
+                                                         const SharedTree& shared, bool scan_few) {
   TESSERA_CHECK(mesh->triangles.size() <= kMaxPrimitives,
                 fmt::format("{} > {}", mesh->triangles.size(), kMaxPrimitives));
-  if (kind == AcceleratorKind::linear || mesh->triangles.size() <= kFewTriangles)
+  const bool is_small = scan_few && mesh->triangles.size() <= kFewTriangles;
+  if (kind == AcceleratorKind::linear || is_small)
     return std::make_unique<MeshLinearScan>(std::move(mesh));
   if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::bvh_splits) {
     const BvhQuality quality =
@@ -52,8 +53,8 @@ std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const T
 
 std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
                                                  AcceleratorKind kind, int threads,
-                                                 const SharedTree& shared) {
-  auto accelerator = make_mesh_accelerator(mesh, kind, threads, shared);
+                                                 const SharedTree& shared, bool scan_few) {
+  auto accelerator = make_mesh_accelerator(mesh, kind, threads, shared, scan_few);
   return std::make_shared<MeshShape>(std::move(mesh), std::move(accelerator));
 }
 
@@ -69,11 +70,13 @@ std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const 
 }
 
 std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,
-                                                             AcceleratorKind kind, int threads) {
+                                                             AcceleratorKind kind, int threads,
+                                                             bool scan_few) {
   size_t bounded = 0;
   for (const Instance& instance : instances)
     if (const Bounds3 b = bounds_of(instance); can_be_held(instance, b) && !b.empty()) ++bounded;
-  if (kind == AcceleratorKind::linear || bounded <= kFewInstances)
+  const bool is_small = bounded == 0 || (scan_few && bounded <= kFewInstances);
+  if (kind == AcceleratorKind::linear || is_small)
     return std::make_unique<InstanceLinearScan>(std::move(instances));
   if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::bvh_splits ||
       kind == AcceleratorKind::embree)

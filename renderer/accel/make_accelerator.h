@@ -13,7 +13,8 @@
 namespace tessera {
 
 // `threads` is how many the build may use; it changes nothing in the result. What is too small to
-// be worth a tree gets none. Throws a scene Error for a kind that this program was built without.
+// be worth a tree gets none, unless `scan_few` is false. Throws a scene Error for a kind that this
+// program was built without.
 
 /// The names of --accel that this program has; the first is the default.
 const std::vector<std::string>& available_accelerators();
@@ -21,10 +22,12 @@ const std::vector<std::string>& available_accelerators();
 /// Every triangle of `mesh` must be legal: see drop_degenerate().
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
                                                          AcceleratorKind kind, int threads,
-                                                         const SharedTree& shared = {});
+                                                         const SharedTree& shared = {},
+                                                         bool scan_few = true);
 std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
                                                  AcceleratorKind kind, int threads,
-                                                 const SharedTree& shared = {});
+                                                 const SharedTree& shared = {},
+                                                 bool scan_few = true);
 /// The same, but built by the first ray that may hit it: a mesh that no ray comes near costs no
 /// build. `built` counts it then.
 std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
@@ -33,6 +36,7 @@ std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const 
                                                           const SharedTree& shared = {});
 /// Hits carry the index into `instances`.
 std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,
-                                                             AcceleratorKind kind, int threads);
+                                                             AcceleratorKind kind, int threads,
+                                                             bool scan_few = true);
 
 }  // namespace tessera

@@ -4,6 +4,6 @@ namespace tessera {
 
 /// Adaptive sampling decides for squares of this many pixels a side, aligned in the whole frame: a
 /// tile that cuts one traces all of it.
-inline constexpr int kBlockSide = 8;
+inline constexpr int kBlockSide = 4;
 
 }  // namespace tessera

@@ -51,7 +51,7 @@ Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ra
       return std::isfinite(ray.t_max) ? left * through_medium(medium, ray.t_max * metres) : left;
     }
     SurfacePoint point(scene, occluders.clear_instances[hit.instance], ray, hit);
-    if constexpr (kRich) look_up_textures(scene, ray, width, point);
+    if constexpr (kRich) look_up_textures(scene, ray, width, point, counters);
     const Coverage coverage = straight_coverage(point);
     const Material& material = *point.material;
     Color through = kWhite * coverage.through;
@@ -123,6 +123,16 @@ Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins
   return ray_visibility<kRich>(scene, point, ray, medium, width, counters);
 }
 
+template <bool kRich>
+[[gnu::cold, gnu::noinline]] void trace_for_nothing(const Scene& scene, const SurfacePoint& point,
+                                                    const Color& medium, const Light& light,
+                                                    const LightSample& sample, double width,
+                                                    TraceCounters& counters) {
+  if (!light.casts_shadow || !(sample.distance > 0)) return;
+  RayOrigins origins(point.surface);
+  light_visibility<kRich>(scene, point, origins, medium, light, sample, width, counters);
+}
+
 template <bool kShadows, bool kRich>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& wo,
                      const Color& medium, double path_length, TraceCounters& counters) {
@@ -138,12 +148,20 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
   Color ambient = scene.settings.ambient;
   Color sum = material.emission;
   [[maybe_unused]] RayOrigins origins(point.surface);
-  scene.for_each_light(point.surface.instance, [&](uint32_t index) {
+  const auto add_light = [&](uint32_t index) {
     const Light& light = scene.lights[index];
     if (!light.ambient_attenuated) ambient += light.ambient;
     LightSample sample;
+    const auto leave_out = [&](bool skips) {
+      if (skips) {
+        ++counters.shadow_rays_skipped;
+      } else if constexpr (kShadows) {
+        trace_for_nothing<kRich>(scene, point, medium, light, sample,
+                                 cone_width(scene, path_length), counters);
+      }
+    };
     if (!sample_light(light, point.surface.point, path_length, sample)) {
-      ++counters.shadow_rays_skipped;
+      leave_out(scene.skips.unreached_lights);
       return;
     }
     if (light.ambient_attenuated) ambient += light.ambient * sample.factor;
@@ -155,7 +173,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
       share = reflected_share(material, kept_diffuse, point.normal, sample.wi, wo);
     }
     if (is_black(arriving) || is_black(share)) {
-      ++counters.shadow_rays_skipped;
+      leave_out(scene.skips.dark_shadow_rays);
       return;
     }
     if constexpr (kShadows) {
@@ -164,7 +182,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
                                  light.shadow_intensity == 1 && material.is_opaque() &&
                                  dot(point.geometric_normal, sample.wi) < 0;
       if (light.casts_shadow && shades_itself) {
-        ++counters.shadow_rays_skipped;
+        leave_out(scene.skips.dark_shadow_rays);
         return;
       }
       if (light.casts_shadow)
@@ -172,7 +190,9 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
                                                       cone_width(scene, path_length), counters);
     }
     sum += arriving * share;
-  });
+  };
+  counters.lights_culled +=
+      scene.for_each_light(point.surface.instance, point.surface.point, add_light);
   if (kRich && material.model != MaterialModel::classic) {
     return sum + ambient * ambient_share(material, diffuse) * kept;
   }
@@ -193,6 +213,10 @@ template Color light_visibility<false>(const Scene&, const SurfacePoint&, RayOri
                                        const Light&, const LightSample&, double, TraceCounters&);
 template Color light_visibility<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
                                       const Light&, const LightSample&, double, TraceCounters&);
+template void trace_for_nothing<false>(const Scene&, const SurfacePoint&, const Color&,
+                                       const Light&, const LightSample&, double, TraceCounters&);
+template void trace_for_nothing<true>(const Scene&, const SurfacePoint&, const Color&, const Light&,
+                                      const LightSample&, double, TraceCounters&);
 template Color ray_visibility<false>(const Scene&, const SurfacePoint&, const Ray&, const Color&,
                                      double, TraceCounters&);
 template Color ray_visibility<true>(const Scene&, const SurfacePoint&, const Ray&, const Color&,

@@ -18,6 +18,11 @@ template <bool kRich>
 Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Color& medium, const Light& light, const LightSample& sample,
                        double width, TraceCounters& counters);
+/// The shadow ray to a light that adds nothing, to measure what leaving it out saves.
+template <bool kRich>
+void trace_for_nothing(const Scene& scene, const SurfacePoint& point, const Color& medium,
+                       const Light& light, const LightSample& sample, double width,
+                       TraceCounters& counters);
 /// The share of light from a point of a surface that arrives. What refracts lets nothing through.
 template <bool kRich>
 Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,

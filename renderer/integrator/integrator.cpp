@@ -15,10 +15,17 @@ void TraceCounters::add_to(CounterMap& map) const {
   map["rays_refraction"] += rays_refraction;
   map["hits"] += hits;
   map["shadow_rays_skipped"] += shadow_rays_skipped;
+  const auto add_if_any = [&](const char* name, uint64_t n) {
+    if (n > 0) map[name] += n;
+  };
+  add_if_any("lights_culled", lights_culled);
+  add_if_any("branches_skipped", branches_skipped);
+  add_if_any("texture_points_skipped", texture_points_skipped);
+  add_if_any("numbers_skipped", numbers_skipped);
   map["samples"] += samples;
   map["samples_skipped"] += samples_skipped;
-  if (roulette_ends > 0) map["roulette_ends"] += roulette_ends;
-  if (paths_cut > 0) map["paths_cut"] += paths_cut;  // told only when it happened
+  add_if_any("roulette_ends", roulette_ends);
+  add_if_any("paths_cut", paths_cut);
   map["nan_samples"] += nan_samples;
 }
 

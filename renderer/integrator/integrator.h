@@ -19,8 +19,12 @@ inline constexpr uint32_t kMaxPasses = 1u << 16;
 struct TraceCounters {
   TraversalCounters traversal;
   uint64_t rays_primary = 0, rays_shadow = 0, rays_reflection = 0, rays_refraction = 0;
-  uint64_t hits = 0;                 ///< of all but shadow rays
-  uint64_t shadow_rays_skipped = 0;  ///< lights whose share is zero whatever is in the way
+  uint64_t hits = 0;                    ///< of all but shadow rays
+  uint64_t shadow_rays_skipped = 0;     ///< lights whose share is zero whatever is in the way
+  uint64_t lights_culled = 0;           ///< by their place, before they were asked
+  uint64_t branches_skipped = 0;        ///< of a weight that no pixel shows
+  uint64_t texture_points_skipped = 0;  ///< hits of textured scenes that no texture is on
+  uint64_t numbers_skipped = 0;         ///< pairs of random numbers that nothing read
   uint64_t samples = 0;
   uint64_t samples_skipped = 0;  ///< that would have been the same as another of their pixel
   uint64_t roulette_ends = 0;    ///< paths ended by lot, their share given to others

@@ -19,8 +19,18 @@ constexpr uint32_t kSafeDepth = 3;
 /// The numbers that one vertex of a path draws; what it does not ask for is not worked out.
 class VertexNumbers {
  public:
-  VertexNumbers(const SampleStream& stream, uint32_t vertex)
-      : stream_(stream), first_(kFirst + kPairs * vertex) {}
+  VertexNumbers(const SampleStream& stream, uint32_t vertex, bool skips, uint64_t& skipped)
+      : stream_(stream), first_(kFirst + kPairs * vertex), skips_(skips), skipped_(skipped) {}
+  ~VertexNumbers() {
+    if (skips_) {
+      for (uint32_t use = 0; use < kPairs; ++use) skipped_ += ~read_ >> use & 1;
+    } else {
+      read_others();
+    }
+  }
+  VertexNumbers(const VertexNumbers&) = delete;
+  VertexNumbers& operator=(const VertexNumbers&) = delete;
+
   Vec2 on_light() const { return pair(0); }
   Vec2 direction() const { return pair(1); }
   /// x: which way to scatter, y: whether to go on.
@@ -30,10 +40,22 @@ class VertexNumbers {
 
  private:
   static constexpr uint32_t kFirst = 1u << 20, kPairs = 4;
-  Vec2 pair(uint32_t use) const { return stream_.pair(static_cast<SampleUse>(first_ + use)); }
+  Vec2 pair(uint32_t use) const {
+    read_ |= 1u << use;
+    return stream_.pair(static_cast<SampleUse>(first_ + use));
+  }
+  [[gnu::cold, gnu::noinline]] void read_others() const {
+    for (uint32_t use = 0; use < kPairs; ++use) {
+      if ((read_ >> use & 1) != 0) continue;
+      keep_result(pair(use));
+    }
+  }
 
   const SampleStream& stream_;
   uint32_t first_;
+  bool skips_;
+  uint64_t& skipped_;  ///< counts pairs that were not asked for
+  mutable uint32_t read_ = 0;
 };
 
 /// kRich: materials may have textures. kPasses: something may let a ray through unbent, or absorb.
@@ -83,9 +105,11 @@ class PathTracer final : public Integrator {
     path.view_distance += hit.t;
     SurfacePoint point(*scene_, hit.instance, path.ray, hit);
     if constexpr (kRich) {
-      look_up_textures(*scene_, path.ray, cone_width(*scene_, path.path_length), point);
+      look_up_textures(*scene_, path.ray, cone_width(*scene_, path.path_length), point,
+                       state.counters);
     }
-    const VertexNumbers numbers(stream, path.vertex++);
+    const VertexNumbers numbers(stream, path.vertex++, scene_->skips.unread_numbers,
+                                state.counters.numbers_skipped);
     if constexpr (kPasses) {
       path.medium = medium_before(path.medium, point);
       if (!is_black(path.medium)) {
@@ -183,17 +207,25 @@ class PathTracer final : public Integrator {
         sum += from_area_light(light, there, density, point, scatter, origins, path, width, state);
       }
     }
-    scene_->for_each_light(point.surface.instance, [&](uint32_t index) {
+    const auto add_light = [&](uint32_t index) {
       const Light& light = scene_->lights[index];
       LightSample sample;
+      const auto leave_out = [&](bool skips) {
+        if (skips) {
+          ++state.counters.shadow_rays_skipped;
+        } else {
+          trace_for_nothing<kRich>(*scene_, point, path.medium, light, sample, width,
+                                   state.counters);
+        }
+      };
       if (!sample_light(light, point.surface.point, path.path_length, sample)) {
-        ++state.counters.shadow_rays_skipped;
+        leave_out(scene_->skips.unreached_lights);
         return;
       }
       const Color share = scatter.evaluate(sample.wi).share * (portable::kPi * sample.factor);
       const Color arriving = light.intensity * share;
       if (is_black(arriving)) {
-        ++state.counters.shadow_rays_skipped;
+        leave_out(scene_->skips.dark_shadow_rays);
         return;
       }
       Color visible = kWhite;
@@ -202,7 +234,9 @@ class PathTracer final : public Integrator {
                                           width, state.counters);
       }
       sum += arriving * visible;
-    });
+    };
+    state.counters.lights_culled +=
+        scene_->for_each_light(point.surface.instance, point.surface.point, add_light);
     path.sum += path.throughput * sum;
   }
 
@@ -211,14 +245,15 @@ class PathTracer final : public Integrator {
                          double width, TraceState& state) const {
     if (!(there.density > 0)) return kBlack;
     const BsdfValue value = scatter.evaluate(there.wi);
-    if (is_black(value.share)) {
+    const bool is_dark = is_black(value.share);
+    if (is_dark && scene_->skips.dark_shadow_rays) {
       ++state.counters.shadow_rays_skipped;
       return kBlack;
     }
     const Ray ray = origins.spawn(there.wi);
     const Color visible =
         ray_visibility<kRich>(*scene_, point, ray, path.medium, width, state.counters);
-    if (is_black(visible)) return kBlack;
+    if (is_black(visible) || is_dark) return kBlack;
     return background(ray) * value.share * visible *
            (power_heuristic(there.density, value.density) / there.density);
   }
@@ -233,13 +268,14 @@ class PathTracer final : public Integrator {
     // Facing away, or nothing goes that way: no ray.
     BsdfValue value;
     if (!is_black(shine)) value = scatter.evaluate(wi);
-    if (is_black(value.share)) {
+    const bool is_dark = is_black(value.share);
+    if (is_dark && scene_->skips.dark_shadow_rays) {
       ++state.counters.shadow_rays_skipped;
       return kBlack;
     }
     const Color visible =
         point_visibility<kRich>(*scene_, point, origins, path.medium, there, width, state.counters);
-    if (is_black(visible)) return kBlack;
+    if (is_black(visible) || is_dark) return kBlack;
     const double weight = power_heuristic(density, value.density);
     return shine * value.share * visible * (weight / density);
   }

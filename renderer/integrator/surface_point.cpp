@@ -45,6 +45,16 @@ TexturePoint texture_point(const Scene& scene, const Ray& ray, double width,
   return at;
 }
 
+/// Where nothing is looked up.
+void skip_texture_point(const Scene& scene, const Ray& ray, double width, const SurfacePoint& point,
+                        TraceCounters& counters) {
+  if (scene.skips.texture_points) {
+    ++counters.texture_points_skipped;
+    return;
+  }
+  keep_result(texture_point(scene, ray, width, point));
+}
+
 Hit in_instance(Hit hit, uint32_t instance_index) {
   hit.instance = instance_index;
   return hit;
@@ -69,14 +79,22 @@ SurfacePoint::SurfacePoint(const Scene& scene, uint32_t instance_index, const Ra
   }
 }
 
-void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfacePoint& point) {
-  if (point.material->inputs == kNoMaterialInputs || point.is_hidden) return;
+void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfacePoint& point,
+                      TraceCounters& counters) {
+  if (point.material->inputs == kNoMaterialInputs || point.is_hidden) {
+    skip_texture_point(scene, ray, width, point, counters);
+    return;
+  }
   const MaterialInputs& inputs = scene.inputs[point.material->inputs];
   SurfaceInteraction& s = point.surface;
   point.resolved = *point.material;
   point.material = &*point.resolved;
   TexturePoint at;
-  if (inputs.needs_point()) at = texture_point(scene, ray, width, point);
+  if (inputs.needs_point()) {
+    at = texture_point(scene, ray, width, point);
+  } else {
+    skip_texture_point(scene, ray, width, point, counters);
+  }
   VertexColor vertex{s.vertex_color, s.vertex_alpha, s.has_vertex_color};
   resolve_material(inputs, at, scene.textures, vertex, *point.resolved);
   s.vertex_alpha = vertex.alpha;

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "renderer/integrator/integrator.h"
 #include "renderer/scene/scene.h"
 #include "renderer/shapes/surface_interaction.h"
 
@@ -26,7 +27,8 @@ struct SurfacePoint {
 
 /// Looks the material's textures up at the point, where it has any. Only scenes with rich materials
 /// need it. `width`, in metres, is that of the patch across the ray that the point stands for.
-void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfacePoint& point);
+void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfacePoint& point,
+                      TraceCounters& counters);
 
 /// The absorption per metre along a ray up to the point, in front of which it was in `medium`: a
 /// ray that meets a back face came through that material; else through what it last entered.

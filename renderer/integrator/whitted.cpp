@@ -61,7 +61,7 @@ class WhittedIntegrator final : public Integrator {
     const double path_length = segment.path_length + hit.t;
     SurfacePoint point(*scene_, hit.instance, ray, hit);
     if constexpr (kRich) {
-      look_up_textures(*scene_, ray, cone_width(*scene_, path_length), point);
+      look_up_textures(*scene_, ray, cone_width(*scene_, path_length), point, state.counters);
     }
     Color throughput = segment.throughput;
     Color medium = kBlack;
@@ -101,6 +101,13 @@ class WhittedIntegrator final : public Integrator {
   }
   static bool branches(const Material& material) { return bends(material) || material.is_mirror(); }
 
+  /// Not followed, which counts.
+  bool is_faint(const Color& throughput, TraceState& state) const {
+    if (!(max_component(throughput) < kNegligible) || !scene_->skips.faint_branches) return false;
+    ++state.counters.branches_skipped;
+    return true;
+  }
+
   double grain(const Material& material, const PathSegment& segment, const SampleKey& key) const {
     const auto use = static_cast<SampleUse>(static_cast<uint32_t>(SampleUse::grain) +
                                             segment.depth + segment.passes);
@@ -111,7 +118,7 @@ class WhittedIntegrator final : public Integrator {
                      TraceState& state) const {
     PathSegment next = end;
     next.throughput = end.throughput * through;
-    if (max_component(next.throughput) < kNegligible) return;
+    if (is_faint(next.throughput, state)) return;
     if (end.passes >= kMaxPasses) {
       ++state.counters.paths_cut;
       return;
@@ -165,7 +172,7 @@ class WhittedIntegrator final : public Integrator {
                      .path_length = end.path_length,
                      .depth = end.depth + 1,
                      .passes = end.passes};
-    if (max_component(next.throughput) < kNegligible) return kBlack;
+    if (is_faint(next.throughput, state)) return kBlack;
     if (end.depth >= scene_->settings.max_depth) {
       return scene_->settings.background_at_max_depth ? next.throughput * background(next.ray)
                                                       : kBlack;

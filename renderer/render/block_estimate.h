@@ -18,9 +18,11 @@ namespace tessera {
 /// and more where they are better: 1.8 times that on edges, 3 times on edges along an axis. A fluke
 /// of few pixels does not pass: what edges would have counts as much as the differences of four.
 ///
-/// What was not seen is not known to be absent. One block in 16 is taken to hide a feature of
+/// Errors of a pixel brighter than display white count in proportion to it.
+///
+/// What was not seen is not known to be absent. One block in 64 is taken to hide a feature of
 /// display white that all its samples miss with chance 1/e, so that no block passes by having no
-/// variance; and for each pixel, the block's other samples count as four more of its own.
+/// variance; and for each pixel, the block's other samples count as six more of its own.
 class BlockEstimate {
  public:
   static constexpr int kMaxPixels = kBlockSide * kBlockSide;
@@ -34,7 +36,7 @@ class BlockEstimate {
   void look(uint32_t samples);
 
   /// Of the latest look: root mean square of the pixels' means' standard errors over the block and
-  /// the three channels.
+  /// the three channels; of a pixel brighter than display white in proportion to it.
   double standard_error() const;
   /// Of one pixel's mean, over the three channels: the block's, in the ratio of what its samples
   /// vary. Of the pixels that vary at all, 95 % are to lie within 1.96 times this of the truth.
@@ -52,6 +54,7 @@ class BlockEstimate {
   size_t count_;
   std::array<double, kMaxPixels> spread_{};  ///< of each pixel, over the block's mean
   double variance_ = 0, unseen_ = 0;
+  double unsure_ = 1;  ///< by which a pixel's variance is widened, since little tells it
   bool nets_;
   double gain_squared_;
 };

@@ -54,8 +54,9 @@ class SceneTileRenderer final : public TileRenderer {
       : scene_(std::move(scene)),
         integrator_(make_integrator(scene_)),
         aovs_(scene_),
-        samples_coincide_(all_coincide(*scene_)),
-        adaptive_(scene_->settings.target_error > 0 && !samples_coincide_) {}
+        samples_coincide_(all_coincide(*scene_) && scene_->skips.equal_samples),
+        adaptive_(scene_->settings.target_error > 0 && !samples_coincide_ &&
+                  scene_->skips.converged_blocks) {}
 
   CounterMap build_counters() const override { return scene_->counters; }
 
@@ -68,11 +69,14 @@ class SceneTileRenderer final : public TileRenderer {
     tile.rect = task.rect;
     tile.channels = aovs_.aovs().channels();
     tile.values.resize(static_cast<size_t>(task.rect.area()) * static_cast<size_t>(tile.channels));
-    TraceState state;
+    TileState state;
     TraceState beside_light;
     integrator_->make_room(state);
     tile.counters["rays_background_skipped"] = 0;
     tile.counters["tiles_background"] = intersection(scene_->seen, task.rect).empty() ? 1 : 0;
+    if (scene_->background.is_constant() && !scene_->seen.contains(task.rect)) {
+      state.beyond = pixel_beyond(task);
+    }
     const Output output{task.first_sample, beside_light, tile};
     const bool done = adaptive_ ? render_blocks(task, progress, state, output)
                                 : render_pixels(task, progress, state, output);
@@ -87,15 +91,14 @@ class SceneTileRenderer final : public TileRenderer {
   std::optional<Unseen> unseen(uint32_t sample_count) const override {
     if (!scene_->background.is_constant()) return std::nullopt;
     Unseen unseen{scene_->seen, {}};
-    TraceState state;
     const PixelRect one{0, 0, 1, 1};
     unseen.one_pixel.rect = one;
     unseen.one_pixel.channels = aovs_.aovs().channels();
     unseen.one_pixel.values.resize(static_cast<size_t>(unseen.one_pixel.channels));
-    const SampleSum sum =
-        sum_of(0, 0, {one, 0, sample_count}, state, &SceneTileRenderer::constant_background);
-    put(sum, 0, 0, false, {0, state, unseen.one_pixel});
-    state.counters.add_to(unseen.one_pixel.counters);
+    const PixelBeyond pixel = pixel_beyond({one, 0, sample_count});
+    TraceState beside_light;
+    put(pixel.sum, 0, 0, false, {0, beside_light, unseen.one_pixel});
+    pixel.counters.add_to(unseen.one_pixel.counters);
     unseen.one_pixel.counters["rays_background_skipped"] = sample_count;
     unseen.one_pixel.counters["tiles_background"] = 1;
     return unseen;
@@ -110,9 +113,30 @@ class SceneTileRenderer final : public TileRenderer {
     TraceState& beside_light;  ///< what AOVs cost
     TilePixels& tile;
   };
+  /// A pixel past everything before a background of one colour: all of them are alike.
+  struct PixelBeyond {
+    SampleSum sum;
+    TraceCounters counters;
+  };
+  struct TileState : TraceState {
+    PixelBeyond beyond;  ///< set where the tile may have some and the background has one colour
+  };
+  PixelBeyond pixel_beyond(const RenderTask& task) const {
+    TraceState state;
+    const SampleSum sum = sum_of(0, 0, task, state, &SceneTileRenderer::constant_background);
+    return {sum, state.counters};
+  }
+  /// Its samples, counted as if they had been worked out anew.
+  static const SampleSum& sum_beyond(TileState& state) {
+    const TraceCounters& counters = state.beyond.counters;
+    state.counters.samples += counters.samples;
+    state.counters.samples_skipped += counters.samples_skipped;
+    state.counters.nan_samples += counters.nan_samples;
+    return state.beyond.sum;
+  }
 
   /// Whether it was not cancelled.
-  bool render_pixels(const RenderTask& task, TileProgress& progress, TraceState& state,
+  bool render_pixels(const RenderTask& task, TileProgress& progress, TileState& state,
                      const Output& output) const {
     uint64_t unseen_pixels = 0;
     uint64_t work_done = progress.work_done.load(std::memory_order_relaxed);
@@ -122,7 +146,11 @@ class SceneTileRenderer final : public TileRenderer {
         if (progress.cancelled.load(std::memory_order_relaxed)) return false;
         const bool seen = is_seen(x, y);
         if (!seen) ++unseen_pixels;
-        put(sum_of(x, y, task, state, way_of(seen)), x, y, seen, output);
+        if (seen || !scene_->background.is_constant()) {
+          put(sum_of(x, y, task, state, way_of(seen)), x, y, seen, output);
+        } else {
+          put(sum_beyond(state), x, y, seen, output);
+        }
         progress.work_done.store(++work_done, std::memory_order_relaxed);
       }
     }
@@ -143,7 +171,7 @@ class SceneTileRenderer final : public TileRenderer {
     uint64_t background = 0, saved = 0, stopped = 0;
   };
 
-  bool render_blocks(const RenderTask& task, TileProgress& progress, TraceState& state,
+  bool render_blocks(const RenderTask& task, TileProgress& progress, TileState& state,
                      const Output& output) const {
     const PixelRect frame{0, 0, scene_->settings.width, scene_->settings.height};
     // What is traced for the decision alone is counted apart: the rest does not depend on how the
@@ -168,7 +196,7 @@ class SceneTileRenderer final : public TileRenderer {
   }
 
   bool render_block(const PixelRect& block, const RenderTask& task, TileProgress& progress,
-                    TraceState& state, TraceState& beside, BlockCounters& counters,
+                    TileState& state, TraceState& beside, BlockCounters& counters,
                     const Output& output) const {
     std::array<BlockPixel, BlockEstimate::kMaxPixels> pixels;
     const size_t count = begin_block(block, task, state, counters, output, pixels);
@@ -195,7 +223,7 @@ class SceneTileRenderer final : public TileRenderer {
       if (done < 2 || !is_power_of_two(done)) continue;
       estimate.look(done);
       converged = done >= scene_->settings.min_samples &&
-                  estimate.standard_error() < scene_->settings.target_error;
+                  estimate.standard_error() < error_after(done, task.sample_count);
     }
     const bool early = count > 0 && done < task.sample_count;
     if (early && contains_pixel(task.rect, block.x0, block.y0)) ++counters.stopped;
@@ -208,9 +236,18 @@ class SceneTileRenderer final : public TileRenderer {
     return true;
   }
 
+  /// Below this a block may stop: the target where all samples were taken, and less the fewer were.
+  /// By the root of their number: then what one sample more takes off the square error, which is
+  /// about that error / n, is the same for all blocks when they stop, and no other shares of as
+  /// many samples make a better picture.
+  double error_after(uint32_t done, uint32_t most) const {
+    const double all = std::min(most, kDefaultMostSamples);
+    return scene_->settings.target_error * std::min(1.0, std::sqrt(done / all));
+  }
+
   /// The pixels that the decision is about. Those past everything, where all such pixels are alike,
   /// are not: they have all their samples, as where a whole tile is filled with them.
-  size_t begin_block(const PixelRect& block, const RenderTask& task, TraceState& state,
+  size_t begin_block(const PixelRect& block, const RenderTask& task, TileState& state,
                      BlockCounters& counters, const Output& output,
                      std::array<BlockPixel, BlockEstimate::kMaxPixels>& pixels) const {
     size_t count = 0;
@@ -220,7 +257,7 @@ class SceneTileRenderer final : public TileRenderer {
         if (seen || !scene_->background.is_constant()) {
           pixels[count++] = {x, y, wanted, seen, empty_sum()};
         } else if (wanted) {
-          put(sum_of(x, y, task, state, way_of(seen)), x, y, seen, output);
+          put(sum_beyond(state), x, y, seen, output);
           counters.background += task.sample_count;
         }
       }
@@ -259,11 +296,9 @@ class SceneTileRenderer final : public TileRenderer {
   bool is_seen(int x, int y) const { return scene_->seen.contains({x, y, x + 1, y + 1}); }
 
   /// How a pixel's samples are found. Of one past everything they are what tracing would give,
-  /// without tracing; where all such pixels are alike not even a ray is made.
+  /// without tracing.
   SampleFunction way_of(bool seen) const {
-    return seen                               ? &SceneTileRenderer::trace
-           : scene_->background.is_constant() ? &SceneTileRenderer::constant_background
-                                              : &SceneTileRenderer::look_past;
+    return seen ? &SceneTileRenderer::trace : &SceneTileRenderer::look_past;
   }
 
   Sample trace(const SampleKey& key, TraceState& state) const {
@@ -320,8 +355,10 @@ class SceneTileRenderer final : public TileRenderer {
 std::shared_ptr<const TileRenderer> make_tile_renderer(const v1::Scene& scene,
                                                        const BlobStore& blobs,
                                                        const v1::FrameSettings& frame, int threads,
-                                                       const SharedArena* arena) {
-  return std::make_shared<SceneTileRenderer>(build_scene(scene, blobs, frame, threads, arena));
+                                                       const SharedArena* arena,
+                                                       const Skips& skips) {
+  return std::make_shared<SceneTileRenderer>(
+      build_scene(scene, blobs, frame, threads, arena, skips));
 }
 
 }  // namespace tessera

@@ -9,6 +9,7 @@
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
 #include "renderer/film/tile.h"
+#include "renderer/scene/skips.h"
 
 namespace tessera {
 
@@ -38,10 +39,11 @@ class TileRenderer {
 
 /// Builds what tracing this frame needs. Throws Error where the scene is wrong. `threads` is how
 /// many it may use to build; trees are shared with other processes in `arena`, if there is one,
-/// which must outlive the tracer. Neither changes the result.
+/// which must outlive the tracer. Neither changes the result. `skips` are for measuring.
 std::shared_ptr<const TileRenderer> make_tile_renderer(const v1::Scene& scene,
                                                        const BlobStore& blobs,
                                                        const v1::FrameSettings& frame, int threads,
-                                                       const SharedArena* arena = nullptr);
+                                                       const SharedArena* arena = nullptr,
+                                                       const Skips& skips = {});
 
 }  // namespace tessera

@@ -26,7 +26,8 @@ Occluders make_occluders(std::span<const Instance> instances, const std::vector<
   }
   const auto make = [&](std::vector<Instance> of) -> std::shared_ptr<const Accelerator> {
     if (of.empty()) return nullptr;
-    return make_instance_accelerator(std::move(of), settings.kind, settings.threads);
+    return make_instance_accelerator(std::move(of), settings.kind, settings.threads,
+                                     settings.scan_few);
   };
   result.opaque = is_as_all && opaque.size() == instances.size() ? all : make(std::move(opaque));
   result.clear = make(std::move(clear));

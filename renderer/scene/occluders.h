@@ -22,6 +22,7 @@ struct Occluders {
 struct TreeSettings {
   AcceleratorKind kind = AcceleratorKind::bvh;
   int threads = 1;
+  bool scan_few = true;
 };
 
 /// Those of `instances` that `counts` says; `is_clear` is one an instance. `all` is the tree of all

@@ -68,7 +68,8 @@ BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSou
   built.shape = built.is_deferred
                     ? make_deferred_mesh_shape(std::move(mesh), source.accelerator, source.threads,
                                                source.deferred, shared)
-                    : make_mesh_shape(std::move(mesh), source.accelerator, source.threads, shared);
+                    : make_mesh_shape(std::move(mesh), source.accelerator, source.threads, shared,
+                                      source.scan_few);
   return built;
 }
 

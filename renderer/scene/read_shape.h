@@ -27,6 +27,7 @@ struct ShapeSource {
   KeptAttributes keep{};
   std::shared_ptr<BuildCount> deferred{};  ///< where set, trees are built when first needed
   const SharedArena* arena = nullptr;      ///< where set, trees are shared in it
+  bool scan_few = true;                    ///< what is too small for a tree gets none
 };
 
 /// A built shape, and what building it left out.

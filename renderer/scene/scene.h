@@ -12,8 +12,10 @@
 #include "renderer/film/tile.h"
 #include "renderer/sampler/sampler.h"
 #include "renderer/scene/area_lights.h"
+#include "renderer/scene/light_reach.h"
 #include "renderer/scene/occluders.h"
 #include "renderer/scene/read_settings.h"
+#include "renderer/scene/skips.h"
 #include "renderer/shading/background.h"
 #include "renderer/shading/environment_sampler.h"
 #include "renderer/shading/glass_albedo.h"
@@ -36,12 +38,15 @@ struct SceneFeatures {
   bool secondary = false;  ///< mirrors, transparency, absorption, surfaces without back faces
   bool rich = false;       ///< materials with textures, or of other models than classic and unlit
   bool lambert = false;    ///< no material but classic ones that only scatter evenly or shine
+
+  int absent() const { return !shadows + !secondary + !rich + lambert; }
 };
 
 /// One frame, ready to be traced: made of exactly what its picture depends on. Immutable once built
 /// and shared by threads.
 struct Scene {
   RenderSettings settings;
+  Skips skips;
   std::optional<Camera> camera;    ///< always there once built
   std::optional<Sampler> sampler;  ///< always there once built
   Background background;
@@ -56,7 +61,7 @@ struct Scene {
   std::vector<Instance> instances;
   std::vector<InstanceShading> shading;  ///< one an instance
   std::vector<Light> lights;
-  std::vector<uint32_t> global_lights;               ///< ascending indices into lights
+  LightReach global_lights;                          ///< indices into lights
   std::vector<std::vector<uint32_t>> scoped_lights;  ///< the others of each scope, ascending
 
   // For the path integrator.
@@ -82,16 +87,19 @@ struct Scene {
     const uint32_t slot = index < s.material_count ? index : s.material_count - 1;
     return materials[material_slots[s.first_material + slot]];
   }
-  /// Calls `visit` with the index of each light that reaches the instance, in ascending order.
+  /// Calls `visit` with the index of each light that reaches the instance and may reach the point,
+  /// in ascending order. Returns how many of the first do not reach the point.
   template <typename Visit>
-  void for_each_light(uint32_t instance, const Visit& visit) const {
+  uint64_t for_each_light(uint32_t instance, const Point3& point, const Visit& visit) const {
+    const std::span<const uint32_t> globals = global_lights.at(point);
     auto scoped = scoped_lights[shading[instance].light_set].begin();
     const auto end = scoped_lights[shading[instance].light_set].end();
-    for (const uint32_t global : global_lights) {
+    for (const uint32_t global : globals) {
       for (; scoped != end && *scoped < global; ++scoped) visit(*scoped);
       visit(global);
     }
     for (; scoped != end; ++scoped) visit(*scoped);
+    return global_lights.all().size() - globals.size();
   }
 };
 

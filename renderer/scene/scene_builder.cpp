@@ -15,6 +15,7 @@
 #include "renderer/scene/read_shading.h"
 #include "renderer/scene/read_shape.h"
 #include "renderer/scene/scene_graph.h"
+#include "renderer/scene/seen_rect.h"
 
 namespace tessera {
 
@@ -29,41 +30,22 @@ struct ShapeMaterials {
   Cull cull = Cull::none;
 };
 
-/// The pixels that the corners of the scene's box span, for the box is convex. The margin of a
-/// pixel is far above the rounding errors of projecting and of tracing.
-PixelRect seen_rect(const Scene& scene) {
-  const RenderSettings& settings = scene.settings;
-  const PixelRect frame{0, 0, settings.width, settings.height};
-  if (!scene.surfaces) return {};
-  if (scene.camera->lens_samples() > 0) return frame;  // what is out of focus spreads
-  const Bounds3 box = scene.surfaces->bounds();
-  Vec2 low{1e30, 1e30}, high{-1e30, -1e30};
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto raster = scene.camera->raster_of({corner & 1 ? box.max.x : box.min.x,
-                                                 corner & 2 ? box.max.y : box.min.y,
-                                                 corner & 4 ? box.max.z : box.min.z});
-    if (!raster || !std::isfinite(raster->x) || !std::isfinite(raster->y)) return frame;
-    low = {std::min(low.x, raster->x), std::min(low.y, raster->y)};
-    high = {std::max(high.x, raster->x), std::max(high.y, raster->y)};
-  }
-  const double margin = 1 + settings.sampler.filter_radius;
-  const auto inside = [](double v, int side) {
-    return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(side)));
-  };
-  return {
-      inside(std::floor(low.x - margin), frame.x1), inside(std::floor(low.y - margin), frame.y1),
-      inside(std::ceil(high.x + margin), frame.x1), inside(std::ceil(high.y + margin), frame.y1)};
-}
-
 class SceneBuilder {
  public:
   SceneBuilder(const v1::Scene& description, const BlobStore& blobs, const v1::FrameSettings& frame,
-               int threads, const SharedArena* arena)
+               int threads, const SharedArena* arena, const Skips& skips)
       : description_(description),
         frame_(frame),
-        source_{.blobs = blobs, .accelerator = {}, .threads = threads, .arena = arena},
+        source_{.blobs = blobs,
+                .accelerator = {},
+                .threads = threads,
+                .keep = {.normals = true, .uvs = true, .colors = true},
+                .arena = arena,
+                .scan_few = skips.small_trees},
         textures_(description, blobs),
-        materials_(description, textures_) {}
+        materials_(description, textures_) {
+    scene_->skips = skips;
+  }
 
   std::shared_ptr<const Scene> build() {
     if (description_.includes_size() > 0) {
@@ -165,12 +147,15 @@ class SceneBuilder {
     scene_->lights = graph_.lights;
     // A glowing background looks at every light, but a black one lights no surface.
     const auto is_dark = [&](uint32_t i) {
-      return is_black(scene_->lights[i].intensity) && is_black(scene_->lights[i].ambient);
+      return scene_->skips.dark_lights && is_black(scene_->lights[i].intensity) &&
+             is_black(scene_->lights[i].ambient);
     };
-    scene_->global_lights = std::move(graph_.global_lights);
+    std::vector<uint32_t> globals = std::move(graph_.global_lights);
     scene_->scoped_lights = std::move(graph_.scopes);
-    std::erase_if(scene_->global_lights, is_dark);
-    std::sort(scene_->global_lights.begin(), scene_->global_lights.end());
+    scene_->counters["lights_dark"] = std::erase_if(globals, is_dark);
+    std::sort(globals.begin(), globals.end());
+    scene_->global_lights =
+        LightReach(scene_->lights, std::move(globals), scene_->skips.distant_lights);
     for (std::vector<uint32_t>& scope : scene_->scoped_lights) {
       std::erase_if(scope, is_dark);
       std::sort(scope.begin(), scope.end());
@@ -197,11 +182,15 @@ class SceneBuilder {
     }
     choose_integrator(choice);
     for (ShapeMaterials& entry : shape_materials_) classify(entry);
-    scene_->features.lambert = true;
+    const bool as_absent = scene_->skips.absent_features;
+    scene_->features.rich = scene_->features.secondary = !as_absent;
+    scene_->features.lambert = as_absent;
     for (const Material& material : materials_.materials()) {
       scene_->features.rich |= material.is_rich();
       scene_->features.lambert &= material.is_lambert();
     }
+    for (const v1::Texture& texture : description_.textures())
+      if (!scene_->skips.unused_textures) textures_.use({.kind = "scene"}, texture.name());
     scene_->materials = materials_.take();
     scene_->inputs = materials_.take_inputs();
     texture_count_ = textures_.size();
@@ -266,13 +255,14 @@ class SceneBuilder {
     // The only mesh is hit, if the picture shows anything. Of several some may not be.
     const auto meshes = std::count_if(graph_.shapes.begin(), graph_.shapes.end(),
                                       [](const GraphShape& s) { return s.shape->has_mesh(); });
-    if (meshes > 1) scene_->built_when_hit = std::make_shared<BuildCount>(0);
+    if (meshes > 1 && scene_->skips.unhit_meshes)
+      scene_->built_when_hit = std::make_shared<BuildCount>(0);
     const auto build_one = [&](size_t i, int threads) {
       const Where where{.kind = graph_.shapes[i].path.c_str()};
       const v1::Shape& shape = *graph_.shapes[i].shape;
       ShapeSource source = source_;
       source.threads = threads;
-      source.keep = shape_materials_[i].keep;
+      if (scene_->skips.unused_attributes) source.keep = shape_materials_[i].keep;
       source.deferred = scene_->built_when_hit;
       shapes_[i] =
           shape.has_csg() ? read_csg(csg_plans_[i], source) : read_shape(where, shape, source);
@@ -302,7 +292,7 @@ class SceneBuilder {
                                    .flip_normals = graph_.shapes[in.shape].shape->flip_normals()});
       scene_->shading.push_back({materials.first, materials.count, in.scope});
       instance_shapes_.push_back(in.shape);
-      is_clear_.push_back(materials.is_clear);
+      is_clear_.push_back(materials.is_clear || !scene_->skips.opaque_as_clear);
       scene_->features.secondary |= materials.has_secondary;
     }
   }
@@ -319,18 +309,20 @@ class SceneBuilder {
   void build_accelerators() {
     const std::vector<Instance>& instances = scene_->instances;
     if (instances.empty()) return;
-    const TreeSettings settings{source_.accelerator, source_.threads};
-    scene_->surfaces = make_instance_accelerator(instances, settings.kind, settings.threads);
+    const TreeSettings settings{source_.accelerator, source_.threads, source_.scan_few};
+    scene_->surfaces =
+        make_instance_accelerator(instances, settings.kind, settings.threads, settings.scan_few);
     const auto occluders_of = [&](const std::vector<bool>& counts) {
       return make_occluders(instances, is_clear_, counts, scene_->surfaces, settings);
     };
     std::vector<bool> casts(instances.size());
     const bool has_shadows = std::any_of(scene_->lights.begin(), scene_->lights.end(),
                                          [](const Light& light) { return light.casts_shadow; });
+    scene_->features.shadows = !scene_->skips.absent_features;
     for (size_t i = 0; has_shadows && i < instances.size(); ++i) {
       if (!instances[i].casts_shadow) continue;
       scene_->features.shadows = true;
-      casts[i] = !shades_nothing(instances[i], scene_->lights);
+      casts[i] = !scene_->skips.shadowless_planes || !shades_nothing(instances[i], scene_->lights);
       if (!casts[i]) ++scene_->counters["planes_without_shadow"];
     }
     if (scene_->features.shadows) scene_->occluders = occluders_of(casts);
@@ -353,6 +345,7 @@ class SceneBuilder {
     counters["nodes_flat"] = graph_.flat_nodes;
     counters["textures_total"] = static_cast<uint64_t>(description_.textures_size());
     counters["textures_used"] = texture_count_;
+    counters["textures_skipped"] = counters["textures_total"] - texture_count_;
     counters["texture_bytes"] = textures_.texel_bytes();
     uint64_t& mesh_bytes = counters["mesh_bytes"];
     uint64_t& mesh_bytes_dropped = counters["mesh_bytes_dropped"];
@@ -360,6 +353,11 @@ class SceneBuilder {
     uint64_t& triangles = counters["triangles"];
     uint64_t& dropped = counters["triangles_dropped"];
     uint64_t& deferred = counters["mesh_builds_deferred"];
+    uint64_t& scans = counters["small_trees_skipped"];
+    for (const Accelerator* tree :
+         {scene_->surfaces.get(), scene_->occluders.clear.get(),
+          scene_->occluders.opaque == scene_->surfaces ? nullptr : scene_->occluders.opaque.get()})
+      scans += tree != nullptr && tree->statistics().leaves == 0 ? 1 : 0;
     for (const BuiltShape& built : shapes_) {
       triangles += built.triangles;
       dropped += built.triangles_dropped;
@@ -368,6 +366,9 @@ class SceneBuilder {
       mesh_bytes_dropped += built.bytes_dropped;
       attributes_dropped += built.attributes_dropped;
     }
+    counters["features_absent"] = static_cast<uint64_t>(scene_->features.absent());
+    counters["instances_opaque"] =
+        static_cast<uint64_t>(std::count(is_clear_.begin(), is_clear_.end(), false));
     if (graph_.flat_nodes > 0) {
       spdlog::warn("{} nodes are scaled to nothing or out of range: left out", graph_.flat_nodes);
     }
@@ -393,8 +394,8 @@ class SceneBuilder {
 
 std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
                                          const v1::FrameSettings& frame, int threads,
-                                         const SharedArena* arena) {
-  return SceneBuilder(description, blobs, frame, threads, arena).build();
+                                         const SharedArena* arena, const Skips& skips) {
+  return SceneBuilder(description, blobs, frame, threads, arena, skips).build();
 }
 
 }  // namespace tessera

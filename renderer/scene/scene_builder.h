@@ -13,8 +13,10 @@ namespace tessera {
 /// Builds the frame's scene. Throws a scene error where the description is wrong, or names an
 /// integrator, camera or accelerator that there is not. `threads` do not change the result, nor
 /// does `arena`, in which trees are shared if it is not null and which must outlive the scene.
+/// `skips` change no picture beyond what docs/skipping.md says.
 std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
                                          const v1::FrameSettings& frame, int threads,
-                                         const SharedArena* arena = nullptr);
+                                         const SharedArena* arena = nullptr,
+                                         const Skips& skips = {});
 
 }  // namespace tessera

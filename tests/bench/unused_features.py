@@ -57,6 +57,9 @@ DELETIONS = [
     ("lights without shadows", DIRECT, "if (light.casts_shadow)\n", "if (true)\n"),
     ("half-Lambert and signed Lambert", MATERIAL,
      "} else if (material.diffuse_model == DiffuseModel::half_lambert) {", "} else if (false) {"),
+    ("the switch of shadow rays left out", DIRECT, "      if (skips) {", "      if (true) {"),
+    ("that of faint branches", WHITTED, " || !scene_->skips.faint_branches", ""),
+    ("that of texture points", POINT, "if (scene.skips.texture_points) {", "if (true) {"),
     ("the one or the other", MATERIAL, "if (material.diffuse_model == DiffuseModel::lambert) {",
      "if (true) {"),
 ]

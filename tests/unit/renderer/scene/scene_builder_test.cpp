@@ -47,12 +47,12 @@ TEST(Scene, scopes_hold_their_own_lights_only) {
     text += "nodes { light { point {} } } ";
   }
   const auto scene = build(text);
-  EXPECT_EQ(scene->global_lights.size(), 4u);
+  EXPECT_EQ(scene->global_lights.all().size(), 4u);
   ASSERT_EQ(scene->scoped_lights.size(), 4u);
   for (size_t i = 0; i < 4; ++i) EXPECT_EQ(scene->scoped_lights[i].size(), i == 0 ? 0u : 1u);
   for (uint32_t instance = 0; instance < 4; ++instance) {
     std::vector<uint32_t> seen;
-    scene->for_each_light(instance, [&](uint32_t light) { seen.push_back(light); });
+    scene->for_each_light(instance, Point3{}, [&](uint32_t light) { seen.push_back(light); });
     EXPECT_EQ(seen.size(), instance == 0 ? 4u : 5u);
     EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
   }

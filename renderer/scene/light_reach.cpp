@@ -1,0 +1,92 @@
+#include "renderer/scene/light_reach.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera {
+
+namespace {
+
+/// Below this many that end, asking each is as fast.
+constexpr size_t kFewLights = 4;
+/// References in all cells, at most.
+constexpr size_t kMostReferences = size_t{1} << 22;
+constexpr int kMostCells = 32;
+/// Of all lengths: far above the rounding of a distance.
+constexpr double kMargin = 1e-9;
+
+bool ends(const Light& light) {
+  const bool is_placed = light.kind == LightKind::point || light.kind == LightKind::spot;
+  return is_placed && std::isfinite(light.radius / light.frame_scale) &&
+         (light.ambient_attenuated || is_black(light.ambient));
+}
+
+double reach_of(const Light& light) {
+  const double far = std::max(
+      {std::abs(light.position.x), std::abs(light.position.y), std::abs(light.position.z)});
+  const double radius = light.radius / light.frame_scale;
+  return radius + kMargin * (radius + far);
+}
+
+/// Cells along an axis: about eight for each light.
+int side_for(size_t lights) {
+  const size_t cells = std::min(8 * lights, kMostReferences / lights);
+  return std::clamp(static_cast<int>(std::cbrt(static_cast<double>(cells))), 1, kMostCells);
+}
+
+}  // namespace
+
+LightReach::LightReach(std::span<const Light> lights, std::vector<uint32_t> indices,
+                       bool is_sorted_out)
+    : all_(std::move(indices)) {
+  for (const uint32_t i : all_) {
+    if (!ends(lights[i])) {
+      endless_.push_back(i);
+      continue;
+    }
+    const Vec3 reach = Vec3{1, 1, 1} * reach_of(lights[i]);
+    box_.extend(Bounds3{lights[i].position - reach, lights[i].position + reach});
+  }
+  const size_t ending = all_.size() - endless_.size();
+  if (!is_sorted_out || ending < kFewLights || !is_finite(box_.max - box_.min)) return;
+  side_ = side_for(ending);
+  fill(lights);
+}
+
+void LightReach::fill(std::span<const Light> lights) {
+  const Vec3 cell = (box_.max - box_.min) / side_;
+  first_.push_back(0);
+  for (int z = 0; z < side_; ++z) {
+    for (int y = 0; y < side_; ++y) {
+      for (int x = 0; x < side_; ++x) {
+        const Point3 low = box_.min + Vec3{cell.x * x, cell.y * y, cell.z * z};
+        for (const uint32_t i : all_) {
+          double squares = 0;  // of the distance from the cell
+          for (int a = 0; a < 3; ++a) {
+            const double below = low[a] - lights[i].position[a];
+            const double above = lights[i].position[a] - (low[a] + cell[a]);
+            const double apart = std::max({below, above, 0.0}) - kMargin * cell[a];
+            squares += apart > 0 ? apart * apart : 0;
+          }
+          const double reach = ends(lights[i]) ? reach_of(lights[i]) : Bounds3::kInfinity;
+          if (squares <= reach * reach) lists_.push_back(i);
+        }
+        first_.push_back(static_cast<uint32_t>(lists_.size()));
+      }
+    }
+  }
+}
+
+std::span<const uint32_t> LightReach::at_cell(const Point3& p) const {
+  size_t number = 0;
+  for (int a = 2; a >= 0; --a) {
+    const double at = (p[a] - box_.min[a]) / (box_.max[a] - box_.min[a]);
+    if (at < 0 || at > 1) return endless_;
+    if (!(at >= 0)) return all_;  // not a number
+    number = number * static_cast<size_t>(side_) +
+             static_cast<size_t>(std::min(static_cast<int>(at * side_), side_ - 1));
+  }
+  return std::span(lists_).subspan(first_[number], first_[number + 1] - first_[number]);
+}
+
+}  // namespace tessera
