@@ -5,6 +5,7 @@ import json
 import os
 import pty
 import signal
+import socket
 import struct
 import termios
 import unittest
@@ -174,11 +175,19 @@ class Farm(TesseraTest):
         scene = self.write("scene.tessera", scenes.ONE_SPHERE)
         result = self.run_program("render", scene, "--connect", "tcp://127.0.0.1:1")
         self.assertEqual(3, result.code)
+        self.assertIn("nothing listens at tcp://127.0.0.1:1", result.err.splitlines()[-1])
+
+    def test_somebody_there_who_says_nothing(self):
+        scene = self.write("scene.tessera", scenes.ONE_SPHERE)
+        with socket.create_server(("127.0.0.1", 0)) as mute:
+            endpoint = f"tcp://127.0.0.1:{mute.getsockname()[1]}"
+            result = self.run_program("render", scene, "--connect", endpoint)
+        self.assertEqual(3, result.code)
         lines = result.err.splitlines()
-        self.assertIn("tcp://127.0.0.1:1", lines[-1])
+        self.assertIn(endpoint, lines[-1])
         self.assertLess(1, len(lines))
         for line in lines[:-1]:
-            self.assertIn("waiting for the coordinator at tcp://127.0.0.1:1", line)
+            self.assertIn(f"waiting for the coordinator at {endpoint}", line)
 
 
 class Terminal(TesseraTest):
