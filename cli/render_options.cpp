@@ -70,7 +70,7 @@ void add_sampling_options(CLI::App& command, RenderOptions& options) {
             static_cast<uint32_t>(parse_whole("--spp", text, 1, kMaxSamplesPerPixel));
       });
   add("--target-error", "E",
-      "Sample each block of 8x8 pixels until its estimated standard error is below E, 1 being "
+      "Sample each block of 4x4 pixels until its estimated standard error is below E, 1 being "
       "display white; 0: all samples everywhere [the scene's, or 0]",
       [&options](const std::string& text) {
         options.target_error = parse_number("--target-error", text);

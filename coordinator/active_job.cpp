@@ -111,6 +111,9 @@ void ActiveJob::keep(uint32_t tile) {
 
 void ActiveJob::keep_rest() {
   try {
+    for (; !undropped_.empty(); undropped_.pop_back()) {
+      keeping_.store->drop(key_, assembler_.tiles()[undropped_.back()]);
+    }
     while (!unkept_.empty()) {
       const uint32_t next = unkept_.back();
       FinishedTile finished{assembler_.tiles()[next], {}};
@@ -135,7 +138,9 @@ void ActiveJob::reopen(uint32_t tile) {
   verifier_.forget(tile);
   filled_.erase(tile);
   std::erase(unkept_, tile);
-  if (keeping_.store) keeping_.store->drop(key_, assembler_.tiles()[tile]);
+  if (!keeping_.store) return;
+  undropped_.push_back(tile);
+  keep_rest();
 }
 
 SchedulerEvents ActiveJob::note_band(const v1::TileBand& band, WorkerId from, bool was_complete) {

@@ -87,7 +87,7 @@ class ActiveJob {
   void keep_rest();
   /// Why tiles are not kept now; empty: they are. Where they must be, no more are to be traced.
   const std::string& store_trouble() const { return store_trouble_; }
-  bool waits_for_store() const { return keeping_.must && !unkept_.empty(); }
+  bool waits_for_store() const { return keeping_.must && !(unkept_.empty() && undropped_.empty()); }
 
   /// There is this worker; one that was there is lost.
   void note_worker(WorkerId worker) { workers_seen_.insert(worker); }
@@ -123,7 +123,8 @@ class ActiveJob {
   TileKeeping keeping_;
   Digest key_;  ///< in the store
   int tile_size_ = 0;
-  std::vector<uint32_t> unkept_;  ///< complete tiles that the store could not take yet
+  std::vector<uint32_t> unkept_;     ///< complete tiles that the store could not take yet
+  std::vector<uint32_t> undropped_;  ///< reopened ones that it could not drop; before the former
   std::string store_trouble_;
   v1::JobStart start_;
   BlobStore blobs_;  ///< the scene's, and the scene itself

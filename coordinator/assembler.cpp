@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "base/saturating_sum.h"
 #include "proto/wire/pixels.h"
 
 namespace tessera {
@@ -34,11 +35,6 @@ std::vector<const std::vector<uint64_t>*> find_chain(const Counts& counts, int f
     chain.push_back(&reached_by.at(row)->second);
   }
   return chain;
-}
-
-uint64_t saturating_sum(uint64_t a, uint64_t b) {
-  return a > std::numeric_limits<uint64_t>::max() - b ? std::numeric_limits<uint64_t>::max()
-                                                      : a + b;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "base/log.h"
 #include "base/plural.h"
+#include "base/saturating_sum.h"
 #include "job/job_messages.h"
 #include "proto/wire/printable.h"
 
@@ -71,12 +72,12 @@ void ClientDesk::on_submit(const PeerId& peer, const v1::SubmitJob& request, Tim
     }
     Submission fresh(request, *store_, now);
     fresh.peer = peer;
-    if (fresh.claimed_bytes() > options_.client_budget_bytes - claimed_bytes_) {
+    const uint64_t others = claimed_bytes(), budget = options_.client_budget_bytes;
+    if (saturating_sum(fresh.claimed_bytes(), others) > budget) {
       throw render_error(fmt::format(
           "a submission of {} bytes with its pictures; expected at most {} beside {} of others",
-          fresh.claimed_bytes(), options_.client_budget_bytes - claimed_bytes_, claimed_bytes_));
+          fresh.claimed_bytes(), budget - std::min(budget, others), others));
     }
-    claimed_bytes_ += fresh.claimed_bytes();
     Submission& submission = submissions_.emplace(id, std::move(fresh)).first->second;
     // First where the answers to our requests go, then the requests.
     answer(peer, submission.status);
@@ -102,14 +103,12 @@ void ClientDesk::on_missing(const v1::BlobMissing& missing, Time now) {
 
 void ClientDesk::advance(Submission& submission, Time now) {
   const uint64_t id = submission.request().submission();
-  const uint64_t claimed = submission.claimed_bytes();
   try {
     auto requests = submission.advance(*store_, now);
-    claimed_bytes_ += submission.claimed_bytes() - claimed;
-    if (claimed_bytes_ > options_.client_budget_bytes) {
+    if (claimed_bytes() > options_.client_budget_bytes) {
       throw render_error(
           fmt::format("submissions of {} bytes with their pictures; expected at most {}",
-                      claimed_bytes_, options_.client_budget_bytes));
+                      claimed_bytes(), options_.client_budget_bytes));
     }
     for (v1::BlobRequest& request : requests) {
       Outgoing& out = outgoing_.emplace_back();
@@ -118,7 +117,7 @@ void ClientDesk::advance(Submission& submission, Time now) {
     }
     if (submission.finished()) accept(submission, now);
   } catch (const Error& error) {
-    submission.status = failed_status(id, error.code(), error.what());
+    submission.fail(failed_status(id, error.code(), error.what()));
   }
 }
 
@@ -138,11 +137,14 @@ void ClientDesk::accept(Submission& submission, Time now) {
   forget(id);
 }
 
-void ClientDesk::forget(uint64_t id) {
-  const auto it = submissions_.find(id);
-  if (it == submissions_.end()) return;
-  claimed_bytes_ -= it->second.claimed_bytes();
-  submissions_.erase(it);
+void ClientDesk::forget(uint64_t id) { submissions_.erase(id); }
+
+uint64_t ClientDesk::claimed_bytes() const {
+  uint64_t sum = 0;
+  for (const auto& [id, submission] : submissions_) {
+    sum = saturating_sum(sum, submission.claimed_bytes());
+  }
+  return sum;
 }
 
 // ------------------------------------------------------------------------------------ questions
@@ -246,8 +248,13 @@ void ClientDesk::on_release(const v1::JobRelease& release) {
   }
   FarmJob* job = release.submission() != 0 ? jobs_.find_submission(release.submission()) : nullptr;
   if (!job || job->request().detached() || !job->ended()) return;
-  attached_.erase(release.submission());
-  jobs_.forget(*job);
+  try {
+    jobs_.forget(*job);
+    attached_.erase(release.submission());
+  } catch (const Error& error) {
+    // Its client will not be heard again, and so it is tried again.
+    spdlog::warn("{}; it will be tried again", error.what());
+  }
 }
 
 void ClientDesk::answer(const PeerId& peer, v1::JobStatus status) {

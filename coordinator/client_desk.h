@@ -53,6 +53,8 @@ class ClientDesk {
   void advance(Submission& submission, Time now);
   void accept(Submission& submission, Time now);
   void forget(uint64_t submission);
+  /// Of all submissions, with their pictures.
+  uint64_t claimed_bytes() const;
   void answer(const PeerId& peer, v1::JobStatus status);
 
   CoordinatorOptions options_;
@@ -65,7 +67,6 @@ class ClientDesk {
     Time last_heard{};
   };
   std::map<uint64_t, Attached> attached_;
-  uint64_t claimed_bytes_ = 0;  ///< sum over submissions_
   std::vector<Outgoing> outgoing_;
 };
 

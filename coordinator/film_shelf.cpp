@@ -1,8 +1,11 @@
 #include "coordinator/film_shelf.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <span>
 
+#include "base/error.h"
 #include "coordinator/assembler.h"
 #include "job/tile_grid.h"
 
@@ -42,7 +45,12 @@ BlobData FilmShelf::find(const Digest& digest) {
   if (recipe == recipes_.end()) return nullptr;
   const auto& [key, crop, tile_size, aovs] = recipe->second;
   Assembler assembler(crop, cut_tiles(crop, tile_size), aovs);
-  assembler.restore(store_->find(key));
+  try {
+    assembler.restore(store_->find(key));
+  } catch (const Error& error) {
+    spdlog::warn("{}; a picture cannot be shown now", error.what());
+    return nullptr;
+  }
   assembler.mark_holes();
   if (Digest::of(std::as_bytes(assembler.film().values())) != digest) return nullptr;
   return keep_at_hand(digest, assembler.film());

@@ -279,10 +279,19 @@ void JobTable::forget(FarmJob& job) {
   };
   const std::vector<Digest> keys = only_here(job.kept().tile_keys());
   store_->remove(job.id(), keys, only_here(job.kept().blobs()));
+  std::unordered_set<std::string> films;
   for (uint32_t frame = 0; frame < job.frame_count(); ++frame) {
-    const auto& end = job.end_of(frame);
-    const bool shared = others.contains(job.kept().tile_keys(static_cast<int>(frame)));
-    if (end && !shared) films_.forget(digest_of(end->film_digest()));
+    if (const auto& end = job.end_of(frame)) films.insert(end->film_digest());
+  }
+  for (const std::string& film : films) films_.forget(digest_of(film));
+  // Other tiles may make up the same pictures.
+  for (const auto& [other_id, other] : jobs_) {
+    if (other_id == job.id()) continue;
+    for (uint32_t frame = 0; frame < other->frame_count(); ++frame) {
+      const auto& end = other->end_of(frame);
+      if (!end || !films.contains(end->film_digest())) continue;
+      films_.note(digest_of(end->film_digest()), recipe_of(other->kept(), frame));
+    }
   }
   std::erase_if(unsaved_, [&](const auto& end) { return end.first == job.id(); });
   by_submission_.erase(job.request().submission());

@@ -32,6 +32,7 @@ void MemoryJobStore::save_end(uint64_t job, const v1::KeptJob::End& end) {
 
 void MemoryJobStore::remove(uint64_t job, const std::vector<Digest>& tile_keys,
                             const std::vector<Digest>& blobs) {
+  check_room();
   jobs_.erase(job);
   for (const Digest& key : tile_keys) tiles_.erase(key);
   for (const Digest& blob : blobs) blobs_.erase(blob);
@@ -58,6 +59,7 @@ void MemoryJobStore::keep(const Digest& key, const FinishedTile& tile) {
 }
 
 void MemoryJobStore::drop(const Digest& key, const PixelRect& r) {
+  check_room();
   const auto it = tiles_.find(key);
   if (it != tiles_.end()) it->second.erase({r.x0, r.y0, r.x1, r.y1});
 }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/saturating_sum.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/film/aov.h"
 #include "renderer/film/tile.h"
@@ -14,11 +15,6 @@ namespace {
 /// At one go, so that workers do not wait for a long animation to be read.
 constexpr uint64_t kReadBytes = uint64_t{4} << 20;
 constexpr size_t kMaxBlobs = size_t{1} << 18;
-
-uint64_t saturating_sum(uint64_t a, uint64_t b) {
-  constexpr uint64_t kMost = std::numeric_limits<uint64_t>::max();
-  return a > kMost - b ? kMost : a + b;
-}
 
 uint64_t film_bytes(const v1::SubmitJob& request) {
   const v1::PixelRect& crop = request.crop();
@@ -83,6 +79,14 @@ std::vector<v1::BlobRequest> Submission::advance(JobStore& store, Time now) {
   }
   if (!fetch_.failure().empty()) throw render_error(fetch_.failure());
   return fetch_.requests(now);
+}
+
+void Submission::fail(v1::JobStatus how) {
+  status = std::move(how);
+  fetch_ = BlobFetch(request_.submission());
+  pulled_ = {};
+  unread_.clear();
+  claimed_bytes_ = 0;
 }
 
 std::vector<Digest> Submission::blobs() const {

@@ -71,7 +71,8 @@ std::optional<uint32_t> TileScheduler::next_straggler(WorkerId worker, Time now,
   // Whoever reports progress for ever and sends nothing holds no tile back for good.
   const Time overdue = kOverdueLeases * options_.lease;
   const Time age = within_budget ? std::min(straggler_age(), overdue) : overdue;
-  // In the order in which they were given.
+  // In the order in which they were given; but one of before a restart, which counts from when it
+  // was heard of again, may hide others for as long.
   for (const auto& [id, lease] : live_) {
     if (now - lease.issued < age) break;
     const auto piece = static_cast<uint32_t>(id);

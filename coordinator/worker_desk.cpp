@@ -114,6 +114,7 @@ void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, Time now) 
 void WorkerDesk::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now) {
   if (heartbeat.session() != worker.hello.session()) return;
   worker.resident_bytes = heartbeat.resident_bytes();
+  worker.answered = now;
   v1::Ping& ping = *send(worker.peer).mutable_ping();
   ping.set_session(heartbeat.session());
   ping.set_results(heartbeat.results());
@@ -206,6 +207,11 @@ void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBan
     return act(job, scheduler.fail(band.lease(), worker.id, now), now);
   }
   worker.got_on = now;
+  if (now - worker.answered >= options_.heartbeat) {
+    // Its heartbeats may stand behind much that it sends.
+    worker.answered = now;
+    send(worker.peer).mutable_ping()->set_session(worker.hello.session());
+  }
   job.report().bytes_results += band.pixels().size();
   counters_.bytes_results += band.pixels().size();
   worker.bytes_results += band.pixels().size();

@@ -26,6 +26,7 @@ struct WorkerRecord {
   v1::Hello hello;
   WorkerState state = WorkerState::active;
   Time last_heard{};
+  Time answered{};   ///< with its last Ping
   int failures = 0;  ///< tiles that it failed
   struct KnownJob {
     Time told{};         ///< when it was last sent

@@ -14,7 +14,7 @@ namespace tessera {
 /// place with the same folder. That one goes on under the id of the first, since its leases are
 /// that id's, and a coordinator must not take what it traces for a second opinion. One file a
 /// worker, locked as long as that lives; frames of proto/wire/frame.h, so that what is damaged or
-/// torn is left out. Used by one thread.
+/// torn, and what follows it, is left out. Used by one thread.
 class ResultSpool {
  public:
   /// Whose results these are.

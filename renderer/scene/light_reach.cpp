@@ -28,9 +28,9 @@ double reach_of(const Light& light) {
   return radius + kMargin * (radius + far);
 }
 
-/// Cells along an axis: about eight for each light.
-int side_for(size_t lights) {
-  const size_t cells = std::min(8 * lights, kMostReferences / lights);
+/// Cells along an axis: about eight for each light that ends, each of which may list `all`.
+int side_for(size_t ending, size_t all) {
+  const size_t cells = std::min(8 * ending, kMostReferences / all);
   return std::clamp(static_cast<int>(std::cbrt(static_cast<double>(cells))), 1, kMostCells);
 }
 
@@ -49,7 +49,7 @@ LightReach::LightReach(std::span<const Light> lights, std::vector<uint32_t> indi
   }
   const size_t ending = all_.size() - endless_.size();
   if (!is_sorted_out || ending < kFewLights || !is_finite(box_.max - box_.min)) return;
-  side_ = side_for(ending);
+  side_ = side_for(ending, all_.size());
   fill(lights);
 }
 

@@ -53,9 +53,9 @@ class AlbedoGrid {
     const double x = static_cast<double>(step) / kCosines;
     return x * x;
   }
-  /// At or below `x` in [0, 1].
+  /// At or below `x`, taken as 0 below that and where it is no number, and as 1 above.
   static Step step_at(double x, int steps) {
-    const double scaled = std::clamp(x, 0.0, 1.0) * steps;
+    const double scaled = (x > 0 ? std::min(x, 1.0) : 0.0) * steps;
     const int index = std::min(static_cast<int>(scaled), steps - 1);
     return {index, scaled - index};
   }

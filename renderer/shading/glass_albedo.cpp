@@ -21,10 +21,15 @@ double mean_transmittance(double eta) {
 
 }  // namespace
 
-GlassAlbedo::GlassAlbedo(double index)
-    : sides_{integrate(index), integrate(1 / index)},
-      // What goes through either way is the same, but for n^2.
-      transmits_{mean_transmittance(index), mean_transmittance(index) / (index * index)} {}
+const GlassAlbedo::Tables& GlassAlbedo::tables() const {
+  std::call_once(once_, [this] {
+    // What goes through either way is the same, but for n^2.
+    const double out = mean_transmittance(index_), in = out / (index_ * index_);
+    tables_ =
+        std::make_unique<Tables>(Tables{{integrate(index_), integrate(1 / index_)}, {out, in}});
+  });
+  return *tables_;
+}
 
 GlassAlbedo::Grid GlassAlbedo::integrate(double eta) {
   return Grid([eta](double root_alpha, double cosine) {
@@ -49,7 +54,7 @@ GlassAlbedo::Grid GlassAlbedo::integrate(double eta) {
 double GlassAlbedo::through(bool inside, double alpha) const {
   // More of what is lost than comes back from the other side cannot go there.
   const double here = mean_lost(inside, alpha), beyond = mean_lost(!inside, alpha);
-  return transmits_[inside] * (here > beyond ? beyond / here : 1);
+  return tables().transmits[inside] * (here > beyond ? beyond / here : 1);
 }
 
 std::vector<std::unique_ptr<const GlassAlbedo>> make_glass_albedos(std::span<Material> materials) {

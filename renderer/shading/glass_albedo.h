@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -13,28 +14,37 @@ namespace tessera {
 /// How much of evenly arriving light the rough facets of glass lose, where each ray leaves them by
 /// one reflection or refraction: what would go on to other facets (Kulla and Conty 2017,
 /// "Revisiting Physically Based Shading", of dielectrics). By the side that it arrives from, which
-/// is inside or outside, to a few thousandths. Immutable once made, which takes some 50 ms.
+/// is inside or outside, to a few thousandths. Worked out when first asked, which takes some 50 ms;
+/// any thread.
 class GlassAlbedo {
  public:
   /// Of facets between an inside of `index` and an outside of 1; index > 0 and not 1.
-  explicit GlassAlbedo(double index);
+  explicit GlassAlbedo(double index) : index_(index) {}
 
   /// Of light along `cosine` in (0, 1]; `alpha` in (0, 1].
   double lost(bool inside, double alpha, double cosine) const {
-    return 1 - sides_[inside].at(alpha, cosine);
+    return 1 - tables().sides[inside].at(alpha, cosine);
   }
   /// Its mean over the hemisphere, by the cosine.
-  double mean_lost(bool inside, double alpha) const { return 1 - sides_[inside].mean(alpha); }
+  double mean_lost(bool inside, double alpha) const {
+    return 1 - tables().sides[inside].mean(alpha);
+  }
   /// The share of what is lost on this side that shall go through in the end; such that what goes
   /// either way is the same (Helmholtz).
   double through(bool inside, double alpha) const;
 
  private:
   using Grid = AlbedoGrid<double, 16, 16>;
+  struct Tables {
+    std::array<Grid, 2> sides;        ///< the outside first
+    std::array<double, 2> transmits;  ///< on the mean, where the facets are smooth
+  };
   static Grid integrate(double eta);
+  const Tables& tables() const;
 
-  std::array<Grid, 2> sides_;        ///< the outside first
-  std::array<double, 2> transmits_;  ///< on the mean, where the facets are smooth
+  double index_;
+  mutable std::once_flag once_;
+  mutable std::unique_ptr<const Tables> tables_;
 };
 
 /// Gives each that is_rough_glass() the one of its refractive index; returned is who owns them.

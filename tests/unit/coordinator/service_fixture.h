@@ -52,6 +52,22 @@ class ServiceTest : public CoordinatorTest {
     submit_with(message, blobs, now);
     return heard(v1::Envelope::kJobStatus).back().job_status().job();
   }
+  /// Of one frame, for a client that waits for it.
+  static v1::Envelope submission(uint64_t number, const JobSpec& spec, BlobStore& blobs) {
+    v1::Envelope message;
+    v1::SubmitJob& request = *message.mutable_submit_job();
+    request.set_submission(number);
+    request.set_tile_size(16);
+    request.mutable_crop()->set_x1(spec.crop.x1);
+    request.mutable_crop()->set_y1(spec.crop.y1);
+    const std::string scene = serialize_scene(spec.scene);
+    const auto bytes = std::as_bytes(std::span(scene));
+    v1::JobFrame& frame = *request.add_frames();
+    frame.set_scene_digest(blobs.put({bytes.begin(), bytes.end()}).hex());
+    frame.set_scene_size(bytes.size());
+    *frame.mutable_settings() = spec.frame;
+    return message;
+  }
   /// Says it and sends what is asked for upon it.
   void submit_with(const v1::Envelope& message, const BlobStore& blobs, Time now = {}) {
     const size_t asked = heard(v1::Envelope::kBlobRequest).size();

@@ -205,6 +205,63 @@ TEST_F(ServiceTest, ForgettingKeepsWhatOtherJobsNeed) {
   EXPECT_FALSE(store->has_blob(scene));
 }
 
+TEST_F(ServiceTest, WhoSendsMuchIsAnsweredBeforeItsHeartbeatComes) {
+  submit(1);
+  come(1, 2);
+  const size_t before = heard(v1::Envelope::kPing).size();
+  for (const int second : {3, 4}) {
+    say("w1", band(assigned().at(0), 1), std::chrono::seconds(second));
+    say("w1", band(assigned().at(0), 1), std::chrono::milliseconds(1000 * second + 1));
+  }
+  const auto pings = heard(v1::Envelope::kPing);
+  ASSERT_EQ(pings.size(), before + 2);
+  EXPECT_EQ(pings.back().ping().results(), 0u) << "it may forget nothing yet";
+}
+
+TEST_F(ServiceTest, ForgettingKeepsAPictureThatAnotherJobHasToo) {
+  // Of other seeds, and so of other tiles, but of the same bits.
+  std::vector<uint64_t> ids;
+  for (const uint32_t seed : {1u, 2u}) ids.push_back(submit(seed, 0, 16));
+  come(1, 2);
+  for (const v1::Assign& assign : assigned()) say("w1", band(assign, 1));
+  for (const uint64_t id : ids) ASSERT_TRUE(coordinator.film(id, 0)) << id;
+  ask(ids[0], v1::JobQuery::FORGET);
+  EXPECT_FALSE(coordinator.film(ids[0], 0));
+  EXPECT_TRUE(coordinator.film(ids[1], 0));
+}
+
+TEST_F(ServiceTest, AReleasedJobIsForgottenOnceTheStoreIsWritable) {
+  BlobStore blobs;
+  submit_with(submission(77, job(16), blobs), blobs);
+  ask(heard(v1::Envelope::kJobStatus).back().job_status().job(), v1::JobQuery::CANCEL);
+  store->set_full(true);
+  v1::Envelope release;
+  release.mutable_job_release()->set_submission(77);
+  say("client", release);
+  EXPECT_EQ(store->jobs().size(), 1u);
+  store->set_full(false);
+  coordinator.on_tick(std::chrono::minutes(2));
+  EXPECT_TRUE(store->jobs().empty());
+}
+
+TEST_F(ServiceTest, AFailedSubmissionTakesNothingFromOthers) {
+  JobSpec spec = job(16);
+  v1::BlobRef& positions =
+      *spec.scene.add_nodes()->mutable_shape()->mutable_mesh()->mutable_positions();
+  positions.set_digest(Digest::of(std::span<const std::byte>()).hex());
+  positions.set_size(uint64_t{1} << 63);
+  BlobStore blobs;
+  submit_with(submission(78, spec, blobs), blobs);
+  v1::Envelope question;
+  question.mutable_job_query()->set_submission(78);
+  say("client", question);
+  EXPECT_EQ(heard(v1::Envelope::kJobStatus).back().job_status().state(), v1::JobStatus::ENDED);
+  v1::Envelope release;
+  release.mutable_job_release()->set_submission(78);
+  say("client", release);
+  EXPECT_NE(submit(1), 0u);
+}
+
 TEST_F(ServiceTest, TheNextFrameBeginsWhileTheLastTilesOfOneAreOut) {
   const uint64_t id = submit(1, 0, 32, 1, 3);
   come(1, 6);

@@ -88,7 +88,7 @@ TEST(Adaptive, pixels_past_everything_are_those_that_a_coordinator_fills_in) {
       make_tile_renderer(parse_scene(kBall), {}, adaptive_frame(64, 64, kMost, 0.01), 1);
   const auto unseen = renderer->unseen(kMost);
   ASSERT_TRUE(unseen);
-  ASSERT_NE(unseen->seen.x0 % 8, 0) << "the edge is to cut a block";
+  ASSERT_NE(unseen->seen.x0 % kBlockSide, 0) << "the edge is to cut a block";
   const int x = unseen->seen.x0 - 1, y = 32;
   const TilePixels pixel = render_rect(*renderer, {x, y, x + 1, y + 1}, kMost);
   EXPECT_EQ(pixel.values, unseen->one_pixel.values);

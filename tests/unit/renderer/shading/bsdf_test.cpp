@@ -243,6 +243,14 @@ TEST(Bsdf, RoughGlassThatBendsNothingIsNotSeen) {
   EXPECT_NEAR(albedo(bsdf_of(c, at_angle(40))).g, 1, 1e-9);
 }
 
+TEST(Bsdf, WhatIsNoNumberReachesNoTable) {
+  const double nan = std::nan("");
+  for (const Case& c : smooth_cases()) {
+    const BsdfValue value = bsdf_of(c, at_angle(30)).evaluate({nan, nan, nan});
+    EXPECT_TRUE(std::isnan(value.share.g) || value.share.g == 0) << c.name;
+  }
+}
+
 TEST(Bsdf, RadianceIsDenserInGlass) {
   for (const bool from_inside : {false, true}) {
     const Case c = glass("glass", 0, from_inside);
