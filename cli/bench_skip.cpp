@@ -73,7 +73,9 @@ void add_skip_bench(CLI::App& bench, Action& action) {
       "  tessera bench skip dark-shadow-rays unhit-meshes");
   add_whole(*command, "--repeats", 1, 1000, "Turns, of which medians are taken [9]",
             std::function([options](int64_t n) { options->repeats = static_cast<int>(n); }));
-  command->add_flag("--quick", options->quick, "A sixteenth of the pixels, --repeats 3");
+  command->add_flag("--quick", options->quick,
+                    "A sixteenth of the pixels, --repeats 3: of what it costs to build "
+                    "a scene the savings say too much");
   command->add_option("--json", options->json_file, "Write the rows as JSON too")
       ->type_name("FILE");
   command->callback(

@@ -132,6 +132,7 @@ class Fetch {
                                  .samples_per_pixel = frame.settings().samples_per_pixel(),
                                  .render_seconds = report.trace_seconds,
                                  .denoiser = denoised ? kDenoiserName : "",
+                                 .colors = colors_of(frame.output()),
                                  .frame_width = static_cast<int>(frame.settings().width()),
                                  .frame_height = static_cast<int>(frame.settings().height())};
     const OutputSettings settings =

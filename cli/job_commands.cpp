@@ -16,6 +16,7 @@
 #include "cli/option_values.h"
 #include "cli/progress_display.h"
 #include "cli/say.h"
+#include "job/job.h"
 #include "proto/wire/printable.h"
 
 namespace tessera {
@@ -203,7 +204,8 @@ void add_order(CLI::App& app, Action& action, const char* name, const std::strin
         ->add_option_function<std::string>(
             "--priority",
             [options](const std::string& typed) {
-              options->priority = static_cast<int>(parse_whole("--priority", typed, -1000, 1000));
+              options->priority =
+                  static_cast<int>(parse_whole("--priority", typed, -kMostPriority, kMostPriority));
             },
             "And from now on this priority [as before]")
         ->type_name("N");

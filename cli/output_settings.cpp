@@ -127,4 +127,8 @@ void add_output_options(CLI::App& command, OutputOptions& options) {
            options.ocio_input);
 }
 
+const char* colors_of(const v1::Output& of_scene) {
+  return of_scene.transfer() == v1::Output::DISPLAY ? "display" : "scene-linear";
+}
+
 }  // namespace tessera

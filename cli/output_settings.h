@@ -31,6 +31,8 @@ void add_output_options(CLI::App& command, OutputOptions& options);
 
 /// What the scene asks, with the options laid over it.
 v1::Output with_options(v1::Output of_scene, const OutputOptions& options);
+/// What the numbers of a linear picture stand for, as its metadata tell.
+const char* colors_of(const v1::Output& of_scene);
 /// What the scene in that file asks of its picture, with the options laid over it. Throws
 /// scene_error for numbers of the scene out of their range.
 OutputSettings output_settings(const std::string& scene_file, const v1::Output& of_scene,

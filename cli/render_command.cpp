@@ -181,8 +181,7 @@ class RenderRun {
       if (result.report.end == JobReport::End::interrupted) throw interruption(result.report);
       if (result.report.end != JobReport::End::done) return;
       finish(result, settings);
-      write_pictures(result, settings, output, frame);
-      pass_samples_ = samples;
+      if (!write_pictures(result, settings, output, frame)) pass_samples_ = samples;
     }
   }
 
@@ -240,10 +239,6 @@ class RenderRun {
     for (const auto& path : picture_paths(options_)) prepare_to_write(path);
   }
 
-  bool is_display_referred() const {
-    return loaded_.scene.settings().output().transfer() == v1::Output::DISPLAY;
-  }
-
   /// The first failure: a disk that is full for one may have room for another.
   std::optional<Error> write_pictures(const JobResult& result, const v1::FrameSettings& settings,
                                       const OutputSettings& output,
@@ -253,7 +248,7 @@ class RenderRun {
                                  .samples_per_pixel = settings.samples_per_pixel(),
                                  .render_seconds = result.report.trace_seconds,
                                  .denoiser = is_denoised(result, settings) ? kDenoiserName : "",
-                                 .colors = is_display_referred() ? "display" : "scene-linear",
+                                 .colors = colors_of(loaded_.scene.settings().output()),
                                  .frame_width = static_cast<int>(settings.width()),
                                  .frame_height = static_cast<int>(settings.height())};
     std::optional<Error> failure;

@@ -56,8 +56,8 @@ SubmittedJob gather(const SubmitOptions& options) {
   job.request.set_priority(options.priority);
   job.request.set_weight(static_cast<uint32_t>(options.weight));
   job.request.set_animation(render.frames.has_value());
-  job.request.set_name(options.name.empty() ? std::filesystem::path(render.scene).stem().string()
-                                            : options.name);
+  job.request.set_name(to_utf8(
+      options.name.empty() ? std::filesystem::path(render.scene).stem().string() : options.name));
   const FrameRange range = render.frames.value_or(FrameRange{0, 0});
   LoadedScene loaded;
   std::set<std::string> warned;

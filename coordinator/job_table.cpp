@@ -244,6 +244,10 @@ void JobTable::pause(FarmJob& job, bool paused) {
 }
 
 void JobTable::set_priority(FarmJob& job, int32_t priority) {
+  if (priority < -kMostPriority || priority > kMostPriority) {
+    throw usage_error(fmt::format("priority {}; expected a number from {} to {}", priority,
+                                  -kMostPriority, kMostPriority));
+  }
   v1::KeptJob changed = job.kept();
   changed.mutable_request()->set_priority(priority);
   store_->save(changed);

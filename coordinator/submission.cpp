@@ -1,10 +1,13 @@
 #include "coordinator/submission.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
 
 #include "base/saturating_sum.h"
+#include "job/job.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/film/aov.h"
 #include "renderer/film/tile.h"
@@ -35,6 +38,10 @@ Submission::Submission(v1::SubmitJob request, JobStore& store, Time now)
   status.set_state(v1::JobStatus::FETCHING);
   if (request_.submission() == 0) {
     throw usage_error("submission 0; expected a number that was drawn");
+  }
+  if (request_.priority() < -kMostPriority || request_.priority() > kMostPriority) {
+    throw usage_error(fmt::format("a submission of priority {}; expected a number from {} to {}",
+                                  request_.priority(), -kMostPriority, kMostPriority));
   }
   claimed_bytes_ = film_bytes(request_);
   for (const v1::JobFrame& frame : request_.frames()) {

@@ -16,6 +16,9 @@
 
 namespace tessera {
 
+/// Priorities are numbers from -kMostPriority to kMostPriority.
+inline constexpr int32_t kMostPriority = 1000;
+
 /// One frame to render. A value; the blobs are shared.
 struct JobSpec {
   v1::Scene scene;  ///< without blobs in it

@@ -14,6 +14,7 @@
 #include "coordinator/web/farm_json.h"
 #include "coordinator/web/png_file.h"
 #include "coordinator/web/web_pages.h"
+#include "job/job.h"
 
 namespace tessera {
 namespace {
@@ -102,11 +103,10 @@ std::optional<v1::JobQuery> query_of(uint64_t job, const std::string& what,
     const auto& number = json["priority"];
     if (!number.is_number_integer()) return std::nullopt;
     // From 2^63 on it would wrap around as a signed one.
-    if (number.is_number_unsigned() && !std::in_range<int32_t>(number.get<uint64_t>())) {
-      return std::nullopt;
-    }
-    if (!std::in_range<int32_t>(number.get<int64_t>())) return std::nullopt;
-    query.set_priority(number.get<int32_t>());
+    if (number.is_number_unsigned() && number.get<uint64_t>() > kMostPriority) return std::nullopt;
+    const auto priority = number.get<int64_t>();
+    if (priority < -kMostPriority || priority > kMostPriority) return std::nullopt;
+    query.set_priority(static_cast<int32_t>(priority));
     return query;
   }
   query.set_action(what == "cancel"  ? v1::JobQuery::CANCEL
@@ -237,10 +237,11 @@ void WebApi::handle_job(const HttpRequest& request, const std::string& rest,
   if (is_order(what) != (request.method == "POST")) {
     return tell(reply, http_error(405, is_order(what) ? "expected POST" : "expected GET"));
   }
+  // What was submitted this moment is in no snapshot yet, but takes orders.
+  if (is_order(what)) return order(*id, what, request, reply);
   const auto farm = parts_.monitor->farm();
   const FarmSnapshot::Job* const job = find_job(farm->snapshot, *id);
   if (!job) return tell(reply, http_error(404, "there is no such job"));
-  if (is_order(what)) return order(*id, what, request, reply);
   if (what.empty()) return tell(reply, json(std::make_shared<const std::string>(job_json(*job))));
   uint32_t frame = frame_to_show(*job);
   if (const auto asked = request.query.find("frame"); asked != request.query.end()) {
@@ -302,7 +303,9 @@ void WebApi::order(uint64_t job, const std::string& what, const HttpRequest& req
                    const HttpReply& reply) {
   const auto query = query_of(job, what, request.body);
   if (!query) {
-    return reply([] { return http_error(400, "expected {\"priority\": a whole number}"); });
+    return reply([] {
+      return http_error(400, "expected {\"priority\": a whole number from -1000 to 1000}");
+    });
   }
   const bool asked =
       parts_.monitor->order(*query, [query = *query, reply](const v1::JobStatus& status) {
