@@ -1,139 +1,7 @@
-#include "worker/worker_session.h"
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "proto/wire/scene_codec.h"
-#include "tests/farm/fake_renderer.h"
+#include "tests/unit/worker/worker_session_fixture.h"
 
 namespace tessera {
 namespace {
-
-using std::chrono::milliseconds;
-using std::chrono::seconds;
-using ::testing::IsEmpty;
-using ::testing::SizeIs;
-
-class WorkerSessionTest : public ::testing::Test {
- protected:
-  WorkerSessionTest() : session(options(), Time{0}) {
-    scene.mutable_metadata()->set_title("x");
-    const std::string bytes = serialize_scene(scene);
-    const auto span = std::as_bytes(std::span(bytes));
-    scene_digest = store.put({span.begin(), span.end()});
-    scene_size = span.size();
-  }
-
-  static SessionOptions options() {
-    SessionOptions options;
-    options.hello.set_worker_id(5);
-    options.hello.set_credit(2);
-    options.orphan_timeout = seconds(30);
-    return options;
-  }
-  /// Starts anew, as a worker that keeps blobs on disk.
-  void begin_with_disk() {
-    SessionOptions with_disk = options();
-    with_disk.blob_sources.disk = true;
-    session = WorkerSession(with_disk, Time{0});
-  }
-
-  /// What the session wants done since last asked, of one kind.
-  template <typename Action>
-  std::vector<Action> wants() {
-    for (auto& action : session.take_actions()) actions.push_back(std::move(action));
-    std::vector<Action> result;
-    std::erase_if(actions, [&](SessionAction& action) {
-      if (!std::holds_alternative<Action>(action)) return false;
-      result.push_back(std::move(std::get<Action>(action)));
-      return true;
-    });
-    return result;
-  }
-
-  /// Messages of one kind that it sent since last asked; others of that time are forgotten.
-  std::vector<v1::Envelope> sent(v1::Envelope::MessageCase kind) {
-    std::vector<v1::Envelope> result;
-    for (auto& send : wants<SendMessage>()) {
-      if (send.message.message_case() == kind) result.push_back(std::move(send.message));
-    }
-    return result;
-  }
-
-  void welcome(uint64_t number, Time now = {}, uint64_t farm = 1) {
-    v1::Envelope message;
-    v1::Welcome& welcome = *message.mutable_welcome();
-    welcome.set_session(number);
-    welcome.set_farm(farm);
-    welcome.set_heartbeat_ms(1000);
-    welcome.set_lost_after_ms(5000);
-    welcome.set_bulk_endpoint("tcp://:9");
-    session.on_message(Channel::control, message, now);
-  }
-
-  void start(uint64_t job, Time now = {}, uint32_t seed = 0) {
-    v1::Envelope message;
-    v1::JobStart& start = *message.mutable_job_start();
-    start.set_job(job);
-    start.set_scene_digest(scene_digest.hex());
-    start.set_scene_size(scene_size);
-    start.mutable_frame()->set_seed(seed);
-    start.mutable_frame()->set_width(64);
-    start.mutable_frame()->set_height(64);
-    session.on_message(Channel::control, message, now);
-  }
-
-  void serve_blobs() {
-    for (const auto& request : sent(v1::Envelope::kBlobRequest)) {
-      const auto digest = Digest::parse(request.blob_request().digest());
-      session.on_message(Channel::bulk,
-                         answer_blob_request(request.blob_request(), store.find(*digest)), {});
-    }
-  }
-
-  void built(uint64_t job) {
-    session.on_built({.job = job,
-                      .renderer = std::make_shared<testing::FakeRenderer>(5),
-                      .seconds = 1,
-                      .failure = {},
-                      .exit_code = 0},
-                     {});
-  }
-
-  void make_ready(uint64_t job) {
-    welcome(1);
-    start(job);
-    serve_blobs();
-    built(job);
-    wants<SendMessage>();
-    wants<StartBuild>();
-  }
-
-  void assign(uint64_t job, uint64_t lease, int x1 = 16) {
-    v1::Envelope message;
-    v1::Assign& assign = *message.mutable_assign();
-    assign.set_job(job);
-    assign.set_lease(lease);
-    assign.mutable_rect()->set_x1(x1);
-    assign.mutable_rect()->set_y1(16);
-    assign.set_sample_count(1);
-    session.on_message(Channel::control, message, {});
-  }
-
-  void ping(uint64_t results, Time now) {
-    v1::Envelope message;
-    message.mutable_ping()->set_session(1);
-    message.mutable_ping()->set_results(results);
-    session.on_message(Channel::control, message, now);
-  }
-
-  v1::Scene scene;
-  BlobStore store;
-  Digest scene_digest;
-  uint64_t scene_size = 0;
-  WorkerSession session;
-  std::vector<SessionAction> actions;
-};
 
 TEST_F(WorkerSessionTest, GoesFromHelloToBands) {
   EXPECT_THAT(sent(v1::Envelope::kHello), SizeIs(1));
@@ -235,37 +103,6 @@ TEST_F(WorkerSessionTest, GoesOnForACoordinatorOnTheSameStore) {
   EXPECT_THAT(sent(v1::Envelope::kSceneReady), SizeIs(1)) << "nothing is built again";
 }
 
-TEST_F(WorkerSessionTest, ABlobThatIsMissingOnceOrTwiceMayYetCome) {
-  welcome(1);
-  for (int i = 0; i < 2; ++i) {
-    start(1);
-    const auto asked = sent(v1::Envelope::kBlobRequest);
-    ASSERT_THAT(asked, SizeIs(1));
-    // The line of blobs is back before the coordinator has taken up its jobs.
-    session.on_message(Channel::bulk, answer_blob_request(asked[0].blob_request(), nullptr), {});
-    EXPECT_THAT(sent(v1::Envelope::kSceneFailed), IsEmpty());
-    session.on_tick(seconds(i + 1));
-    EXPECT_EQ(sent(v1::Envelope::kHeartbeat).at(0).heartbeat().jobs_size(), 0)
-        << "so that it is told again";
-  }
-  start(1);
-  serve_blobs();
-  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
-}
-
-TEST_F(WorkerSessionTest, ABlobThatIsNeverThereFailsTheScene) {
-  welcome(1);
-  size_t failed = 0;
-  for (int i = 0; i < 3; ++i) {
-    start(1);
-    const auto asked = sent(v1::Envelope::kBlobRequest);
-    ASSERT_THAT(asked, SizeIs(1));
-    session.on_message(Channel::bulk, answer_blob_request(asked[0].blob_request(), nullptr), {});
-    failed += sent(v1::Envelope::kSceneFailed).size();
-  }
-  EXPECT_EQ(failed, 1u);
-}
-
 TEST_F(WorkerSessionTest, TracesTilesOfSeveralJobsAtATime) {
   make_ready(7);
   start(8, {}, 99);
@@ -327,26 +164,6 @@ TEST_F(WorkerSessionTest, TellsWhatBuildingCountedEachTimeItIsReady) {
   }
 }
 
-TEST_F(WorkerSessionTest, RepeatsThatASceneFailedUntilTheJobIsOver) {
-  welcome(1);
-  start(7);
-  serve_blobs();
-  session.on_built({.job = 7, .renderer = nullptr, .seconds = 0, .failure = "bad", .exit_code = 1},
-                   {});
-  EXPECT_THAT(sent(v1::Envelope::kSceneFailed), SizeIs(1));
-  start(7);
-  EXPECT_THAT(sent(v1::Envelope::kSceneFailed), SizeIs(1)) << "when it is told the job again";
-  session.on_tick(seconds(1));
-  const auto failed = sent(v1::Envelope::kSceneFailed);
-  ASSERT_THAT(failed, SizeIs(1)) << "with each heartbeat";
-  EXPECT_EQ(failed[0].scene_failed().text(), "bad");
-  v1::Envelope cancel;
-  cancel.mutable_cancel_job()->set_job(7);
-  session.on_message(Channel::control, cancel, seconds(1));
-  session.on_tick(seconds(2));
-  EXPECT_THAT(sent(v1::Envelope::kSceneFailed), IsEmpty());
-}
-
 TEST_F(WorkerSessionTest, GivesUpAsAnOrphan) {
   session.on_tick(seconds(29));
   EXPECT_THAT(wants<Quit>(), IsEmpty());
@@ -388,13 +205,6 @@ TEST_F(WorkerSessionTest, CancelsATileAndAJob) {
   EXPECT_TRUE(runs[2].run->progress.cancelled);
 }
 
-TEST_F(WorkerSessionTest, KeepsScenesThatItHas) {
-  make_ready(7);
-  start(8);
-  EXPECT_THAT(wants<StartBuild>(), IsEmpty());
-  EXPECT_THAT(sent(v1::Envelope::kSceneReady), SizeIs(1)) << "the same frame needs nothing";
-}
-
 TEST_F(WorkerSessionTest, ReportsATileThatCannotBeTraced) {
   make_ready(7);
   assign(7, 11);
@@ -403,17 +213,6 @@ TEST_F(WorkerSessionTest, ReportsATileThatCannotBeTraced) {
   outcome.failure = "no";
   session.on_traced(std::move(outcome), {});
   EXPECT_EQ(sent(v1::Envelope::kTileFailed).at(0).tile_failed().text(), "no");
-}
-
-TEST_F(WorkerSessionTest, ReportsASceneThatCannotBeBuilt) {
-  welcome(1);
-  start(7);
-  serve_blobs();
-  session.on_built({.job = 7, .renderer = nullptr, .seconds = 0, .failure = "bad", .exit_code = 1},
-                   {});
-  const auto failed = sent(v1::Envelope::kSceneFailed).at(0).scene_failed();
-  EXPECT_EQ(failed.text(), "bad");
-  EXPECT_EQ(failed.exit_code(), 1u);
 }
 
 TEST_F(WorkerSessionTest, TakesNoAssignmentThatCannotBe) {
@@ -437,78 +236,6 @@ TEST_F(WorkerSessionTest, GivesBackWhatItHoldsWhenItLeaves) {
   session.leave("stopped");
   EXPECT_TRUE(run->progress.cancelled);
   EXPECT_EQ(sent(v1::Envelope::kBye).at(0).bye().reason(), "stopped");
-}
-
-TEST_F(WorkerSessionTest, LooksOnDiskBeforeItAsksAndKeepsWhatIsSent) {
-  begin_with_disk();
-  welcome(1);
-  start(7);
-  const auto looked = wants<LookForBlob>();
-  ASSERT_THAT(looked, SizeIs(1));
-  EXPECT_EQ(looked[0].lookup.digest, scene_digest);
-  EXPECT_EQ(looked[0].lookup.size, scene_size);
-  EXPECT_FALSE(looked[0].lookup.place);
-  EXPECT_THAT(sent(v1::Envelope::kBlobRequest), IsEmpty());
-  session.on_found({scene_digest, nullptr}, {});
-  serve_blobs();
-  const auto kept = wants<KeepBlob>();
-  ASSERT_THAT(kept, SizeIs(1));
-  EXPECT_EQ(kept[0].digest, scene_digest);
-  EXPECT_EQ(*kept[0].blob, *store.find(scene_digest));
-  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
-}
-
-TEST_F(WorkerSessionTest, WhatIsOnDiskIsNotAskedFor) {
-  begin_with_disk();
-  welcome(1);
-  start(7);
-  session.on_found({scene_digest, store.find(scene_digest)}, {});
-  EXPECT_THAT(sent(v1::Envelope::kBlobRequest), IsEmpty());
-  EXPECT_THAT(wants<KeepBlob>(), IsEmpty());
-  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
-}
-
-TEST_F(WorkerSessionTest, WhatThisProcessHasIsNotAskedFor) {
-  SessionOptions in_process = options();
-  in_process.blob_sources.at_hand = [this](const Digest& digest) { return store.find(digest); };
-  session = WorkerSession(in_process, Time{0});
-  welcome(1);
-  start(7);
-  EXPECT_THAT(sent(v1::Envelope::kBlobRequest), IsEmpty());
-  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
-}
-
-TEST_F(WorkerSessionTest, MapsWhatTheCoordinatorSharesAndFetchesWhatIsNotThere) {
-  SessionOptions local = options();
-  local.blob_sources.shared_memory = true;
-  for (const bool is_there : {true, false}) {
-    session = WorkerSession(local, Time{0});
-    welcome(1);
-    start(7);
-    const auto asked = sent(v1::Envelope::kBlobRequest);
-    ASSERT_THAT(asked, SizeIs(1));
-    EXPECT_TRUE(asked[0].blob_request().place());
-    v1::Envelope message;
-    message.mutable_blob_place()->set_digest(scene_digest.hex());
-    message.mutable_blob_place()->set_process_id(12);
-    message.mutable_blob_place()->set_file(34);
-    session.on_message(Channel::bulk, message, {});
-    session.on_message(Channel::bulk, message, {});  // doubled
-    const auto looked = wants<LookForBlob>();
-    ASSERT_THAT(looked, SizeIs(1));
-    ASSERT_TRUE(looked[0].lookup.place);
-    EXPECT_EQ(looked[0].lookup.place->process, 12);
-    EXPECT_EQ(looked[0].lookup.place->descriptor, 34);
-    session.on_found({scene_digest, is_there ? store.find(scene_digest) : nullptr}, {});
-    const auto again = sent(v1::Envelope::kBlobRequest);
-    EXPECT_THAT(again, SizeIs(is_there ? 0 : 1));
-    for (const auto& request : again) {
-      EXPECT_FALSE(request.blob_request().place());
-      session.on_message(Channel::bulk,
-                         answer_blob_request(request.blob_request(), store.find(scene_digest)), {});
-    }
-    EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
-  }
 }
 
 TEST_F(WorkerSessionTest, WhatIsRecalledIsTracedIfItHasBegun) {

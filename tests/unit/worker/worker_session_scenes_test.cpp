@@ -1,0 +1,148 @@
+#include "tests/unit/worker/worker_session_fixture.h"
+
+namespace tessera {
+namespace {
+
+TEST_F(WorkerSessionTest, ABlobThatIsMissingOnceOrTwiceMayYetCome) {
+  welcome(1);
+  for (int i = 0; i < 2; ++i) {
+    start(1);
+    const auto asked = sent(v1::Envelope::kBlobRequest);
+    ASSERT_THAT(asked, SizeIs(1));
+    // The line of blobs is back before the coordinator has taken up its jobs.
+    session.on_message(Channel::bulk, answer_blob_request(asked[0].blob_request(), nullptr), {});
+    EXPECT_THAT(sent(v1::Envelope::kSceneFailed), IsEmpty());
+    session.on_tick(seconds(i + 1));
+    EXPECT_EQ(sent(v1::Envelope::kHeartbeat).at(0).heartbeat().jobs_size(), 0)
+        << "so that it is told again";
+  }
+  start(1);
+  serve_blobs();
+  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
+}
+
+TEST_F(WorkerSessionTest, ABlobThatIsNeverThereFailsTheScene) {
+  welcome(1);
+  size_t failed = 0;
+  for (int i = 0; i < 3; ++i) {
+    start(1);
+    const auto asked = sent(v1::Envelope::kBlobRequest);
+    ASSERT_THAT(asked, SizeIs(1));
+    session.on_message(Channel::bulk, answer_blob_request(asked[0].blob_request(), nullptr), {});
+    failed += sent(v1::Envelope::kSceneFailed).size();
+  }
+  EXPECT_EQ(failed, 1u);
+}
+
+TEST_F(WorkerSessionTest, RepeatsThatASceneFailedUntilTheJobIsOver) {
+  welcome(1);
+  start(7);
+  serve_blobs();
+  session.on_built({.job = 7, .renderer = nullptr, .seconds = 0, .failure = "bad", .exit_code = 1},
+                   {});
+  EXPECT_THAT(sent(v1::Envelope::kSceneFailed), SizeIs(1));
+  start(7);
+  EXPECT_THAT(sent(v1::Envelope::kSceneFailed), SizeIs(1)) << "when it is told the job again";
+  session.on_tick(seconds(1));
+  const auto failed = sent(v1::Envelope::kSceneFailed);
+  ASSERT_THAT(failed, SizeIs(1)) << "with each heartbeat";
+  EXPECT_EQ(failed[0].scene_failed().text(), "bad");
+  v1::Envelope cancel;
+  cancel.mutable_cancel_job()->set_job(7);
+  session.on_message(Channel::control, cancel, seconds(1));
+  session.on_tick(seconds(2));
+  EXPECT_THAT(sent(v1::Envelope::kSceneFailed), IsEmpty());
+}
+
+TEST_F(WorkerSessionTest, KeepsScenesThatItHas) {
+  make_ready(7);
+  start(8);
+  EXPECT_THAT(wants<StartBuild>(), IsEmpty());
+  EXPECT_THAT(sent(v1::Envelope::kSceneReady), SizeIs(1)) << "the same frame needs nothing";
+}
+
+TEST_F(WorkerSessionTest, ReportsASceneThatCannotBeBuilt) {
+  welcome(1);
+  start(7);
+  serve_blobs();
+  session.on_built({.job = 7, .renderer = nullptr, .seconds = 0, .failure = "bad", .exit_code = 1},
+                   {});
+  const auto failed = sent(v1::Envelope::kSceneFailed).at(0).scene_failed();
+  EXPECT_EQ(failed.text(), "bad");
+  EXPECT_EQ(failed.exit_code(), 1u);
+}
+
+TEST_F(WorkerSessionTest, LooksOnDiskBeforeItAsksAndKeepsWhatIsSent) {
+  begin_with_disk();
+  welcome(1);
+  start(7);
+  const auto looked = wants<LookForBlob>();
+  ASSERT_THAT(looked, SizeIs(1));
+  EXPECT_EQ(looked[0].lookup.digest, scene_digest);
+  EXPECT_EQ(looked[0].lookup.size, scene_size);
+  EXPECT_FALSE(looked[0].lookup.place);
+  EXPECT_THAT(sent(v1::Envelope::kBlobRequest), IsEmpty());
+  session.on_found({scene_digest, nullptr}, {});
+  serve_blobs();
+  const auto kept = wants<KeepBlob>();
+  ASSERT_THAT(kept, SizeIs(1));
+  EXPECT_EQ(kept[0].digest, scene_digest);
+  EXPECT_EQ(*kept[0].blob, *store.find(scene_digest));
+  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
+}
+
+TEST_F(WorkerSessionTest, WhatIsOnDiskIsNotAskedFor) {
+  begin_with_disk();
+  welcome(1);
+  start(7);
+  session.on_found({scene_digest, store.find(scene_digest)}, {});
+  EXPECT_THAT(sent(v1::Envelope::kBlobRequest), IsEmpty());
+  EXPECT_THAT(wants<KeepBlob>(), IsEmpty());
+  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
+}
+
+TEST_F(WorkerSessionTest, WhatThisProcessHasIsNotAskedFor) {
+  SessionOptions in_process = options();
+  in_process.blob_sources.at_hand = [this](const Digest& digest) { return store.find(digest); };
+  session = WorkerSession(in_process, Time{0});
+  welcome(1);
+  start(7);
+  EXPECT_THAT(sent(v1::Envelope::kBlobRequest), IsEmpty());
+  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
+}
+
+TEST_F(WorkerSessionTest, MapsWhatTheCoordinatorSharesAndFetchesWhatIsNotThere) {
+  SessionOptions local = options();
+  local.blob_sources.shared_memory = true;
+  for (const bool is_there : {true, false}) {
+    session = WorkerSession(local, Time{0});
+    welcome(1);
+    start(7);
+    const auto asked = sent(v1::Envelope::kBlobRequest);
+    ASSERT_THAT(asked, SizeIs(1));
+    EXPECT_TRUE(asked[0].blob_request().place());
+    v1::Envelope message;
+    message.mutable_blob_place()->set_digest(scene_digest.hex());
+    message.mutable_blob_place()->set_process_id(12);
+    message.mutable_blob_place()->set_file(34);
+    session.on_message(Channel::bulk, message, {});
+    session.on_message(Channel::bulk, message, {});  // doubled
+    const auto looked = wants<LookForBlob>();
+    ASSERT_THAT(looked, SizeIs(1));
+    ASSERT_TRUE(looked[0].lookup.place);
+    EXPECT_EQ(looked[0].lookup.place->process, 12);
+    EXPECT_EQ(looked[0].lookup.place->descriptor, 34);
+    session.on_found({scene_digest, is_there ? store.find(scene_digest) : nullptr}, {});
+    const auto again = sent(v1::Envelope::kBlobRequest);
+    EXPECT_THAT(again, SizeIs(is_there ? 0 : 1));
+    for (const auto& request : again) {
+      EXPECT_FALSE(request.blob_request().place());
+      session.on_message(Channel::bulk,
+                         answer_blob_request(request.blob_request(), store.find(scene_digest)), {});
+    }
+    EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
+  }
+}
+
+}  // namespace
+}  // namespace tessera
