@@ -51,14 +51,19 @@ class Aovs(ServiceTest):
                                       tile)
                 self.assertEqual(reference, found, (workers, threads, tile))
 
-    def test_after_a_killed_worker(self):
-        load = ["--size", "320x240", "--tile", "16", "--spp", 32, "--aovs", "all"]
-        reference = self.channels(*load, "--workers", 0)
-        process = self.start("render", self.scene, *load, "--workers", 3, "-o", "b.exr", "--quiet",
-                             "--resume")
+    def start_and_keep_some(self, load, workers):
+        """A render to b.exr that has kept some tiles."""
+        process = self.start("render", self.scene, *load, "--workers", workers, "-o", "b.exr",
+                             "--quiet", "--resume")
         kept = self.folder / "b.exr.tiles-wal"
         wait_until(lambda: process.poll() is not None or
                    (kept.exists() and kept.stat().st_size > 100_000), "tiles are kept")
+        return process
+
+    def test_after_a_killed_worker(self):
+        load = ["--size", "320x240", "--tile", "16", "--spp", 32, "--aovs", "all"]
+        reference = self.channels(*load, "--workers", 0)
+        process = self.start_and_keep_some(load, 3)
         for worker in marked_processes(self.mark):
             if worker != process.pid and is_worker(worker):
                 os.kill(worker, signal.SIGKILL)
@@ -71,11 +76,7 @@ class Aovs(ServiceTest):
     def test_after_a_killed_run(self):
         load = ["--size", "320x240", "--tile", "16", "--spp", 32, "--aovs", "albedo,depth,samples"]
         reference = self.channels(*load, "--workers", 0)
-        process = self.start("render", self.scene, *load, "--workers", 2, "-o", "b.exr", "--quiet",
-                             "--resume")
-        kept = self.folder / "b.exr.tiles-wal"
-        wait_until(lambda: process.poll() is not None or
-                   (kept.exists() and kept.stat().st_size > 100_000), "tiles are kept")
+        process = self.start_and_keep_some(load, 2)
         process.kill()
         process.communicate(timeout=PATIENCE)
         found = self.channels(*load, "--workers", 2, "--resume", name="b.exr")
