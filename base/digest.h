@@ -21,6 +21,8 @@ struct Digest {
   static Digest of(std::string_view data) { return of(std::as_bytes(std::span(data))); }
   /// From 64 lower-case hexadecimal digits; nothing for any other text.
   static std::optional<Digest> parse(std::string_view hex);
+  /// All zero, which names nothing, for any other text.
+  static Digest from_hex(std::string_view hex) { return parse(hex).value_or(Digest{}); }
   std::string hex() const;
 
   friend auto operator<=>(const Digest&, const Digest&) = default;

@@ -1,9 +1,9 @@
 #include "base/error.h"
+#include "base/lower_case.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <numeric>
@@ -37,14 +37,12 @@ Error render_error(std::string_view message) {
 
 namespace {
 
-char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
-
 /// Edits from `a` to `b` without regard to case, where two neighbours that changed places count as
 /// one: the commonest slip (optimal string alignment), by rows of the table.
 size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<size_t> before_last, last, row(b.size() + 1);
   std::iota(row.begin(), row.end(), size_t{0});
-  const auto equal = [&](size_t i, size_t j) { return lower(a[i]) == lower(b[j]); };
+  const auto equal = [&](size_t i, size_t j) { return lower_case(a[i]) == lower_case(b[j]); };
   for (size_t i = 0; i < a.size(); ++i) {
     before_last = std::exchange(last, row);
     row[0] = i + 1;

@@ -45,4 +45,12 @@ void for_each_parallel(size_t count, int threads, const Work& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
+/// Calls work(begin, end) for pieces of `length`, the last may be shorter, of 0 to `count`. Where
+/// they are depends on nothing else, so that neither does what is made of each.
+template <typename Work>
+void for_each_piece_parallel(size_t count, size_t length, int threads, const Work& work) {
+  for_each_parallel((count + length - 1) / length, threads,
+                    [&](size_t i) { work(i * length, std::min(count, (i + 1) * length)); });
+}
+
 }  // namespace tessera

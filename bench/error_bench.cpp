@@ -253,14 +253,14 @@ class SceneBench {
 
   void add_peer(const ErrorPeer& peer) {
     check_size(peer.picture, "--peer " + peer.name);
-    const Picture truth = contestants_.front().truth->mean();
+    const Reference& truth = *contestants_.front().truth;
     PeerMark mark{peer.name, peer.seconds, peer.samples, {}, 0};
-    mark.error = picture_error(peer.picture, truth, mask_);
+    mark.error = picture_error(peer.picture, truth.mean(), mask_);
     Picture scaled = peer.picture;
     if (mark.error.mean_ratio > 0)
       for (float& value : scaled.values)
         value = static_cast<float>(double{value} / mark.error.mean_ratio);
-    mark.rmse_scaled = picture_error(scaled, truth, mask_, false).rmse;
+    mark.rmse_scaled = std::sqrt(std::max(0.0, mean_square_error(scaled, truth, mask_)));
     out_.peers.push_back(std::move(mark));
   }
 

@@ -3,10 +3,10 @@
 #include <google/protobuf/descriptor.h>
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 
 #include "base/error.h"
+#include "base/lower_case.h"
 #include "bench/error_bench.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/scene/read_settings.h"
@@ -20,8 +20,8 @@ using Words = std::map<std::string, int>;
 Words words_of(const google::protobuf::EnumDescriptor& descriptor) {
   Words out;
   for (int i = 0; i < descriptor.value_count(); ++i) {
-    std::string word = descriptor.value(i)->name();
-    for (char& c : word) c = c == '_' ? '-' : static_cast<char>(std::tolower(c));
+    std::string word = lower_case(descriptor.value(i)->name());
+    std::replace(word.begin(), word.end(), '_', '-');
     out[word] = descriptor.value(i)->number();
   }
   return out;

@@ -70,15 +70,19 @@ LoadedScene meshes_behind() {
   return out;
 }
 
-/// A ball with normals, texture coordinates and colours, of which its material shows none.
-LoadedScene bare_ball() {
-  LoadedScene out = scene_of(settings(640, 480) + camera(1.1, .8, 1.6) +
+/// A triangle that fills the picture, with normals, texture coordinates and colours, of which its
+/// material shows none.
+LoadedScene bare_triangle() {
+  LoadedScene out = scene_of(settings(640, 480) +
+                             "cameras { orthographic { } world_from_camera { steps { "
+                             "translate { z: 2 } } } }\n"
                              "materials { name: 'bare' unlit { color { value { } } } }\n");
-  MeshData mesh = icosphere(1, false);
-  const size_t vertices = mesh.vertex_count();
-  mesh.normals = mesh.positions;
-  mesh.uvs.assign(2 * vertices, .5F);
-  mesh.colors.assign(4 * vertices, 1.F);
+  MeshData mesh;
+  mesh.positions = {-9, -9, 0, 9, -9, 0, 0, 18, 0};
+  mesh.triangles = {0, 1, 2};
+  mesh.normals = {0, 0, 1, 0, 0, 1, 0, 0, 1};
+  mesh.uvs = {0, 0, 1, 0, 1, 1};
+  mesh.colors.assign(4 * mesh.vertex_count(), 1.F);
   add_mesh(out, std::move(mesh), 0);
   out.scene.mutable_nodes(0)->mutable_shape()->add_materials("bare");
   return out;
@@ -117,8 +121,8 @@ LoadedScene opaque_spheres() {
 }
 
 LoadedScene plain_ball() {
-  return scene_of(settings(640, 480) + camera(1, .8, 1.6) +
-                  "materials { name: 'plain' unlit { } }\n" + sphere(0, 0, 0, 1, "plain"));
+  return scene_of(settings(640, 480) + camera(1, .8, 1.6) + kSun +
+                  "nodes { casts_no_shadow: true shape { sphere { radius: 1 } } }\n");
 }
 
 LoadedScene small_ball() {
@@ -200,9 +204,9 @@ const std::vector<SkipCase>& skip_cases() {
        {"mesh_builds_deferred", "-meshes_built_when_hit"},
        {"mesh_builds_deferred"}},
       {"unused-attributes",
-       "a black ball with normals, uvs, colours",
+       "a black triangle with normals, uvs, colours",
        &Skips::unused_attributes,
-       bare_ball,
+       bare_triangle,
        {"attributes_dropped"},
        {"attributes_dropped"}},
       {"unused-textures",
@@ -236,7 +240,7 @@ const std::vector<SkipCase>& skip_cases() {
        {"instances_opaque"},
        {"instances"}},
       {"absent-features",
-       "a ball in one colour",
+       "a ball in the sun, without shadows",
        &Skips::absent_features,
        plain_ball,
        {"features_absent"},

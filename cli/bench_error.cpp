@@ -205,9 +205,11 @@ ExitCode bench_error_command(const ErrorCommandOptions& options) {
     say("{}", error_table(all.back()));
     if (!options.svg_folder.empty()) {
       const fs::path folder = options.svg_folder;
-      write_output_file((folder / (scenes[i].name + ".svg")).string(), error_svg(all.back()));
-      write_output_file((folder / (scenes[i].name + "-efficiency.svg")).string(),
-                        efficiency_svg(all.back()));
+      const std::string name = scenes[i].name + (options.peers.empty() ? "" : "-peers");
+      write_output_file((folder / (name + ".svg")).string(), error_svg(all.back()));
+      if (options.peers.empty())
+        write_output_file((folder / (name + "-efficiency.svg")).string(),
+                          efficiency_svg(all.back()));
     }
   }
   say("\n{}", error_summary(all));
@@ -275,7 +277,9 @@ void add_error_bench(CLI::App& bench, Action& action) {
   command->add_option("--json", options->json_file, "Write the rows as JSON too")
       ->type_name("FILE");
   command->add_option("--csv", options->csv_file, "Write the rows as CSV too")->type_name("FILE");
-  command->add_option("--svg", options->svg_folder, "Plot each scene into this folder")
+  command
+      ->add_option("--svg", options->svg_folder,
+                   "Plot each scene into this folder; with peers as SCENE-peers.svg")
       ->type_name("DIR");
   command->callback(
       [options, &action] { action = [options] { return bench_error_command(*options); }; });

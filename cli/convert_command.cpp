@@ -12,14 +12,22 @@
 #include "cli/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
 #include "scenes/formats/read_scene.h"
+#include "scenes/generate/accuracy_scenes.h"
 #include "scenes/generate/generate_scene.h"
 
 namespace tessera {
 namespace {
 
-/// "forest:10000", and no file of that name.
+/// "forest:10000" or "error:glossy", and no file of that name.
 bool is_generated(const std::string& input) {
   return input.find(':') != std::string::npos && !std::filesystem::exists(input);
+}
+
+/// Procedural ones, and those of `tessera bench error`.
+LoadedScene make_scene(const std::string& what) {
+  constexpr std::string_view kOfErrorBench = "error:";
+  if (!what.starts_with(kOfErrorBench)) return generate_scene(what);
+  return make_accuracy_scene(what.substr(kOfErrorBench.size())).loaded;
 }
 
 struct ConvertOptions {
@@ -37,7 +45,7 @@ ExitCode convert(const ConvertOptions& options) {
   check_output_file(options.output, "OUT");
   check_not_input(options.output, options.input, "OUT");
   const LoadedScene loaded = is_generated(options.input)
-                                 ? generate_scene(options.input)
+                                 ? make_scene(options.input)
                                  : read_scene(options.input, options.reading);
   for (const std::string& warning : loaded.warnings) say_warning(warning);
   write_scene_file(options.output, loaded.scene, loaded.blobs);
@@ -55,10 +63,12 @@ void add_convert_command(CLI::App& app, Action& action) {
       "Examples:\n"
       "  tessera convert bunny.obj bunny.tessera\n"
       "  tessera convert bunny.tessera bunny.json\n"
-      "  tessera convert forest:10000 forest.tesserab");
+      "  tessera convert forest:10000 forest.tesserab\n"
+      "  tessera convert error:glossy glossy.tessera");
   command
       ->add_option("IN", options->input,
-                   fmt::format("The scene to read; or one to make, as NAME:NUMBER, of {}",
+                   fmt::format("The scene to read; or one to make, as NAME:NUMBER, of {}; or "
+                               "error:SCENE, one of `bench error`",
                                fmt::join(generated_scene_names(), ", ")))
       ->required()
       ->type_name("FILE");

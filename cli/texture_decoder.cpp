@@ -11,7 +11,8 @@ DecodedTexture as_texture(TextureImage picture) {
           .height = picture.height,
           .channels = picture.channels,
           .bits = picture.bits,
-          .texels = std::move(picture.texels)};
+          .texels = std::move(picture.texels),
+          .digest = picture.digest};
 }
 
 }  // namespace

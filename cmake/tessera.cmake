@@ -26,9 +26,9 @@ target_include_directories(tessera_flags INTERFACE "${CMAKE_SOURCE_DIR}")
 # would render different bits. Errno and FP traps are never read; giving them up changes no result.
 target_compile_options(tessera_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wvla
   "-ffile-prefix-map=${CMAKE_SOURCE_DIR}/="
-  -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-omit-frame-pointer)
+  -ffp-contract=off -fno-math-errno -fno-trapping-math)
 set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
-set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1")
+set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1 -fno-omit-frame-pointer")
 if(TESSERA_WERROR)
   target_compile_options(tessera_flags INTERFACE -Werror)
 endif()

@@ -67,6 +67,9 @@ struct JobResult {
 };
 
 /// Told to whoever watches; called on the thread that runs the job.
+/// Of a job's name, in bytes; those of files fit in however they are written.
+inline constexpr size_t kMostName = 1000;
+
 struct JobProgress {
   uint64_t tiles_done = 0, tiles_total = 0;
   int workers = 0;                                    ///< now connected

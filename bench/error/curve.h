@@ -47,7 +47,7 @@ struct PeerMark {
   std::string name;
   double seconds = 0, samples = 0;
   PictureError error;
-  double rmse_scaled = 0;  ///< after its mean was made that of the reference
+  double rmse_scaled = 0;  ///< after its mean was made the reference's, whose noise cancels
 };
 
 /// What was found in one scene.

@@ -182,8 +182,17 @@ std::string error_svg(const SceneErrors& scene) {
                "error of the reference"};
   for (const ErrorCurve& curve : scene.curves)
     plot.series.push_back(series_of(curve, &ErrorRow::rmse, &ErrorRow::rmse_band));
-  for (const PeerMark& peer : scene.peers)
-    plot.series.push_back({peer.name, {{peer.seconds, peer.rmse_scaled, {}}}, true});
+  for (const PeerMark& peer : scene.peers) {  // of one name, one colour
+    const PlotPoint point{peer.seconds, peer.rmse_scaled, {}};
+    const auto known = std::find_if(plot.series.begin(), plot.series.end(), [&](const auto& s) {
+      return s.is_mark && s.name == peer.name;
+    });
+    if (known == plot.series.end()) {
+      plot.series.push_back({peer.name, {point}, true});
+    } else {
+      known->points.push_back(point);
+    }
+  }
   return to_svg(plot);
 }
 

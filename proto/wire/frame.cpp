@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 #include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/stubs/logging.h>
 
 #include <bit>
+#include <cstdio>
 #include <cstring>
+#include <string>
 
 #include "base/error.h"
 #include "proto/wire/crc32c.h"
@@ -26,9 +29,23 @@ static_assert(sizeof(Header) == kFrameHeaderSize);
 // The deepest Envelope is one of JobEnd's rectangles: 4.
 constexpr int kMaxNesting = 8;
 
+void tell_fatal(google::protobuf::LogLevel level, const char* file, int line,
+                const std::string& message) {
+  if (level < google::protobuf::LOGLEVEL_FATAL) return;
+  std::fprintf(stderr, "%s:%d: %s\n", file, line, message.c_str());
+}
+
+/// What is wrong with a message is told by who takes it, not by a library, on standard error, for
+/// each that a stranger sends.
+void hush_protobuf() {
+  static const bool hushed = (google::protobuf::SetLogHandler(&tell_fatal), true);
+  static_cast<void>(hushed);
+}
+
 }  // namespace
 
 Frame encode(const v1::Envelope& message) {
+  hush_protobuf();
   Header header;
   const size_t length = message.ByteSizeLong();
   TESSERA_CHECK(kFrameHeaderSize + length <= kMaxFrame,
@@ -63,6 +80,7 @@ std::optional<v1::Envelope> decode(std::span<const std::byte> frame, size_t limi
       header.length != body.size() || header.crc != crc32c(body)) {
     return std::nullopt;
   }
+  hush_protobuf();
   google::protobuf::io::CodedInputStream stream(reinterpret_cast<const uint8_t*>(body.data()),
                                                 static_cast<int>(body.size()));
   stream.SetRecursionLimit(kMaxNesting);

@@ -7,13 +7,12 @@
 #include <google/protobuf/text_format.h>
 #include <google/protobuf/util/json_util.h>
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <unordered_set>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/lower_case.h"
 #include "proto/wire/scene_errors.h"
 #include "proto/wire/scene_walk.h"
 
@@ -167,8 +166,7 @@ void fetch_blobs(const std::string& path, SceneWithBlobs& read) {
 }  // namespace
 
 std::optional<SceneEncoding> scene_encoding_of(std::string_view path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = lower_case(std::filesystem::path(path).extension().string());
   if (ending == ".tessera") return SceneEncoding::text;
   if (ending == ".tesserab") return SceneEncoding::binary;
   if (ending == ".json") return SceneEncoding::json;

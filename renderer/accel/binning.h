@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
+#include "base/parallel.h"
 #include "renderer/accel/wide_tree.h"
 
 namespace tessera::binning {
@@ -58,6 +60,21 @@ inline Range make_range(const BuildBox* boxes, size_t begin, size_t end) {
     r.centroids.extend(c, c);
   }
   return r;
+}
+
+/// Of all of them, which comes out the same in any order.
+inline Range make_range(const BuildBox* boxes, size_t count, int threads) {
+  constexpr size_t kPiece = 1 << 17;
+  std::vector<Range> parts((count + kPiece - 1) / kPiece);
+  for_each_piece_parallel(count, kPiece, threads, [&](size_t begin, size_t end) {
+    parts[begin / kPiece] = make_range(boxes, begin, end);
+  });
+  Range all{0, count};
+  for (const Range& part : parts) {
+    all.box.extend(part.box.low, part.box.high);
+    all.centroids.extend(part.centroids.low, part.centroids.high);
+  }
+  return all;
 }
 
 /// Maps centroids to bins, the same way wherever it is asked.

@@ -30,7 +30,7 @@ InstanceBvh::InstanceBvh(std::vector<Instance> instances, int threads, const Bvh
   tree_.instances = std::move(instances);
   WideTree tree = build_wide_tree(instance_boxes(tree_, bounds_), 1, threads);
   statistics_ = statistics_of(tree, tree_.instances.size(), tree_.instances.size());
-  lay_out(std::move(tree), tree_);
+  lay_out(std::move(tree), tree_, threads);
   statistics_.bytes = bytes_of(tree_);
   statistics_.build_seconds = stopwatch.seconds();
 }

@@ -22,6 +22,9 @@
 #include "renderer/accel/packet-inl.h"
 #include "renderer/accel/test_triangles-inl.h"
 #include "renderer/accel/traverse-inl.h"
+// After what it takes from there.
+#include "renderer/accel/box_row-inl.h"
+#include "renderer/accel/rectangle_row-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {
@@ -193,7 +196,11 @@ class Mailbox {
 
 bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
                       TraversalCounters& counters) {
-  if (!can_hit(ray)) return false;
+  RayFrame frame;
+  BoxRay<float> box_ray;
+  const Setup setup =
+      set_up<true>(ray, std::min(ray.t_max, hit.t), scene.tree_bounds, scene.tree, frame, box_ray);
+  if (setup != Setup::ready && !can_hit(ray)) return false;
   bool found = false;
   for (const uint32_t i : scene.endless)
     found |= closest_hit_of(scene.instances[i], i, ray, hit, counters);
@@ -208,13 +215,10 @@ bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
     }
     return nearer;
   };
-  RayFrame frame;
-  BoxRay<float> box_ray;
-  const Setup setup =
-      set_up<true>(ray, std::min(ray.t_max, hit.t), scene.tree_bounds, scene.tree, frame, box_ray);
   if (setup == Setup::misses) return found;
   if (setup == Setup::wide) [[unlikely]] {
     BoxRay<double> wide_ray = make_box_ray<double>(frame);
+    wide_ray.t_max = wide_ray.limit(std::min(ray.t_max, hit.t));
     const bool in_tree = closest_in_tree<false>(scene.tree, wide_ray, wide_ray.t_max,
                                                 counters.node_visits, [&](uint32_t leaf) HWY_ATTR {
                                                   if (!test(leaf)) return false;
@@ -223,6 +227,7 @@ bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
                                                 });
     return found || in_tree;
   }
+  if (found) box_ray.t_max = box_ray.limit(hit.t);
   const bool in_tree = closest_in_tree<false>(scene.tree, box_ray, box_ray.t_max,
                                               counters.node_visits, [&](uint32_t leaf) HWY_ATTR {
                                                 if (!test(leaf)) return false;
@@ -233,7 +238,10 @@ bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
 }
 
 bool instance_any(const InstanceTree& scene, const Ray& ray, TraversalCounters& counters) {
-  if (!can_hit(ray)) return false;
+  RayFrame frame;
+  BoxRay<float> box_ray;
+  const Setup setup = set_up<true>(ray, ray.t_max, scene.tree_bounds, scene.tree, frame, box_ray);
+  if (setup != Setup::ready && !can_hit(ray)) return false;
   for (const uint32_t i : scene.endless)
     if (any_hit_of(scene.instances[i], ray, counters)) return true;
   Mailbox mailbox;
@@ -246,9 +254,6 @@ bool instance_any(const InstanceTree& scene, const Ray& ray, TraversalCounters& 
     }
     return false;
   };
-  RayFrame frame;
-  BoxRay<float> box_ray;
-  const Setup setup = set_up<true>(ray, ray.t_max, scene.tree_bounds, scene.tree, frame, box_ray);
   if (setup == Setup::misses) return false;
   if (setup == Setup::wide) [[unlikely]] {
     BoxRay<double> wide_ray = make_box_ray<double>(frame);
@@ -258,8 +263,9 @@ bool instance_any(const InstanceTree& scene, const Ray& ray, TraversalCounters& 
 }
 
 BvhKernels kernels_of_target() {
-  return {mesh_closest, mesh_any,         mesh_packet,  leaf_closest,
-          leaf_any,     instance_closest, instance_any, hwy::TargetName(HWY_TARGET)};
+  return {
+      mesh_closest,     mesh_any,     mesh_packet,   leaf_closest,   leaf_any,
+      instance_closest, instance_any, boxes_entered, rectangles_met, hwy::TargetName(HWY_TARGET)};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -3,7 +3,9 @@
 #include <span>
 #include <vector>
 
+#include "renderer/accel/box_row.h"
 #include "renderer/accel/instance.h"
+#include "renderer/accel/rectangle_row.h"
 #include "renderer/accel/spatial_splits.h"
 #include "renderer/accel/traversal_tree.h"
 #include "renderer/accel/wide_tree.h"
@@ -56,6 +58,12 @@ struct BvhKernels {
   bool (*leaf_any)(const MeshTree&, uint32_t leaf, const TriangleRay&, TraversalCounters&);
   bool (*instance_closest)(const InstanceTree&, const Ray&, Hit&, TraversalCounters&);
   bool (*instance_any)(const InstanceTree&, const Ray&, TraversalCounters&);
+  /// Which boxes of the row the ray may hit something in before `t_max`, a bit each, and lower
+  /// bounds of t there, as many as row.count. For a ray that can_hit().
+  uint32_t (*boxes_entered)(const BoxRow& row, const Ray& ray, double t_max, double* entered);
+  /// The same of rectangles.
+  RectanglesMet (*rectangles_met)(const RectangleRow& row, const Ray& ray, double t_max,
+                                  double* entered);
   const char* name;
 };
 

@@ -60,7 +60,7 @@ std::unique_ptr<const EmbreeMesh> EmbreeMesh::make(std::shared_ptr<const Triangl
                                                    int threads) {
   const auto start = std::chrono::steady_clock::now();
   std::unique_ptr<EmbreeMesh> made(new EmbreeMesh(mesh));
-  WideTree groups = build_wide_tree(triangle_boxes(*mesh), 4, threads);
+  WideTree groups = build_wide_tree(triangle_boxes(*mesh, threads), 4, threads);
   made->extent_ = groups.extent;
   // A ray's origin is at most four extents away, or moved to the whole.
   const float growth = static_cast<float>(4 * kGrowth * double{groups.extent});

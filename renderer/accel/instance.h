@@ -22,11 +22,6 @@ struct Instance {
   bool flip_normals = false;  ///< front and back, and the normals, change places
 };
 
-/// False for a ray with a part that is not finite, or no direction: it hits nothing.
-inline bool can_hit(const Ray& ray) {
-  return is_finite(ray.origin - Point3{}) && is_finite(ray.direction) && ray.direction != Vec3{};
-}
-
 /// The two below for any shape, any transform and any ray.
 bool closest_hit_of_any(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
                         TraversalCounters& counters);

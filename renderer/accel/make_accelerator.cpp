@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "renderer/accel/bvh.h"
 #include "renderer/accel/embree_mesh.h"
+#include "renderer/accel/few_instances.h"
 #include "renderer/accel/linear_scan.h"
 #include "renderer/accel/octree.h"
 #include "renderer/accel/tree_boxes.h"
@@ -12,9 +13,9 @@
 namespace tessera {
 namespace {
 
-// Below these a scan in order costs no more than a tree, and nothing to build.
+// Up to so many a scan in order costs no more than a tree, and nothing to build.
 constexpr size_t kFewTriangles = 2;
-constexpr size_t kFewInstances = 2;
+constexpr size_t kFewScanned = 2;
 
 OctreeKind octree_kind(AcceleratorKind kind) {
   return kind == AcceleratorKind::octree ? OctreeKind::uniform : OctreeKind::nonuniform;
@@ -75,9 +76,10 @@ std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instanc
   size_t bounded = 0;
   for (const Instance& instance : instances)
     if (const Bounds3 b = bounds_of(instance); can_be_held(instance, b) && !b.empty()) ++bounded;
-  const bool is_small = bounded == 0 || (scan_few && bounded <= kFewInstances);
-  if (kind == AcceleratorKind::linear || is_small)
+  if (kind == AcceleratorKind::linear || bounded == 0 || (scan_few && bounded <= kFewScanned))
     return std::make_unique<InstanceLinearScan>(std::move(instances));
+  if (scan_few && bounded <= BoxRow::kMost)
+    return std::make_unique<FewInstances>(std::move(instances));
   if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::bvh_splits ||
       kind == AcceleratorKind::embree)
     return std::make_unique<InstanceBvh>(std::move(instances), threads);

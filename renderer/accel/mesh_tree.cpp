@@ -66,8 +66,8 @@ void publish(SharedArena::Claim& claim, const BuiltMeshTree& built) {
 BuiltMeshTree build_mesh_tree(const TriangleMesh& mesh, int threads, BvhQuality quality) {
   const Stopwatch stopwatch;
   BuiltMeshTree built;
-  std::vector<BuildBox> boxes = triangle_boxes(mesh);
-  built.tree.bounds = bounds_of(boxes);
+  std::vector<BuildBox> boxes = triangle_boxes(mesh, threads);
+  built.tree.bounds = bounds_of(boxes, threads);
   if (quality == BvhQuality::spatial_splits) {
     SpatialSplits splits = split_spatially(mesh, std::move(boxes));
     boxes = std::move(splits.boxes);
@@ -75,7 +75,7 @@ BuiltMeshTree build_mesh_tree(const TriangleMesh& mesh, int threads, BvhQuality 
   }
   const size_t references = boxes.size();
   const WideTree tree = build_wide_tree(std::move(boxes), 4, threads);
-  lay_out(tree, mesh, built.tree);
+  lay_out(tree, mesh, built.tree, threads);
   built.statistics = statistics_of(tree, mesh.triangles.size(), references);
   built.statistics.bytes = built.tree.tree.units.bytes();
   built.statistics.build_seconds = stopwatch.seconds();

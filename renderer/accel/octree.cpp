@@ -43,9 +43,9 @@ MeshOctree::MeshOctree(const TriangleMesh& mesh, OctreeKind kind, int threads,
   const auto search = make_search(kind);
   tree_.bounds = mesh.bounds();
   statistics_.primitives = mesh.triangles.size();
-  lay_out(
-      build_octree(triangle_boxes(mesh), mesh_octree_options(search.get()), threads, statistics_),
-      mesh, tree_);
+  lay_out(build_octree(triangle_boxes(mesh, threads), mesh_octree_options(search.get()), threads,
+                       statistics_),
+          mesh, tree_, threads);
   statistics_.bytes = tree_.tree.units.bytes();
   statistics_.build_seconds = stopwatch.seconds();
 }
@@ -59,7 +59,7 @@ InstanceOctree::InstanceOctree(std::vector<Instance> instances, OctreeKind kind,
   statistics_.primitives = tree_.instances.size();
   lay_out(build_octree(instance_boxes(tree_, bounds_), instance_octree_options(search.get()),
                        threads, statistics_),
-          tree_);
+          tree_, threads);
   statistics_.bytes = bytes_of(tree_);
   statistics_.build_seconds = stopwatch.seconds();
 }

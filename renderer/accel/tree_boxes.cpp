@@ -5,34 +5,42 @@
 #include <cstring>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "renderer/accel/binning.h"
-
 #include "renderer/shapes/solid.h"
 
 namespace tessera {
 
-std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh) {
+namespace {
+// Triangles or nodes that one thread does at a time.
+constexpr size_t kChunk = 1 << 14;
+}  // namespace
+
+std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh, int threads) {
   std::vector<BuildBox> boxes(mesh.triangles.size());
-  for (size_t i = 0; i < boxes.size(); ++i) {
-    const auto lanes = [&mesh](uint32_t index) {
-      const Float3& p = mesh.positions[index];
-      return BuildBox::Lanes{p.x, p.y, p.z, 0};
-    };
-    const TriangleIndices& index = mesh.triangles[i];
-    const BuildBox::Lanes a = lanes(index[0]), b = lanes(index[1]), c = lanes(index[2]);
-    boxes[i].low = a < b ? a : b;
-    boxes[i].low = boxes[i].low < c ? boxes[i].low : c;
-    boxes[i].high = a > b ? a : b;
-    boxes[i].high = boxes[i].high > c ? boxes[i].high : c;
-    boxes[i].set_index(static_cast<uint32_t>(i));
-  }
+  const auto lanes = [&mesh](uint32_t index) {
+    const Float3& p = mesh.positions[index];
+    return BuildBox::Lanes{p.x, p.y, p.z, 0};
+  };
+  for_each_piece_parallel(boxes.size(), kChunk, threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const TriangleIndices& index = mesh.triangles[i];
+      const BuildBox::Lanes a = lanes(index[0]), b = lanes(index[1]), c = lanes(index[2]);
+      boxes[i].low = a < b ? a : b;
+      boxes[i].low = boxes[i].low < c ? boxes[i].low : c;
+      boxes[i].high = a > b ? a : b;
+      boxes[i].high = boxes[i].high > c ? boxes[i].high : c;
+      boxes[i].set_index(static_cast<uint32_t>(i));
+    }
+  });
   return boxes;
 }
 
-Bounds3 bounds_of(const std::vector<BuildBox>& boxes) {
-  const binning::Box whole = binning::make_range(boxes.data(), 0, boxes.size()).box;
+Bounds3 bounds_of(const std::vector<BuildBox>& boxes, int threads) {
+  const binning::Box whole = binning::make_range(boxes.data(), boxes.size(), threads).box;
   return {{whole.low[0], whole.low[1], whole.low[2]},
           {whole.high[0], whole.high[1], whole.high[2]}};
 }
@@ -65,38 +73,44 @@ void go_in_double(TraversalTree& tree, const BoxMargin& margin) {
 /// Nodes in their order, each followed by its leaves. `leaf_units(reference)` says how much room a
 /// leaf takes; `write_leaf(reference, unit)` fills it and gives what stands for it in its node.
 template <typename LeafUnits, typename WriteLeaf>
-void lay_out_nodes(const WideTree& tree, TraversalTree& to, LeafUnits&& leaf_units,
-                   WriteLeaf&& write_leaf) {
+void lay_out_nodes(const WideTree& tree, TraversalTree& to, int threads,
+                   const LeafUnits& leaf_units, const WriteLeaf& write_leaf) {
   constexpr size_t kNodeUnits = sizeof(WideNode) / sizeof(TreeUnit);
   const std::span<const WideNode> nodes{tree.nodes.data(), tree.nodes.size()};
   const auto is_present = [](const WideNode& node, size_t i) {
     return node.bounds[0][i] <= node.bounds[1][i];
   };
+  // How much room each takes, then where that is.
   std::vector<uint32_t> place(nodes.size());
-  size_t end = tree.root.is_leaf() ? leaf_units(tree.root) : 0;
-  for (size_t n = 0; n < nodes.size(); ++n) {
-    place[n] = static_cast<uint32_t>(end);
-    end += kNodeUnits;
-    for (size_t i = 0; i < 8; ++i) {
-      const NodeReference child{nodes[n].child[i]};
-      if (child.is_leaf() && is_present(nodes[n], i)) end += leaf_units(child);
+  for_each_piece_parallel(nodes.size(), kChunk, threads, [&](size_t first, size_t last) {
+    for (size_t n = first; n < last; ++n) {
+      size_t units = kNodeUnits;
+      for (size_t i = 0; i < 8; ++i) {
+        const NodeReference child{nodes[n].child[i]};
+        if (child.is_leaf() && is_present(nodes[n], i)) units += leaf_units(child);
+      }
+      place[n] = static_cast<uint32_t>(units);
     }
-  }
+  });
+  size_t end = tree.root.is_leaf() ? leaf_units(tree.root) : 0;
+  for (uint32_t& each : place) each = static_cast<uint32_t>(std::exchange(end, end + each));
   TESSERA_CHECK(end < TraversalTree::kLeaf, "a tree larger than 64 GB");
   to.extent = to.usual_extent = tree.extent;
   to.units = AlignedArray<TreeUnit>(end);
   to.root = tree.root.is_leaf() ? write_leaf(tree.root, 0) : place[tree.root.bits];
-  for (size_t n = 0; n < nodes.size(); ++n) {
-    WideNode node = nodes[n];
-    size_t at = place[n] + kNodeUnits;
-    for (size_t i = 0; i < 8; ++i) {
-      const NodeReference child{node.child[i]};
-      if (!is_present(node, i)) continue;
-      node.child[i] = child.is_leaf() ? write_leaf(child, at) : place[child.bits];
-      if (child.is_leaf()) at += leaf_units(child);
+  for_each_piece_parallel(nodes.size(), kChunk, threads, [&](size_t first, size_t last) {
+    for (size_t n = first; n < last; ++n) {
+      WideNode node = nodes[n];
+      size_t at = place[n] + kNodeUnits;
+      for (size_t i = 0; i < 8; ++i) {
+        const NodeReference child{node.child[i]};
+        if (!is_present(node, i)) continue;
+        node.child[i] = child.is_leaf() ? write_leaf(child, at) : place[child.bits];
+        if (child.is_leaf()) at += leaf_units(child);
+      }
+      std::memcpy(static_cast<void*>(to.units.data() + place[n]), &node, sizeof node);
     }
-    std::memcpy(static_cast<void*>(to.units.data() + place[n]), &node, sizeof node);
-  }
+  });
 }
 
 void fill_lane(const TriangleMesh& mesh, uint32_t primitive, TriangleBlock& block, size_t lane) {
@@ -121,9 +135,9 @@ TriangleBlock make_block(const TriangleMesh& mesh, const uint32_t* slots, bool i
   return block;
 }
 
-void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to) {
+void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to, int threads) {
   lay_out_nodes(
-      tree, to.tree,
+      tree, to.tree, threads,
       [](NodeReference leaf) { return leaf.blocks() * sizeof(TriangleBlock) / sizeof(TreeUnit); },
       [&](NodeReference leaf, size_t unit) {
         TreeUnit* at = to.tree.units.data() + unit;
@@ -156,9 +170,9 @@ bool all_well_conditioned(const std::vector<Instance>& instances) {
 
 }  // namespace
 
-void lay_out(WideTree tree, InstanceTree& to) {
+void lay_out(WideTree tree, InstanceTree& to, int threads) {
   lay_out_nodes(
-      tree, to.tree, [](NodeReference) { return size_t{0}; },
+      tree, to.tree, threads, [](NodeReference) { return size_t{0}; },
       [](NodeReference leaf, size_t) { return leaf.bits; });
   // t of a large sphere that is grazed errs by more than 2^-27 of its radius.
   if (is_too_fine(tree) && all_well_conditioned(to.instances))

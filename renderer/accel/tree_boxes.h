@@ -10,12 +10,12 @@ namespace tessera {
 // What every tree for the eight-wide traversal is built from and filled with.
 
 /// One a triangle, in order.
-std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh);
+std::vector<BuildBox> triangle_boxes(const TriangleMesh& mesh, int threads = 1);
 /// Around all of them: mesh.bounds() of what triangle_boxes() gave, sooner.
-Bounds3 bounds_of(const std::vector<BuildBox>& boxes);
+Bounds3 bounds_of(const std::vector<BuildBox>& boxes, int threads = 1);
 /// Lays out a tree over the triangles of a mesh, or over instances, for traversal.
-void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to);
-void lay_out(WideTree tree, InstanceTree& to);
+void lay_out(const WideTree& tree, const TriangleMesh& mesh, MeshTree& to, int threads);
+void lay_out(WideTree tree, InstanceTree& to, int threads);
 size_t bytes_of(const InstanceTree& tree);
 /// What the tree alone tells.
 AcceleratorStatistics statistics_of(const WideTree& tree, size_t primitives, size_t references);

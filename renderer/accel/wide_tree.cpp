@@ -18,6 +18,8 @@ namespace {
 constexpr float kNodeCost = 1.6f, kNodeCostOverInstances = 0.25f;
 constexpr int kMedianDepth = 24;  // below this, halves: so that the depth stays bounded
 constexpr size_t kMinTask = 2048;
+constexpr size_t kWorthThreads = 1 << 17;  // boxes of one range
+constexpr size_t kPiece = 1 << 14;         // that one of them does at a time
 
 using namespace binning;
 
@@ -37,18 +39,57 @@ struct Part {
   int depth = 0;
 };
 
+/// Places in runs, numbered through.
+class Runs {
+ public:
+  class Cursor {
+   public:
+    size_t next() {
+      while (at_ == runs_->ends_[run_]) at_ = runs_->begins_[++run_];
+      return at_++;
+    }
+
+   private:
+    friend Runs;
+    const Runs* runs_;
+    size_t run_, at_;
+  };
+
+  void add(size_t begin, size_t end) {
+    if (begin >= end) return;
+    before_.push_back(count_);
+    begins_.push_back(begin);
+    ends_.push_back(end);
+    count_ += end - begin;
+  }
+  size_t count() const { return count_; }
+  /// Of a number below count().
+  Cursor at(size_t number) const {
+    Cursor cursor;
+    const auto behind = std::upper_bound(before_.begin(), before_.end(), number);
+    cursor.runs_ = this;
+    cursor.run_ = static_cast<size_t>(behind - before_.begin()) - 1;
+    cursor.at_ = begins_[cursor.run_] + number - before_[cursor.run_];
+    return cursor;
+  }
+
+ private:
+  std::vector<size_t> before_, begins_, ends_;
+  size_t count_ = 0;
+};
+
 class WideTreeBuilder {
  public:
   WideTreeBuilder(std::vector<BuildBox>& boxes, uint32_t block_size, int threads)
       : boxes_(boxes.data()), block_size_(block_size), threads_(std::max(1, threads)) {
     // By the number of boxes alone, never of threads: the tree must come out the same.
-    task_size_ = std::max(kMinTask, boxes.size() / 64);
+    task_size_ = std::max(kMinTask, boxes.size() / 32);
   }
 
   WideTree build(size_t count) {
     Part top;
     std::vector<Pending> pending;
-    const Range all = make_range(boxes_, 0, count);
+    const Range all = make_range(boxes_, count, threads_);
     top.root = build_range(top, all, 0, &pending);
     std::vector<Part> parts(pending.size());
     for_each_parallel(pending.size(), threads_, [&](size_t i) {
@@ -63,7 +104,6 @@ class WideTreeBuilder {
  private:
   /// Bins of a range; large ones by all threads. Sums and extremes come out the same in any order.
   Bins fill(const Binning& binning, const Range& range, bool parallel) {
-    constexpr size_t kWorthThreads = 1 << 17;
     Bins bins(binning.bins);
     if (!parallel || threads_ < 2 || range.count() < kWorthThreads) {
       bins.add(binning, boxes_, range.begin, range.end);
@@ -88,14 +128,50 @@ class WideTreeBuilder {
   }
 
   /// Cuts a range in two by the split, or, where there is none, in halves.
-  std::array<Range, 2> divide(const Range& range, const Split& split) {
-    size_t middle = range.begin + range.count() / 2;
+  std::array<Range, 2> divide(const Range& range, const Split& split, bool parallel) {
     if (split.axis < 0) {
+      const size_t middle = range.begin + range.count() / 2;
       halve(range, middle);
       return {make_range(boxes_, range.begin, middle), make_range(boxes_, middle, range.end)};
     }
     const Binning binning(range);
-    Range left{range.begin, range.begin}, right{range.end, range.end};
+    // Not by the number of threads: the order comes out the same.
+    if (!parallel || range.count() < kWorthThreads) {
+      return partition(binning, split, range.begin, range.end);
+    }
+    std::vector<std::array<Range, 2>> parts((range.count() + kPiece - 1) / kPiece);
+    for_each_piece_parallel(range.count(), kPiece, threads_, [&](size_t begin, size_t end) {
+      parts[begin / kPiece] = partition(binning, split, range.begin + begin, range.begin + end);
+    });
+    std::array<Range, 2> sides{Range{range.begin, range.begin}, Range{range.end, range.end}};
+    for (const auto& part : parts) {
+      for (size_t side = 0; side < 2; ++side) {
+        sides[side].box.extend(part[side].box);
+        sides[side].centroids.extend(part[side].centroids);
+      }
+      sides[0].end += part[0].count();
+    }
+    sides[1].begin = sides[0].end;
+    exchange_misplaced(parts, sides[1].begin);
+    return sides;
+  }
+
+  /// Puts what belongs before `middle` there, and the rest behind it.
+  void exchange_misplaced(const std::vector<std::array<Range, 2>>& parts, size_t middle) {
+    Runs low, high;
+    for (const auto& [left, right] : parts) {
+      low.add(right.begin, std::min(right.end, middle));
+      high.add(std::max(left.begin, middle), left.end);
+    }
+    for_each_piece_parallel(low.count(), kPiece, threads_, [&](size_t begin, size_t end) {
+      auto a = low.at(begin), b = high.at(begin);
+      for (size_t i = begin; i < end; ++i) std::swap(boxes_[a.next()], boxes_[b.next()]);
+    });
+  }
+
+  std::array<Range, 2> partition(const Binning& binning, const Split& split, size_t begin,
+                                 size_t end) {
+    Range left{begin, begin}, right{end, end};
     const auto add = [](Range& side, const BuildBox& b, Lanes c) {
       side.box.extend(b.low, b.high);
       side.centroids.extend(c, c);
@@ -103,7 +179,7 @@ class WideTreeBuilder {
     // The bin of one axis alone, and not made whole: the sooner the branch is known the better.
     const float base = binning.base[split.axis], scale = binning.scale[split.axis];
     const auto limit = static_cast<float>(split.bin);
-    size_t i = range.begin, j = range.end;
+    size_t i = begin, j = end;
     while (i < j) {
       const Lanes c = centroid(boxes_[i]);
       const float along = boxes_[i].low[split.axis] * 0.5f + boxes_[i].high[split.axis] * 0.5f;
@@ -156,7 +232,7 @@ class WideTreeBuilder {
     if (prefers_leaf(range, split)) return make_leaf(part, range);
     part.depth = std::max(part.depth, depth + 1);
     std::array<Range, 8> children;
-    const auto halves = divide(range, split);
+    const auto halves = divide(range, split, parallel);
     children[0] = halves[0];
     children[1] = halves[1];
     size_t count = 2;
@@ -171,7 +247,7 @@ class WideTreeBuilder {
       }
       if (widest < 0) break;
       Range& chosen = children[static_cast<size_t>(widest)];
-      const auto pair = divide(chosen, find(chosen, depth, parallel));
+      const auto pair = divide(chosen, find(chosen, depth, parallel), parallel);
       chosen = pair[0];
       children[count++] = pair[1];
     }
@@ -207,32 +283,48 @@ class WideTreeBuilder {
   }
 
   WideTree join(Part& top, const std::vector<Pending>& pending, std::vector<Part>& parts) {
+    // Where each part comes to lie, behind `top`.
+    struct Place {
+      size_t node = 0, slot = 0;
+    };
     WideTree tree;
-    size_t nodes = top.nodes.size(), slots = top.slots.size();
-    for (const Part& part : parts) nodes += part.nodes.size(), slots += part.slots.size();
-    tree.nodes = AlignedArray<WideNode>(nodes);
-    tree.slots.reserve(slots);
-    size_t at = 0;
-    const auto append = [&](const Part& part) {
-      const auto first_node = static_cast<uint32_t>(at);
-      const auto first_block = static_cast<uint32_t>(tree.slots.size() / block_size_);
+    std::vector<Place> places;
+    Place end{top.nodes.size(), top.slots.size()};
+    for (const Part& part : parts) {
+      places.push_back(end);
+      end.node += part.nodes.size();
+      end.slot += part.slots.size();
+    }
+    tree.nodes = AlignedArray<WideNode>(end.node);
+    tree.slots.resize(end.slot);
+    const auto put = [&](const Part& part, const Place& place) {
       const auto moved = [&](NodeReference r) -> NodeReference {
-        return {r.bits + (r.is_leaf() ? first_block : first_node)};
+        return {
+            static_cast<uint32_t>(r.bits + (r.is_leaf() ? place.slot / block_size_ : place.node))};
       };
+      WideNode* at = tree.nodes.data() + place.node;
       for (WideNode node : part.nodes) {
         for (size_t i = 0; i < 8; ++i)
           if (node.bounds[0][i] <= node.bounds[1][i]) node.child[i] = moved({node.child[i]}).bits;
-        tree.nodes.data()[at++] = node;
+        *at++ = node;
       }
-      tree.slots.insert(tree.slots.end(), part.slots.begin(), part.slots.end());
-      tree.leaves += part.leaves;
-      tree.depth = std::max(tree.depth, part.depth);
+      std::copy(part.slots.begin(), part.slots.end(),
+                tree.slots.begin() + static_cast<ptrdiff_t>(place.slot));
       return moved(part.root);
     };
-    tree.root = append(top);
-    for (size_t i = 0; i < parts.size(); ++i) {
-      const uint32_t child = append(parts[i]).bits;
-      tree.nodes.data()[pending[i].node].child[pending[i].slot] = child;
+    tree.root = put(top, {});
+    for_each_parallel(parts.size(), threads_, [&](size_t i) {
+      const Pending& from = pending[i];
+      // A child's number is written by no other.
+      tree.nodes.data()[from.node].child[from.slot] = put(parts[i], places[i]).bits;
+      parts[i].nodes = {};
+      parts[i].slots = {};
+    });
+    tree.leaves = top.leaves;
+    tree.depth = top.depth;
+    for (const Part& part : parts) {
+      tree.leaves += part.leaves;
+      tree.depth = std::max(tree.depth, part.depth);
     }
     return tree;
   }

@@ -6,11 +6,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <new>
+#include <span>
 #include <utility>
 
 #include "base/error.h"
@@ -116,16 +119,41 @@ std::optional<ImageCodec::Answer> ImageCodec::try_call(const ImageRequest& reque
     constexpr int kAsk = WEXITED | WSTOPPED | WNOHANG | WNOWAIT;
     return waitid(P_PID, static_cast<id_t>(process_), &news, kAsk) == 0 && news.si_pid == 0;
   });
-  ImageReply reply;
-  if (!channel.send(request, payload) || !channel.receive(reply)) return std::nullopt;
-  if (!is_plausible(request, reply)) return std::nullopt;
-  Answer answer{reply.layout, std::vector<std::byte>(reply.payload_bytes)};
-  if (!channel.receive_bytes(answer.payload.data(), answer.payload.size())) return std::nullopt;
-  if (!reply.done) {
-    throw render_error(
-        std::string(reinterpret_cast<const char*>(answer.payload.data()), answer.payload.size()));
+  if (!channel.send(request, payload)) return std::nullopt;
+  return receive_answer(channel, request);
+}
+
+std::optional<ImageCodec::Answer> ImageCodec::receive_answer(ImageChannel& channel,
+                                                             const ImageRequest& request) {
+  const bool is_picture =
+      request.call == ImageRequest::decode_file || request.call == ImageRequest::decode_bytes;
+  // What was sent while it was decoded may turn out not to hold, once.
+  for (int reply_number = 0; reply_number < 2; ++reply_number) {
+    ImageReply reply;
+    if (!channel.receive(reply) || !is_plausible(request, reply)) return std::nullopt;
+    Answer answer{reply.layout, {}, {}};
+    answer.payload.reserve(reply.payload_bytes);
+    DigestStream digest;
+    // Piece by piece, so that the digest is worked out while the rest is decoded.
+    while (answer.payload.size() < reply.payload_bytes) {
+      constexpr uint64_t kPiece = uint64_t{256} << 10;
+      const size_t before = answer.payload.size();
+      answer.payload.resize(std::min(before + kPiece, reply.payload_bytes));
+      const std::span<std::byte> piece = std::span(answer.payload).subspan(before);
+      if (!channel.receive_bytes(piece.data(), piece.size())) return std::nullopt;
+      if (is_picture) digest.add(piece);
+    }
+    ImageVerdict verdict;
+    if (!channel.receive(verdict)) return std::nullopt;
+    if (!verdict.holds) continue;
+    if (!reply.done) {
+      throw render_error(
+          std::string(reinterpret_cast<const char*>(answer.payload.data()), answer.payload.size()));
+    }
+    if (is_picture) answer.digest = digest.finish();
+    return answer;
   }
-  return answer;
+  return std::nullopt;
 }
 
 ImageCodec::Answer ImageCodec::call(ImageRequest request, std::string_view payload) {
@@ -133,7 +161,12 @@ ImageCodec::Answer ImageCodec::call(ImageRequest request, std::string_view paylo
   request.payload_bytes = payload.size();
   int status = 0;
   for (int attempt = 0; attempt < 3; ++attempt) {
-    if (auto answer = try_call(request, payload)) return *std::move(answer);
+    try {
+      if (auto answer = try_call(request, payload)) return *std::move(answer);
+    } catch (const std::bad_alloc&) {
+      end_locked();  // the rest of its answer is still to come
+      throw;
+    }
     status = end_locked();
     // Who ended it from outside did not mean this file.
     const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;

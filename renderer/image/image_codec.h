@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/digest.h"
 #include "renderer/image/channel/image_channel.h"
 
 namespace tessera {
@@ -27,6 +28,7 @@ class ImageCodec {
   struct Answer {
     PixelLayout layout;
     std::vector<std::byte> payload;
+    Digest digest;  ///< of the payload of a decode_file or decode_bytes
   };
   /// `request.payload_bytes` is filled in. Throws a render error with the codec's cause.
   Answer call(ImageRequest request, std::string_view payload);
@@ -38,6 +40,8 @@ class ImageCodec {
  private:
   ImageCodec() = default;
   void start_locked();
+  /// Nothing: it is not all there.
+  static std::optional<Answer> receive_answer(ImageChannel& channel, const ImageRequest& request);
   /// Nothing: the process is gone.
   std::optional<Answer> try_call(const ImageRequest& request, std::string_view payload);
   /// Waits for the process, which is ending or made to; its status as waitpid() tells it.

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/lower_case.h"
 #include "base/version.h"
 #include "renderer/image/image_codec.h"
 
@@ -41,10 +42,8 @@ constexpr std::array<Format, 13> kFormats{{{"png", "png", false},
                                            {"sgi", "sgi", false}}};
 
 const Format& format_of(const fs::path& path) {
-  std::string ending = path.extension().string();
+  std::string ending = lower_case(path.extension().string());
   if (!ending.empty()) ending.erase(0, 1);
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   std::vector<std::string> known;
   for (const Format& format : kFormats) {
     if (ending == format.ending) return format;
@@ -157,7 +156,8 @@ TextureImage as_texture(ImageCodec::Answer answer) {
           .height = static_cast<uint32_t>(answer.layout.height),
           .channels = static_cast<uint32_t>(answer.layout.channels),
           .bits = static_cast<uint32_t>(answer.layout.bits),
-          .texels = std::move(answer.payload)};
+          .texels = std::move(answer.payload),
+          .digest = answer.digest};
 }
 
 }  // namespace

@@ -14,23 +14,23 @@ bool sees_over_facet(const SurfacePoint& point, const Vec3& wi) {
 }
 
 /// The stretch between a point and a light on which occluders count.
+template <bool kPlain>
 [[gnu::always_inline]] inline Ray shadow_ray(const SurfacePoint& point, RayOrigins& origins,
                                              const Light& light, const LightSample& sample) {
   const bool placed = light.kind == LightKind::point || light.kind == LightKind::spot;
-  Ray ray;
+  double t_max = placed ? 1 : sample.distance;
+  if (!kPlain && std::isfinite(light.shadow_distance)) {
+    t_max = std::min(t_max, light.shadow_distance / (placed ? sample.distance : 1));
+  }
+  // Which side of the surface it leaves from is told by the whole way to a light's place.
+  const Vec3 towards = placed ? light.position - point.surface.point : sample.wi;
+  Point3 origin;
   if (sees_over_facet(point, sample.wi)) {
-    ray = origins.spawn(point.geometric_normal);
-    ray.origin = ray.origin + point.surface.smooth_shift;
-    ray.direction = placed ? light.position - ray.origin : sample.wi;
-    ray.t_max = 1;
+    origin = origins.towards(point.geometric_normal) + point.surface.smooth_shift;
   } else {
-    ray = placed ? origins.spawn_to(light.position) : origins.spawn(sample.wi);
+    origin = origins.towards(towards);
   }
-  if (!placed) ray.t_max = sample.distance;
-  if (std::isfinite(light.shadow_distance)) {
-    ray.t_max = std::min(ray.t_max, light.shadow_distance / (placed ? sample.distance : 1));
-  }
-  return ray;
+  return {origin, placed ? light.position - origin : sample.wi, 0, t_max};
 }
 
 Color through_medium(const Color& medium, double metres) {
@@ -69,25 +69,43 @@ Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ra
   return left;
 }
 
-}  // namespace
-
-template <bool kRich>
-Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
-                       const Color& medium, const Light& light, const LightSample& sample,
-                       double width, TraceCounters& counters) {
-  const Ray ray = shadow_ray(point, origins, light, sample);
+/// light_visibility(), compiled where it stands. `buffers` are Occluders::buffers_at() the point.
+template <bool kRich, bool kPlain = false>
+[[gnu::always_inline]] inline Color visibility_of(const Scene& scene, const SurfacePoint& point,
+                                                  RayOrigins& origins, const LightBuffer* buffers,
+                                                  const Color& medium, const Light& light,
+                                                  const LightSample& sample, double width,
+                                                  TraceCounters& counters) {
   const Occluders& occluders = scene.occluders;
   ++counters.rays_shadow;
-  if (occluders.opaque && occluders.opaque->any_hit(ray, counters.traversal)) {
-    return kWhite * (1 - light.shadow_intensity);
+  uint32_t boxes = 0;
+  if (buffers) {
+    const LightBuffer& buffer = buffers[&light - scene.lights.data()];
+    boxes = buffer.boxes_met(point.surface.point, sample.wi, sample.distance);
+    if ((kPlain || !occluders.clear) && !occluders.few->holds_any(boxes)) return kWhite;
   }
-  if (!occluders.clear) return kWhite;
+  const Ray ray = shadow_ray<kPlain>(point, origins, light, sample);
+  const bool is_stopped =
+      buffers ? occluders.few->any_hit_among(boxes, ray, counters.traversal)
+              : occluders.opaque && occluders.opaque->any_hit(ray, counters.traversal);
+  if (is_stopped) return kPlain ? kBlack : kWhite * (1 - light.shadow_intensity);
+  if (kPlain || !occluders.clear) return kWhite;
   const bool begins_beyond =
       dot(point.geometric_normal, ray.direction) < 0 && !sees_over_facet(point, sample.wi);
   const Color visible = clear_transmittance<kRich>(
       scene, occluders, ray, begins_beyond ? medium_beyond(medium, point) : medium, width,
       counters);
   return kWhite - light.shadow_intensity * (kWhite - visible);
+}
+
+}  // namespace
+
+template <bool kRich>
+Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
+                       const Color& medium, const Light& light, const LightSample& sample,
+                       double width, TraceCounters& counters) {
+  return visibility_of<kRich>(scene, point, origins, scene.occluders.buffers_at(point.surface),
+                              medium, light, sample, width, counters);
 }
 
 template <bool kRich>
@@ -133,61 +151,63 @@ template <bool kRich>
   light_visibility<kRich>(scene, point, origins, medium, light, sample, width, counters);
 }
 
-template <bool kShadows, bool kRich>
-Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& wo,
-                     const Color& medium, double path_length, TraceCounters& counters) {
+template <bool kShadows, bool kRich, bool kPlain>
+Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
+                     const Vec3& wo, const Color& medium, double path_length,
+                     TraceCounters& counters) {
   const Material& material = *point.material;
-  if (material.model == MaterialModel::unlit) {
+  if (!kPlain && material.model == MaterialModel::unlit) {
     return emission(point);
   }
   // A refracting surface sends the share that it lets through elsewhere (scene.proto, REFRACT).
-  const double kept =
-      material.transmission == Transmission::refract ? 1 - material.transparency : 1.0;
+  const bool refracts = !kPlain && material.transmission == Transmission::refract;
+  const double kept = refracts ? 1 - material.transparency : 1.0;
   const Color diffuse = surface_diffuse(point);
   const Color kept_diffuse = diffuse * kept;
   Color ambient = scene.settings.ambient;
   Color sum = material.emission;
-  [[maybe_unused]] RayOrigins origins(point.surface);
-  const auto add_light = [&](uint32_t index) {
+  const double width = cone_width(scene, path_length);
+  const LightBuffer* const buffers = kShadows ? scene.occluders.buffers_at(point.surface) : nullptr;
+  const auto leave_out = [&](bool skips, const Light& light, const LightSample& sample) {
+    if (kPlain || skips) {
+      ++counters.shadow_rays_skipped;
+    } else if constexpr (kShadows) {
+      trace_for_nothing<kRich>(scene, point, medium, light, sample, width, counters);
+    }
+  };
+  const auto add_light = [&](uint32_t index) __attribute__((always_inline)) {
     const Light& light = scene.lights[index];
-    if (!light.ambient_attenuated) ambient += light.ambient;
+    if (kPlain || !light.ambient_attenuated) ambient += light.ambient;
     LightSample sample;
-    const auto leave_out = [&](bool skips) {
-      if (skips) {
-        ++counters.shadow_rays_skipped;
-      } else if constexpr (kShadows) {
-        trace_for_nothing<kRich>(scene, point, medium, light, sample,
-                                 cone_width(scene, path_length), counters);
-      }
-    };
     if (!sample_light(light, point.surface.point, path_length, sample)) {
-      leave_out(scene.skips.unreached_lights);
+      leave_out(scene.skips.unreached_lights, light, sample);
       return;
     }
-    if (light.ambient_attenuated) ambient += light.ambient * sample.factor;
+    if (!kPlain && light.ambient_attenuated) ambient += light.ambient * sample.factor;
     Color arriving = light.intensity * sample.factor;
     Color share;
     if (kRich && material.model != MaterialModel::classic) {
       share = any_reflected_share(material, diffuse, point.normal, sample.wi, wo);
     } else {
-      share = reflected_share(material, kept_diffuse, point.normal, sample.wi, wo);
+      share = reflected_share<kPlain>(material, kept_diffuse, point.normal, sample.wi, wo);
     }
     if (is_black(arriving) || is_black(share)) {
-      leave_out(scene.skips.dark_shadow_rays);
+      leave_out(scene.skips.dark_shadow_rays, light, sample);
       return;
     }
     if constexpr (kShadows) {
       // Light behind a surface that subtracts it is in the shadow of that surface.
-      const bool shades_itself = material.diffuse_model == DiffuseModel::signed_lambert &&
+      const bool shades_itself = !kPlain &&
+                                 material.diffuse_model == DiffuseModel::signed_lambert &&
                                  light.shadow_intensity == 1 && material.is_opaque() &&
                                  dot(point.geometric_normal, sample.wi) < 0;
       if (light.casts_shadow && shades_itself) {
-        leave_out(scene.skips.dark_shadow_rays);
+        leave_out(scene.skips.dark_shadow_rays, light, sample);
         return;
       }
-      if (light.casts_shadow)
-        arriving = arriving * light_visibility<kRich>(scene, point, origins, medium, light, sample,
-                                                      cone_width(scene, path_length), counters);
+      if (kPlain || light.casts_shadow)
+        arriving = arriving * visibility_of<kRich, kPlain>(scene, point, origins, buffers, medium,
+                                                           light, sample, width, counters);
     }
     sum += arriving * share;
   };
@@ -200,14 +220,20 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& 
                    (material.ambient_times_diffuse ? kept_diffuse : kWhite * kept);
 }
 
-template Color local_radiance<false, false>(const Scene&, const SurfacePoint&, const Vec3&,
-                                            const Color&, double, TraceCounters&);
-template Color local_radiance<false, true>(const Scene&, const SurfacePoint&, const Vec3&,
-                                           const Color&, double, TraceCounters&);
-template Color local_radiance<true, false>(const Scene&, const SurfacePoint&, const Vec3&,
-                                           const Color&, double, TraceCounters&);
-template Color local_radiance<true, true>(const Scene&, const SurfacePoint&, const Vec3&,
-                                          const Color&, double, TraceCounters&);
+template Color local_radiance<false, false>(const Scene&, const SurfacePoint&, RayOrigins&,
+                                            const Vec3&, const Color&, double, TraceCounters&);
+template Color local_radiance<false, true>(const Scene&, const SurfacePoint&, RayOrigins&,
+                                           const Vec3&, const Color&, double, TraceCounters&);
+template Color local_radiance<true, false>(const Scene&, const SurfacePoint&, RayOrigins&,
+                                           const Vec3&, const Color&, double, TraceCounters&);
+template Color local_radiance<true, true>(const Scene&, const SurfacePoint&, RayOrigins&,
+                                          const Vec3&, const Color&, double, TraceCounters&);
+
+template Color local_radiance<false, false, true>(const Scene&, const SurfacePoint&, RayOrigins&,
+                                                  const Vec3&, const Color&, double,
+                                                  TraceCounters&);
+template Color local_radiance<true, false, true>(const Scene&, const SurfacePoint&, RayOrigins&,
+                                                 const Vec3&, const Color&, double, TraceCounters&);
 
 template Color light_visibility<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
                                        const Light&, const LightSample&, double, TraceCounters&);

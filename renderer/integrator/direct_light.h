@@ -7,13 +7,13 @@ namespace tessera {
 
 /// Emission, ambient light and the light of every light of the point's set, towards `wo`.
 /// `medium` is the absorption per metre on the viewer's side, `path_length` that from the camera to
-/// the point. Without kRich the scene must have no rich materials.
-template <bool kShadows, bool kRich>
-Color local_radiance(const Scene& scene, const SurfacePoint& point, const Vec3& wo,
-                     const Color& medium, double path_length, TraceCounters& counters);
+/// the point. Without kRich the scene must have no rich materials, with kPlain only plain features.
+template <bool kShadows, bool kRich, bool kPlain = false>
+Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
+                     const Vec3& wo, const Color& medium, double path_length,
+                     TraceCounters& counters);
 
-/// The share of a light's light that shadows leave of it, and its material's diffuse colour with
-/// the vertex colours.
+/// The share of the light of `light`, one of the scene's, that shadows leave.
 template <bool kRich>
 Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Color& medium, const Light& light, const LightSample& sample,

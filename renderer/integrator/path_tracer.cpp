@@ -1,6 +1,7 @@
 #include "renderer/integrator/path_tracer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "renderer/integrator/direct_light.h"
@@ -23,7 +24,7 @@ class VertexNumbers {
       : stream_(stream), first_(kFirst + kPairs * vertex), skips_(skips), skipped_(skipped) {}
   ~VertexNumbers() {
     if (skips_) {
-      for (uint32_t use = 0; use < kPairs; ++use) skipped_ += ~read_ >> use & 1;
+      skipped_ += kPairs - static_cast<uint32_t>(std::popcount(read_));
     } else {
       read_others();
     }
@@ -200,11 +201,16 @@ class PathTracer final : public Integrator {
         const LightTree::Pick pick =
             scene_->area_lights.tree().pick(point.surface.point, point.geometric_normal, u);
         const AreaLight& light = scene_->area_lights[pick.index];
-        SurfaceSample there;
-        const double density =
-            light.sampler->sample(point.surface.point, numbers.on_light(), there) *
-            pick.probability * (1 - to_sky);
-        sum += from_area_light(light, there, density, point, scatter, origins, path, width, state);
+        if (scene_->skips.dark_shadow_rays && light.is_dark_from(point.surface.point)) {
+          ++state.counters.shadow_rays_skipped;
+        } else {
+          SurfaceSample there;
+          const double density =
+              light.sampler->sample(point.surface.point, numbers.on_light(), there) *
+              pick.probability * (1 - to_sky);
+          sum +=
+              from_area_light(light, there, density, point, scatter, origins, path, width, state);
+        }
       }
     }
     const auto add_light = [&](uint32_t index) {

@@ -73,10 +73,23 @@ SurfacePoint::SurfacePoint(const Scene& scene, uint32_t instance_index, const Ra
   }
   geometric_normal = static_cast<Vec3>(surface.geometric_normal);
   normal = material->flat ? geometric_normal : static_cast<Vec3>(surface.shading_normal);
-  if (is_back) {
-    geometric_normal = -geometric_normal;
-    normal = -normal;
-  }
+  face_viewer();
+}
+
+SurfacePoint::SurfacePoint(Plain, const Scene& scene, uint32_t instance_index, const Ray& ray,
+                           const Hit& hit)
+    : surface(surface_at(scene.instances, ray, in_instance(hit, instance_index))),
+      material(&scene.material(instance_index, surface.material)),
+      geometric_normal(surface.geometric_normal),
+      normal(surface.shading_normal),
+      is_back(dot(surface.geometric_normal, ray.direction) > 0) {
+  face_viewer();
+}
+
+inline void SurfacePoint::face_viewer() {
+  if (!is_back) return;
+  geometric_normal = -geometric_normal;
+  normal = -normal;
 }
 
 void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfacePoint& point,

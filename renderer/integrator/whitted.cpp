@@ -16,7 +16,8 @@ constexpr double kNegligible = 1e-9;
 /// What precedes a camera ray.
 const PathSegment kWholePath{};
 
-template <bool kShadows, bool kSecondary, bool kRich>
+/// kPlain: see SceneFeatures; without kSecondary and kRich alone.
+template <bool kShadows, bool kSecondary, bool kRich, bool kPlain = false>
 class WhittedIntegrator final : public Integrator {
  public:
   explicit WhittedIntegrator(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
@@ -59,7 +60,7 @@ class WhittedIntegrator final : public Integrator {
     }
     ++state.counters.hits;
     const double path_length = segment.path_length + hit.t;
-    SurfacePoint point(*scene_, hit.instance, ray, hit);
+    SurfacePoint point = surface_point(ray, hit);
     if constexpr (kRich) {
       look_up_textures(*scene_, ray, cone_width(*scene_, path_length), point, state.counters);
     }
@@ -71,13 +72,15 @@ class WhittedIntegrator final : public Integrator {
       if (!is_black(medium)) throughput = throughput * transmittance(medium, hit.t);
       coverage = straight_coverage(point);
     }
-    const bool foggy = scene_->fog.kind != FogKind::none;
+    const bool foggy = !kPlain && scene_->fog.kind != FogKind::none;
     const double clearness = foggy ? scene_->fog.clearness(segment.view_distance + hit.t) : 1.0;
+    RayOrigins origins(point.surface);
     Color result = kBlack;
     if (coverage.covered > 0) {
-      Color seen = local_radiance<kShadows, kRich>(*scene_, point, -ray.direction, medium,
-                                                   path_length, state.counters);
-      if (point.material->grain > 0) seen = seen - kWhite * grain(*point.material, segment, key);
+      Color seen = local_radiance<kShadows, kRich, kPlain>(*scene_, point, origins, -ray.direction,
+                                                           medium, path_length, state.counters);
+      if (!kPlain && point.material->grain > 0)
+        seen = seen - kWhite * grain(*point.material, segment, key);
       if (foggy) seen = seen * clearness + scene_->fog.color * (1 - clearness);
       result = throughput * seen * coverage.covered;
     }
@@ -91,9 +94,18 @@ class WhittedIntegrator final : public Integrator {
                             .depth = segment.depth,
                             .passes = segment.passes};
       if (coverage.through > 0) pass_straight(end, point, hit.t, coverage.through, state);
-      if (coverage.covered > 0) result += branch(end, point, coverage.covered * clearness, state);
+      if (coverage.covered > 0)
+        result += branch(end, point, origins, coverage.covered * clearness, state);
     }
     return result;
+  }
+
+  SurfacePoint surface_point(const Ray& ray, const Hit& hit) const {
+    if constexpr (kPlain) {
+      return SurfacePoint(SurfacePoint::Plain{}, *scene_, hit.instance, ray, hit);
+    } else {
+      return SurfacePoint(*scene_, hit.instance, ray, hit);
+    }
   }
 
   static bool bends(const Material& material) {
@@ -133,8 +145,8 @@ class WhittedIntegrator final : public Integrator {
 
   /// Mirror and glass. What is pushed last is followed first, so that no more than two segments a
   /// level (what passed straight and what was refracted) wait on the stack.
-  Color branch(const PathSegment& end, const SurfacePoint& point, double weight,
-               TraceState& state) const {
+  Color branch(const PathSegment& end, const SurfacePoint& point, RayOrigins& origins,
+               double weight, TraceState& state) const {
     const Material& material = *point.material;
     if (!branches(material)) return kBlack;
     const Vec3 d = end.ray.direction;
@@ -153,20 +165,20 @@ class WhittedIntegrator final : public Integrator {
       if (fresnel < 1 && (material.thin || refract(d, n, eta, beyond))) {
         const double share = weight * material.transparency * (1 - fresnel);
         const Color tint = kRich ? transmission_tint(material) : kWhite;
-        result += bend(end, point, beyond, tint * share, medium_beyond(end.medium, point),
+        result += bend(end, origins, beyond, tint * share, medium_beyond(end.medium, point),
                        state.counters.rays_refraction, state);
       }
     }
     Vec3 r = reflect(d, n);
     // A bent normal may mirror the ray into the surface; there the true one decides.
     if (dot(r, point.geometric_normal) <= 0) r = reflect(d, point.geometric_normal);
-    return result + bend(end, point, normalize(r), mirrored * weight, end.medium,
+    return result + bend(end, origins, normalize(r), mirrored * weight, end.medium,
                          state.counters.rays_reflection, state);
   }
 
-  Color bend(const PathSegment& end, const SurfacePoint& point, const Vec3& direction,
-             const Color& share, const Color& medium, uint64_t& counter, TraceState& state) const {
-    PathSegment next{.ray = spawn_ray(point.surface, direction),
+  Color bend(const PathSegment& end, RayOrigins& origins, const Vec3& direction, const Color& share,
+             const Color& medium, uint64_t& counter, TraceState& state) const {
+    PathSegment next{.ray = origins.spawn(direction),
                      .throughput = end.throughput * share,
                      .medium = medium,
                      .path_length = end.path_length,
@@ -197,6 +209,12 @@ std::unique_ptr<const Integrator> make_variant(std::shared_ptr<const Scene> scen
 
 std::unique_ptr<const Integrator> make_whitted(std::shared_ptr<const Scene> scene) {
   const SceneFeatures features = scene->features;
+  if (features.plain && features.shadows) {
+    return std::make_unique<WhittedIntegrator<true, false, false, true>>(std::move(scene));
+  }
+  if (features.plain) {
+    return std::make_unique<WhittedIntegrator<false, false, false, true>>(std::move(scene));
+  }
   if (features.shadows && features.secondary) return make_variant<true, true>(std::move(scene));
   if (features.shadows) return make_variant<true, false>(std::move(scene));
   if (features.secondary) return make_variant<false, true>(std::move(scene));

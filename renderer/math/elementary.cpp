@@ -82,17 +82,19 @@ DoubleDouble sine_of_quarter(DoubleDouble r, int quarter) {
   return quarter & 2 ? negated(s) : s;
 }
 
+/// Arc tangents of the multiples of 1/8.
+constexpr DoubleDouble kArc[9] = {{0, 0},
+                                  {0x1.fd5ba9aac2f6ep-4, -0x1.cd37686760c17p-59},
+                                  {0x1.f5b75f92c80ddp-3, 0x1.8ab6e3cf7afbdp-57},
+                                  {0x1.6f61941e4def1p-2, -0x1.c63aae6f6e918p-56},
+                                  {0x1.dac670561bb4fp-2, 0x1.a2b7f222f65e2p-56},
+                                  {0x1.1e00babdefeb4p-1, -0x1.928df287a668fp-58},
+                                  {0x1.4978fa3269ee1p-1, 0x1.2419a87f2a458p-56},
+                                  {0x1.700a7c5784634p-1, -0x1.8c34d25aadef6p-56},
+                                  {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55}};
+
 /// The arc tangent of q in [0, 1]: from the nearest multiple c of 1/8 the rest is small.
 DoubleDouble arc_kernel(DoubleDouble q) {
-  static constexpr DoubleDouble kArc[9] = {{0, 0},
-                                           {0x1.fd5ba9aac2f6ep-4, -0x1.cd37686760c17p-59},
-                                           {0x1.f5b75f92c80ddp-3, 0x1.8ab6e3cf7afbdp-57},
-                                           {0x1.6f61941e4def1p-2, -0x1.c63aae6f6e918p-56},
-                                           {0x1.dac670561bb4fp-2, 0x1.a2b7f222f65e2p-56},
-                                           {0x1.1e00babdefeb4p-1, -0x1.928df287a668fp-58},
-                                           {0x1.4978fa3269ee1p-1, 0x1.2419a87f2a458p-56},
-                                           {0x1.700a7c5784634p-1, -0x1.8c34d25aadef6p-56},
-                                           {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55}};
   const int n = static_cast<int>(std::nearbyint(q.high * 8));
   const double c = n * 0.125;
   DoubleDouble t = q;
@@ -132,6 +134,48 @@ double angle_of(DoubleDouble y, DoubleDouble x) {
   if (steep) a = add(kPi2, negated(a));
   if (left) a = add(kPiDd, negated(a));
   return rounded(a);
+}
+
+/// x less its last 27 bits: what it and the rest are multiplied with may have 26 for an exact
+/// product.
+double leading_bits(double x) {
+  return std::bit_cast<double>(std::bit_cast<uint64_t>(x) & ~uint64_t{0x7ffffff});
+}
+
+/// angle_of() for plain numbers, in a third of the time; false where it cannot be sure of the bits
+/// (Ziv, Fast Evaluation of Elementary Mathematical Functions with Correctly Rounded Last Bit,
+/// 1991): it sums in another order, and the two are off by much less than `doubt`.
+bool quick_angle_of(double y, double x, double& angle) {
+  const bool left = x<0, steep = y> std::abs(x);
+  const double large = steep ? y : std::abs(x), small = steep ? std::abs(x) : y;
+  if (!(large < 1e100 && large > 1e-100 && small > large * 1e-30)) return false;
+  // From the nearest multiple c of 1/8 on. Nearly halves are rounded down, so that the difference
+  // small - c * large fits into a double.
+  const int n = static_cast<int>(small / large * 8 + 0.4999);
+  const double c = n * 0.125;
+  const double large_high = leading_bits(large), small_high = leading_bits(small);
+  const double across = (small - c * large_high) - c * (large - large_high);
+  const double more = c * small;
+  const DoubleDouble along = fast_two_sum(large, more);
+  const double along_low = along.low + ((c * small_high - more) + c * (small - small_high));
+  const double t = across / along.high, inverse = 1 / along.high;
+  const DoubleDouble back = two_product(t, along.high);
+  const double t_low = (((across - back.high) - back.low) - t * along_low) * inverse;
+  const double z = t * t, zz = z * z;
+  const double p =
+      z * ((z * (1.0 / 5) - 1.0 / 3) +
+           zz * ((z * (1.0 / 9) - 1.0 / 7) + zz * (z * (1.0 / 13) - 1.0 / 11 - zz / 15)));
+  // Where that angle begins, and the way it goes round.
+  const double sign = left == steep ? 1 : -1;
+  const DoubleDouble axis = steep ? kPi2 : left ? kPiDd : DoubleDouble{};
+  const DoubleDouble begin = two_sum(axis.high, sign * kArc[n].high);
+  const DoubleDouble sum = fast_two_sum(begin.high, sign * t);
+  const double tail = t * p;
+  const double low =
+      (sum.low + (begin.low + (axis.low + sign * (kArc[n].low + t_low)))) + sign * tail;
+  const double doubt = std::abs(tail) * 0x1p-48 + sum.high * 0x1p-100;
+  angle = sum.high + low;
+  return sum.high + (low - doubt) == sum.high + (low + doubt);
 }
 
 /// sqrt(1 - x^2) for |x| <= 1.
@@ -244,7 +288,9 @@ double atan2(double y, double x) {
   if (std::isinf(x) || y == 0) {
     return std::copysign(std::signbit(x) ? kPi : 0.0, y);
   }
-  return std::copysign(angle_of({std::abs(y), 0}, {x, 0}), y);
+  double angle;
+  if (!quick_angle_of(std::abs(y), x, angle)) angle = angle_of({std::abs(y), 0}, {x, 0});
+  return std::copysign(angle, y);
 }
 
 double exp(double x) { return std::isnan(x) ? kNan : exponential({x, 0}); }

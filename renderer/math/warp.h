@@ -30,13 +30,12 @@ inline Vec2 small_sine_cosine(double x) {
 inline Vec2 disc_point(const Vec2& u) {
   const double a = 2 * u.x - 1, b = 2 * u.y - 1;
   if (a == 0 && b == 0) return {0, 0};
-  constexpr double kQuarter = portable::kPi / 4;
-  if (std::abs(a) > std::abs(b)) {
-    const Vec2 turn = small_sine_cosine(kQuarter * (b / a));
-    return {a * turn.y, a * turn.x};
-  }
-  const Vec2 turn = small_sine_cosine(kQuarter * (a / b));
-  return {b * turn.x, b * turn.y};
+  // Which one is longer is a matter of chance: chosen without a branch.
+  const bool wide = std::abs(a) > std::abs(b);
+  const double longer = wide ? a : b, shorter = wide ? b : a;
+  const Vec2 turn = small_sine_cosine(portable::kPi / 4 * (shorter / longer));
+  const double along = longer * turn.y, across = longer * turn.x;
+  return {wide ? along : across, wide ? across : along};
 }
 
 /// Over the hemisphere about +z by the cosine; its density is z / pi (Malley's method).

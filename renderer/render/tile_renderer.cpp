@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "base/error.h"
@@ -45,8 +46,6 @@ bool contains_pixel(const PixelRect& rect, int x, int y) {
 PixelRect intersection(const PixelRect& a, const PixelRect& b) {
   return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
 }
-
-bool is_power_of_two(uint32_t n) { return (n & (n - 1)) == 0; }
 
 class SceneTileRenderer final : public TileRenderer {
  public:
@@ -201,12 +200,13 @@ class SceneTileRenderer final : public TileRenderer {
     std::array<BlockPixel, BlockEstimate::kMaxPixels> pixels;
     const size_t count = begin_block(block, task, state, counters, output, pixels);
     const SamplePattern pattern = scene_->settings.sampler.pattern;
+    const uint32_t first_look = std::bit_ceil(std::max(scene_->settings.min_samples, 2u));
     BlockEstimate estimate(static_cast<int>(count), pattern != SamplePattern::independent,
-                           scene_->sampler->filter_gain());
+                           scene_->sampler->filter_gain(), first_look);
     uint32_t done = 0;
     bool converged = count == 0;
     while (!converged && done < task.sample_count) {
-      const uint32_t next = std::min(done == 0 ? 2 : 2 * done, task.sample_count);
+      const uint32_t next = std::min(done == 0 ? first_look : 2 * done, task.sample_count);
       for (size_t i = 0; i < count; ++i) {
         if (progress.cancelled.load(std::memory_order_relaxed)) return false;
         BlockPixel& pixel = pixels[i];
@@ -220,10 +220,9 @@ class SceneTileRenderer final : public TileRenderer {
         progress.work_done.fetch_add(1, std::memory_order_relaxed);
       }
       done = next;
-      if (done < 2 || !is_power_of_two(done)) continue;
+      if (done < first_look || !std::has_single_bit(done)) continue;
       estimate.look(done);
-      converged = done >= scene_->settings.min_samples &&
-                  estimate.standard_error() < error_after(done, task.sample_count);
+      converged = estimate.taken_off() < error_after(done, task.sample_count);
     }
     const bool early = count > 0 && done < task.sample_count;
     if (early && contains_pixel(task.rect, block.x0, block.y0)) ++counters.stopped;
@@ -238,8 +237,8 @@ class SceneTileRenderer final : public TileRenderer {
 
   /// Below this a block may stop: the target where all samples were taken, and less the fewer were.
   /// By the root of their number: then what one sample more takes off the square error, which is
-  /// about that error / n, is the same for all blocks when they stop, and no other shares of as
-  /// many samples make a better picture.
+  /// about what it lost by the latest doubling over n, is the same for all blocks when they stop,
+  /// and no other shares of as many samples make a better picture.
   double error_after(uint32_t done, uint32_t most) const {
     const double all = std::min(most, kDefaultMostSamples);
     return scene_->settings.target_error * std::min(1.0, std::sqrt(done / all));

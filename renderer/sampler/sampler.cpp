@@ -15,6 +15,13 @@ uint32_t reverse_bits(uint32_t v) {
   return ((v & 0xaaaaaaaau) >> 1) | ((v & 0x55555555u) << 1);
 }
 
+uint64_t reverse_bits(uint64_t v) {
+  v = __builtin_bswap64(v);
+  v = ((v & 0xf0f0f0f0f0f0f0f0u) >> 4) | ((v & 0x0f0f0f0f0f0f0f0fu) << 4);
+  v = ((v & 0xccccccccccccccccu) >> 2) | ((v & 0x3333333333333333u) << 2);
+  return ((v & 0xaaaaaaaaaaaaaaaau) >> 1) | ((v & 0x5555555555555555u) << 1);
+}
+
 /// The finalizer of SplitMix64 (Steele, Lea, Flood 2014).
 uint64_t mix(uint64_t v) {
   v += 0x9e3779b97f4a7c15u;
@@ -53,9 +60,11 @@ Vec2 owen_sobol_pair(uint64_t key, uint32_t reversed) {
   // unties this pair from the others.
   const uint32_t index = reverse_bits(scramble_upwards(reversed, static_cast<uint32_t>(mix(key))));
   // The first coordinate is van der Corput's: the index reversed.
-  const uint32_t u = reverse_bits(scramble_upwards(index, low));
-  const uint32_t v = reverse_bits(scramble_upwards(sobol_second_reversed(index), high));
-  return {u * kTwoToMinus32, v * kTwoToMinus32};
+  const uint32_t u = scramble_upwards(index, low);
+  const uint32_t v = scramble_upwards(sobol_second_reversed(index), high);
+  const uint64_t both = reverse_bits(uint64_t{u} << 32 | v);
+  return {static_cast<uint32_t>(both) * kTwoToMinus32,
+          static_cast<uint32_t>(both >> 32) * kTwoToMinus32};
 }
 
 Vec2 independent_pair(uint64_t key, uint32_t sample) {
@@ -94,8 +103,8 @@ Vec2 Sampler::pixel_square(int x, int y, uint32_t sample) const {
       return {0.5, 0.5};
     case SamplePattern::centered_grid:
     case SamplePattern::corner_grid: {
-      const bool centered = settings_.pattern == SamplePattern::centered_grid || grid_ == 1;
-      const double shift = centered ? 0.5 : 0.0;
+      if (grid_ == 1 && sample == 0) return {0.5, 0.5};
+      const double shift = settings_.pattern == SamplePattern::centered_grid ? 0.5 : 0.0;
       const uint32_t column = sample % grid_, row = sample / grid_;
       return {(column + shift) / grid_, (row + shift) / grid_};
     }

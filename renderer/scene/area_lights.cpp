@@ -34,6 +34,13 @@ class Samplers {
   std::map<std::pair<const TriangleMesh*, uint32_t>, std::shared_ptr<const TriangleSet>> triangles_;
 };
 
+void set_dark_side(AreaLight& light) {
+  Vec3 normal;
+  if (!light.sampler->is_flat(light.at, normal)) return;
+  if (is_black(light.front)) light.dark_normal = normal;
+  if (is_black(light.back)) light.dark_normal = -normal;
+}
+
 }  // namespace
 
 AreaLights find_area_lights(const Scene& scene, std::span<const TriangleMesh* const> meshes) {
@@ -52,7 +59,9 @@ AreaLights find_area_lights(const Scene& scene, std::span<const TriangleMesh* co
       }
       if (is_black(light.front) && is_black(light.back)) continue;
       light.sampler = samplers.make(scene.instances[i], meshes[i], slot);
-      if (light.sampler) lights.push_back(std::move(light));
+      if (!light.sampler) continue;
+      set_dark_side(light);
+      lights.push_back(std::move(light));
     }
   }
   return AreaLights(std::move(lights));

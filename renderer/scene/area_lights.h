@@ -18,6 +18,16 @@ struct AreaLight {
   uint32_t instance = 0;
   uint32_t material = 0;                ///< LocalSurface::material of its points
   Color front = kBlack, back = kBlack;  ///< radiance towards either side
+  Point3 at;                            ///< of the plane of a flat one
+  Vec3 dark_normal;  ///< of the side of the plane where it is black; zero: there is none such
+
+  /// Whether it is flat and `from` lies, clearly, where it does not shine.
+  bool is_dark_from(const Point3& from) const {
+    constexpr double kClearly = 1e-9;  // far above the rounding of any point of the plane
+    const Vec3 way = from - at;
+    return dot(way, dark_normal) >
+           kClearly * (dot(abs(way), abs(dark_normal)) + dot(abs(at - Point3{}), abs(dark_normal)));
+  }
 };
 
 /// The lights that have an extent. Surfaces that cannot be chosen from (endless, of a shape without

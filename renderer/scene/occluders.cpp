@@ -5,14 +5,43 @@
 #include <utility>
 
 #include "renderer/accel/make_accelerator.h"
+#include "renderer/accel/tree_boxes.h"
 #include "renderer/shapes/plane.h"
 
 namespace tessera {
 
+namespace {
+
+/// Whether a table for each takes little room and time to make.
+bool are_few_and_near(std::span<const Light> lights) {
+  constexpr size_t kMost = 64;  // of 12 KiB each
+  constexpr double kFarthest = 1e38;
+  return !lights.empty() && lights.size() <= kMost &&
+         std::all_of(lights.begin(), lights.end(), [](const Light& light) {
+           return max_component(abs(light.position - Point3{})) < kFarthest;
+         });
+}
+
+/// Of one instance too: to look up that it is not in the way takes less than to test it.
+bool fit_a_row(std::span<const Instance> instances) {
+  const auto held = std::count_if(instances.begin(), instances.end(), [](const Instance& instance) {
+    return can_be_held(instance, bounds_of(instance));
+  });
+  return held > 0 && held <= std::ptrdiff_t{BoxRow::kMost};
+}
+
+LightBuffer buffer_of(const Light& light, const BoxRow& row) {
+  const bool placed = light.kind == LightKind::point || light.kind == LightKind::spot;
+  return placed ? LightBuffer::of_place(row, light.position)
+                : LightBuffer::of_direction(row, light.direction);
+}
+
+}  // namespace
+
 Occluders make_occluders(std::span<const Instance> instances, const std::vector<bool>& is_clear,
                          const std::vector<bool>& counts,
                          const std::shared_ptr<const Accelerator>& all,
-                         const TreeSettings& settings) {
+                         std::span<const Light> lights, const TreeSettings& settings) {
   Occluders result;
   std::vector<Instance> opaque, clear;
   bool is_as_all = true;
@@ -29,8 +58,20 @@ Occluders make_occluders(std::span<const Instance> instances, const std::vector<
     return make_instance_accelerator(std::move(of), settings.kind, settings.threads,
                                      settings.scan_few);
   };
-  result.opaque = is_as_all && opaque.size() == instances.size() ? all : make(std::move(opaque));
+  const bool looks_up =
+      settings.scan_few && settings.kind != AcceleratorKind::linear && are_few_and_near(lights);
+  if (is_as_all && opaque.size() == instances.size()) {
+    result.opaque = all;
+  } else if (looks_up && fit_a_row(opaque)) {
+    result.opaque = std::make_shared<FewInstances>(std::move(opaque));
+  } else {
+    result.opaque = make(std::move(opaque));
+  }
   result.clear = make(std::move(clear));
+  if (looks_up) result.few = dynamic_cast<const FewInstances*>(result.opaque.get());
+  if (result.few && !result.few->is_all_in_boxes()) result.few = nullptr;
+  for (size_t i = 0; result.few && i < lights.size(); ++i)
+    result.buffers.push_back(buffer_of(lights[i], result.few->row()));
   return result;
 }
 

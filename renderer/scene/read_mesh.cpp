@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "base/parallel.h"
 
 namespace tessera {
 
@@ -72,38 +73,46 @@ void check_count(const Where& where, std::string_view field, size_t count, size_
              fmt::format("{}, one a {}", expected, per));
 }
 
+// Of values that one thread looks at; of several faults the first is told.
+constexpr size_t kPiece = 1 << 16;
+
 template <typename Value>
-void check_finite(const Where& where, std::string_view field, const std::vector<Value>& values) {
+void check_finite(const Where& where, std::string_view field, const std::vector<Value>& values,
+                  int threads) {
   constexpr size_t kWidth = sizeof(Value) / sizeof(float);
-  for (size_t i = 0; i < values.size(); ++i) {
-    float numbers[kWidth];
-    std::memcpy(numbers, &values[i], sizeof(Value));
-    for (const float number : numbers) {
-      if (!std::isfinite(number)) {
-        fail_value(where, fmt::format("{}[{}]", field, i), fmt::format("{}", number),
-                   "finite numbers");
+  for_each_piece_parallel(values.size(), kPiece, threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      float numbers[kWidth];
+      std::memcpy(numbers, &values[i], sizeof(Value));
+      for (const float number : numbers) {
+        if (!std::isfinite(number)) {
+          fail_value(where, fmt::format("{}[{}]", field, i), fmt::format("{}", number),
+                     "finite numbers");
+        }
       }
     }
-  }
+  });
 }
 
-void check_indices(const Where& where, const TriangleMesh& mesh) {
+void check_indices(const Where& where, const TriangleMesh& mesh, int threads) {
   const size_t vertices = mesh.positions.size();
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    for (const uint32_t index : mesh.triangles[i]) {
-      if (index >= vertices) {
-        fail_value(where, fmt::format("triangles[{}]", i),
-                   fmt::format("a reference to vertex {}", index),
-                   fmt::format("an index below {}", vertices));
+  for_each_piece_parallel(mesh.triangles.size(), kPiece, threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      for (const uint32_t index : mesh.triangles[i]) {
+        if (index >= vertices) {
+          fail_value(where, fmt::format("triangles[{}]", i),
+                     fmt::format("a reference to vertex {}", index),
+                     fmt::format("an index below {}", vertices));
+        }
       }
     }
-  }
+  });
 }
 
 }  // namespace
 
 TriangleMesh read_mesh(const Where& where, const v1::TriangleMesh& in, const BlobStore& blobs,
-                       size_t material_count) {
+                       size_t material_count, int threads) {
   TriangleMesh mesh;
   mesh.positions =
       read_array<Float3>(where, "positions", in.positions(), in.inline_positions(), blobs);
@@ -118,11 +127,11 @@ TriangleMesh read_mesh(const Where& where, const v1::TriangleMesh& in, const Blo
               "triangle");
   mesh.uvs = read_array<Float2>(where, "uvs", in.uvs(), in.inline_uvs(), blobs);
   check_count(where, "uvs", mesh.uvs.size(), mesh.positions.size(), "vertex");
-  check_finite(where, "uvs", mesh.uvs);
-  check_finite(where, "positions", mesh.positions);
-  check_finite(where, "normals", mesh.normals);
-  check_finite(where, "colors", mesh.colors);
-  check_indices(where, mesh);
+  check_finite(where, "uvs", mesh.uvs, threads);
+  check_finite(where, "positions", mesh.positions, threads);
+  check_finite(where, "normals", mesh.normals, threads);
+  check_finite(where, "colors", mesh.colors, threads);
+  check_indices(where, mesh, threads);
   for (size_t i = 0; i < mesh.face_materials.size(); ++i) {
     if (mesh.face_materials[i] >= std::max<size_t>(material_count, 1)) {
       fail_value(where, fmt::format("face_materials[{}]", i),

@@ -36,8 +36,9 @@ Digest key_of(const v1::TriangleMesh& mesh, AcceleratorKind kind) {
 /// The mesh with what the picture depends on; what became of it is noted in `built`.
 std::shared_ptr<TriangleMesh> take_mesh(const Where& where, const v1::Shape& shape,
                                         const ShapeSource& source, BuiltShape& built) {
-  auto mesh = std::make_shared<TriangleMesh>(
-      read_mesh(where, shape.mesh(), source.blobs, static_cast<size_t>(shape.materials_size())));
+  auto mesh = std::make_shared<TriangleMesh>(read_mesh(where, shape.mesh(), source.blobs,
+                                                       static_cast<size_t>(shape.materials_size()),
+                                                       source.threads));
   built.has_clear_vertices = std::any_of(mesh->colors.begin(), mesh->colors.end(),
                                          [](const Float4& c) { return c.w < 1; });
   const bool all_opaque = std::all_of(mesh->colors.begin(), mesh->colors.end(),
@@ -52,7 +53,7 @@ std::shared_ptr<TriangleMesh> take_mesh(const Where& where, const v1::Shape& sha
   if (!source.keep.uvs) drop(mesh->uvs);
   if (!source.keep.colors && all_opaque) drop(mesh->colors);
   built.bytes = mesh->bytes();
-  built.triangles_dropped = drop_degenerate(*mesh).total();
+  built.triangles_dropped = drop_degenerate(*mesh, source.threads).total();
   built.triangles = mesh->triangles.size();
   return mesh;
 }
@@ -79,10 +80,10 @@ std::shared_ptr<const Shape> build_sphere(const Where& where, const v1::Sphere& 
   return std::make_shared<Sphere>(center, radius, keep_uvs);
 }
 
-std::shared_ptr<const Shape> build_plane(const Where& where, const v1::Plane& in) {
+std::shared_ptr<const Shape> build_plane(const Where& where, const v1::Plane& in, bool keep_uvs) {
   const Vec3 normal =
       in.has_normal() ? checked_direction(where, "plane.normal", in.normal()) : Vec3{0, 1, 0};
-  return std::make_shared<Plane>(normal, checked(where, "plane.offset", in.offset()));
+  return std::make_shared<Plane>(normal, checked(where, "plane.offset", in.offset()), keep_uvs);
 }
 
 std::shared_ptr<const Shape> build_box(const Where& where, const v1::Box& in) {
@@ -162,7 +163,7 @@ std::shared_ptr<const Shape> build_simple(const Where& where, const v1::Shape& s
       case v1::Shape::kSphere:
         return build_sphere(where, shape.sphere(), keep_uvs);
       case v1::Shape::kPlane:
-        return build_plane(where, shape.plane());
+        return build_plane(where, shape.plane(), keep_uvs);
       case v1::Shape::kBox:
         return build_box(where, shape.box());
       case v1::Shape::kHalfPlane:

@@ -38,8 +38,12 @@ struct SceneFeatures {
   bool secondary = false;  ///< mirrors, transparency, absorption, surfaces without back faces
   bool rich = false;       ///< materials with textures, or of other models than classic and unlit
   bool lambert = false;    ///< no material but classic ones that only scatter evenly or shine
+  /// Of what a hit may ask for, nothing but classic Lambert materials, with highlights, the same
+  /// from both sides, and lights of which an occluder takes all: no fog, nothing of the above but
+  /// shadows, and no switch of Skips off that a hit would meet.
+  bool plain = false;
 
-  int absent() const { return !shadows + !secondary + !rich + lambert; }
+  int absent() const { return !shadows + !secondary + !rich + lambert + plain; }
 };
 
 /// One frame, ready to be traced: made of exactly what its picture depends on. Immutable once built
@@ -90,15 +94,17 @@ struct Scene {
   /// Calls `visit` with the index of each light that reaches the instance and may reach the point,
   /// in ascending order. Returns how many of the first do not reach the point.
   template <typename Visit>
-  uint64_t for_each_light(uint32_t instance, const Point3& point, const Visit& visit) const {
+  [[gnu::always_inline]] uint64_t for_each_light(uint32_t instance, const Point3& point,
+                                                 const Visit& visit) const {
     const std::span<const uint32_t> globals = global_lights.at(point);
-    auto scoped = scoped_lights[shading[instance].light_set].begin();
-    const auto end = scoped_lights[shading[instance].light_set].end();
-    for (const uint32_t global : globals) {
-      for (; scoped != end && *scoped < global; ++scoped) visit(*scoped);
-      visit(global);
+    const std::span<const uint32_t> scope = scoped_lights[shading[instance].light_set];
+    auto global = globals.begin(), scoped = scope.begin();
+    // From one place, so that it is compiled where it stands.
+    while (global != globals.end() || scoped != scope.end()) {
+      const bool from_scope =
+          scoped != scope.end() && (global == globals.end() || *scoped < *global);
+      visit(from_scope ? *scoped++ : *global++);
     }
-    for (; scoped != end; ++scoped) visit(*scoped);
     return global_lights.all().size() - globals.size();
   }
 };

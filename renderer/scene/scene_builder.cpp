@@ -11,6 +11,7 @@
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/scene/csg_plan.h"
 #include "renderer/scene/material_table.h"
+#include "renderer/scene/plain_features.h"
 #include "renderer/scene/read_camera.h"
 #include "renderer/scene/read_shading.h"
 #include "renderer/scene/read_shape.h"
@@ -66,6 +67,7 @@ class SceneBuilder {
     add_lights(choice);
     if (settings.integrator == IntegratorKind::path) add_path_lights();
     build_accelerators();
+    scene_->features.plain = has_plain_features(*scene_);
     scene_->seen = seen_rect(*scene_);
     count();
     return scene_;
@@ -313,7 +315,8 @@ class SceneBuilder {
     scene_->surfaces =
         make_instance_accelerator(instances, settings.kind, settings.threads, settings.scan_few);
     const auto occluders_of = [&](const std::vector<bool>& counts) {
-      return make_occluders(instances, is_clear_, counts, scene_->surfaces, settings);
+      return make_occluders(instances, is_clear_, counts, scene_->surfaces, scene_->lights,
+                            settings);
     };
     std::vector<bool> casts(instances.size());
     const bool has_shadows = std::any_of(scene_->lights.begin(), scene_->lights.end(),

@@ -7,7 +7,7 @@ namespace tessera {
 /// by one. A value, part of the built scene; it is no setting, and travels nowhere.
 struct Skips {
   // When the scene is built.
-  bool small_trees = true;        ///< trees over one or two things
+  bool small_trees = true;        ///< trees over one or two things or few instances
   bool unhit_meshes = true;       ///< trees of meshes that no ray comes near
   bool unused_attributes = true;  ///< normals, texture coordinates and colours that nothing reads
   bool unused_textures = true;    ///< textures that nothing names

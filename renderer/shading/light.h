@@ -17,6 +17,7 @@ struct LightAttenuation {
   double scale = 1;
   bool at_most_one = false;  ///< the denominator is at least 1
   bool whole_path = false;   ///< d also counts the way back to the camera
+  bool is_none() const { return constant == 0 && linear == 0 && quadratic == 0; }
   friend bool operator==(const LightAttenuation&, const LightAttenuation&) = default;
 };
 
@@ -66,7 +67,8 @@ inline bool attenuate(const Light& light, double path_length, LightSample& sampl
   const LightAttenuation& a = light.attenuation;
   const double d = a.whole_path ? (sample.distance + path_length) * light.frame_scale : reach;
   double denominator = a.constant + d * (a.linear + d * a.quadratic);
-  if (a.constant == 0 && a.linear == 0 && a.quadratic == 0) denominator = 1;
+  if (!(denominator > 0) && a.is_none()) [[unlikely]]
+    denominator = 1;
   if (a.at_most_one) denominator = std::max(denominator, 1.0);
   sample.factor = denominator > 0 ? a.scale / denominator : 0;
   return sample.factor > 0;

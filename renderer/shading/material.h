@@ -89,6 +89,12 @@ struct Material {
     return model <= MaterialModel::unlit && !is_rich() && is_opaque() && !is_mirror() &&
            is_black(specular) && sides != Sides::front_only;
   }
+  /// Whether it is classic, Lambert but for its highlight, and the same from both sides.
+  bool is_plain() const {
+    return model == MaterialModel::classic && !is_rich() && is_opaque() && !is_mirror() &&
+           diffuse_model == DiffuseModel::lambert && sides == Sides::two_sided && !flat &&
+           grain == 0;
+  }
   /// Whether more than the classic formulas is needed to shade it.
   bool is_rich() const {
     return inputs != kNoMaterialInputs || alpha < 1 || model >= MaterialModel::physical;
@@ -103,11 +109,13 @@ Color highlight(const Material& material, const Vec3& n, const Vec3& wi, const V
 /// The share of a light's radiant intensity that leaves towards `wo`: diffuse and specular term.
 /// `diffuse` is the material's, after vertex colours; `n`, `wi` (to the light) and `wo` (to the
 /// viewer) are of unit length. The specular term is zero where the light is behind the surface.
-inline Color reflected_share(const Material& material, const Color& diffuse, const Vec3& n,
-                             const Vec3& wi, const Vec3& wo) {
+/// `kLambert`: the material's diffuse term is known to be Lambert's.
+template <bool kLambert = false>
+Color reflected_share(const Material& material, const Color& diffuse, const Vec3& n, const Vec3& wi,
+                      const Vec3& wo) {
   const double n_dot_l = dot(n, wi);
   double factor = n_dot_l;
-  if (material.diffuse_model == DiffuseModel::lambert) {
+  if (kLambert || material.diffuse_model == DiffuseModel::lambert) {
     factor = std::max(n_dot_l, 0.0);
   } else if (material.diffuse_model == DiffuseModel::half_lambert) {
     factor = half_lambert(n_dot_l, material.diffuse_exponent);

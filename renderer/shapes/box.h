@@ -6,15 +6,14 @@ namespace tessera {
 
 /// The solid box between two corners. Primitives are its faces: 0 to 5 for -x +x -y +y -z +z. Each
 /// face carries uv in [0, 1], upright seen from outside as X3D maps a box.
-class Box final : public Solid {
+class Box final : public ConvexSolid {
  public:
   explicit Box(const Bounds3& extent) : extent_(extent) {}
   Bounds3 bounds() const override { return extent_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
-  void crossings(const Ray& ray, const RayError& error,
-                 std::vector<SolidEvent>& events) const override;
+  bool span(const Ray& ray, const RayError& error, SolidSpan& span) const override;
   size_t primitive_count() const override { return 6; }
 
  private:

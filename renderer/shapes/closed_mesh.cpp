@@ -151,9 +151,10 @@ void ClosedMesh::build(uint32_t first, uint32_t last) {
 
 template <typename Visit>
 void ClosedMesh::visit_near(const Ray& ray, const Visit& visit) const {
+  const LineInverse inverse(ray.direction);
   for (uint32_t i = 0; i < nodes_.size();) {
     const Node& node = nodes_[i];
-    if (line_range(node.bounds, ray).empty()) {
+    if (line_range(node.bounds, ray, inverse).empty()) {
       i = node.end;
       continue;
     }

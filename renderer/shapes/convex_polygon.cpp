@@ -128,6 +128,12 @@ Rectangle::Rectangle(const Point3& corner, const Vec3& edge_u, const Vec3& edge_
     : corner_(corner), edge_u_(edge_u), edge_v_(edge_v), normal_(accurate_cross(edge_u, edge_v)) {
   if (!is_finite(corner - Point3{}) || !is_finite(normal_) || normal_ == Vec3{})
     throw scene_error("a rectangle's edges are parallel or not finite; expected two directions");
+  unit_normal_ = normalize(normal_);
+  const double area = dot(normal_, unit_normal_);
+  share_u_ = cross(edge_v_, unit_normal_) / area;
+  share_v_ = cross(unit_normal_, edge_u_) / area;
+  for (int a = 0; a < 3; ++a)
+    if (normal_[(a + 1) % 3] == 0 && normal_[(a + 2) % 3] == 0) axis_ = a;
 }
 
 Bounds3 Rectangle::bounds() const {
@@ -142,25 +148,62 @@ Bounds3 Rectangle::bounds() const {
   return box;
 }
 
+/// cross_plane() of its plane. Along an axis the accurate products are plain ones.
+bool Rectangle::crosses(const Ray& ray, const Hit& hit, double& t) const {
+  PlaneCrossing at;
+  if (axis_ < 0) {
+    if (!cross_plane(corner_, normal_, ray, hit, at)) return false;
+  } else {
+    const double height = normal_[axis_] * (ray.origin[axis_] - corner_[axis_]);
+    if (!cross_plane_at(height, normal_[axis_] * ray.direction[axis_], std::abs(height), ray, hit,
+                        at))
+      return false;
+  }
+  t = at.t;
+  return true;
+}
+
+Hit Rectangle::hit_at(const Ray& ray, double t, const Hit& hit) const {
+  const Vec3 from_corner = ray.at(t) - corner_;
+  const auto share = [&](const Vec3& by) {
+    return std::min(std::max(0.0, dot(from_corner, by)), 1.0);
+  };
+  return {t, share(share_u_), share(share_v_), hit.instance, 0};
+}
+
 bool Rectangle::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
   ++counters.primitive_tests;
   // First what is cheap: most that are asked lie beyond a hit, or behind.
-  PlaneCrossing at;
-  if (!cross_plane(corner_, normal_, ray, hit, at)) return false;
+  double t;
+  if (!crosses(ray, hit, t)) return false;
   const TriangleRay frame(ray);
   if (!frame.valid()) return false;
   const ProjectedVertex p00 = project(frame, corner_);
   const ProjectedVertex p10 = project(frame, corner_ + edge_u_);
   const ProjectedVertex p11 = project(frame, corner_ + edge_u_ + edge_v_);
   const ProjectedVertex p01 = project(frame, corner_ + edge_v_);
-  const double bottom = edge_function(p00, p10), right = edge_function(p10, p11);
-  const double top = edge_function(p11, p01), left = edge_function(p01, p00);
   EdgeSides sides;
-  for (const double edge : {bottom, right, top, left}) sides.add(edge);
+  sides.add(edge_function(p00, p10));
+  sides.add(edge_function(p10, p11));
+  sides.add(edge_function(p11, p01));
+  sides.add(edge_function(p01, p00));
   if (!sides.inside()) return false;
-  const auto share = [](double a, double b) { return a + b != 0 ? a / (a + b) : 0; };
-  hit = {at.t, share(left, right), share(bottom, top), hit.instance, 0};
+  hit = hit_at(ray, t, hit);
   return true;
+}
+
+bool Rectangle::closest_hit_inside(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
+  ++counters.primitive_tests;
+  double t;
+  if (!crosses(ray, hit, t)) return false;
+  hit = hit_at(ray, t, hit);
+  return true;
+}
+
+bool Rectangle::any_hit_inside(const Ray& ray, TraversalCounters& counters) const {
+  ++counters.primitive_tests;
+  double t;
+  return crosses(ray, Hit{}, t);
 }
 
 bool Rectangle::any_hit(const Ray& ray, TraversalCounters& counters) const {
@@ -175,7 +218,7 @@ LocalSurface Rectangle::surface(const Ray&, const Hit& hit) const {
   for (int a = 0; a < 3; ++a)
     s.point_error[a] = gamma(8) * (std::abs(along[a]) + std::abs(up[a])) +
                        gamma(3) * (std::abs(corner_[a]) + std::abs(s.point[a]));
-  s.geometric_normal = s.shading_normal = to_normal(normalize(normal_));
+  s.geometric_normal = s.shading_normal = to_normal(unit_normal_);
   s.uv = {hit.u, hit.v};
   s.dpdu = edge_u_;
   s.dpdv = edge_v_;

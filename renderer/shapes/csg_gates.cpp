@@ -74,9 +74,10 @@ void CsgGates::emit(const CsgTree& tree, CsgTree::Node root) {
       gate.need = 1;
       gate.initial = step.complement ? 1 : 0;
       gate.leaf = static_cast<uint32_t>(leaves_.size());
-      leaves_.push_back({from.solid, from.csg_from_solid,
-                         !(from.csg_from_solid.matrix() == Affine{}), step.complement, number,
-                         from.first_material, static_cast<uint32_t>(primitives)});
+      leaves_.push_back({from.solid, dynamic_cast<const ConvexSolid*>(from.solid.get()),
+                         from.csg_from_solid, !(from.csg_from_solid.matrix() == Affine{}),
+                         step.complement, number, from.first_material,
+                         static_cast<uint32_t>(primitives)});
       primitives += from.solid->primitive_count();
       continue;
     }
@@ -118,6 +119,7 @@ void CsgGates::settle() {
     else
       parent.bounds = overlap(parent.bounds, bounds);
   }
+  for (Gate& gate : gates_) gate.as_whole = gate.bounds == bounds();
 }
 
 }  // namespace tessera

@@ -59,9 +59,11 @@ class CsgGates {
     uint32_t need = 0;        ///< inputs that must hold
     uint32_t initial = 0;     ///< inputs that hold outside of all solids
     uint32_t leaf = kNone;
+    bool as_whole = false;  ///< it has the bounds of the whole: the first operand of a difference
   };
   struct Leaf {
     std::shared_ptr<const Solid> solid;
+    const ConvexSolid* convex = nullptr;  ///< the solid, if it is
     Transform csg_from_solid;
     bool moved = false;       ///< whether the transform does anything
     bool complement = false;  ///< what counts is being outside

@@ -8,15 +8,7 @@
 #include "renderer/shapes/surface_interaction.h"
 
 namespace tessera {
-namespace {
-
-bool can_cross(const Ray& ray) {
-  return is_finite(ray.origin - Point3{}) && is_finite(ray.direction) && ray.direction != Vec3{};
-}
-
-}  // namespace
-
-CsgShape::CsgShape(const CsgTree& tree, CsgTree::Node root) : gates_(tree, root) {
+CsgShape::CsgShape(const CsgTree& tree, CsgTree::Node root) : gates_(tree, root), table_(gates_) {
   // A ray that leaves the surface starts beyond the error of every operand: where faces of several
   // coincide it must leave all of them behind. Bounded for all at once, by the largest entries.
   position_error_.m = {};
@@ -39,37 +31,42 @@ CsgShape::CsgShape(const CsgTree& tree, CsgTree::Node root) : gates_(tree, root)
   }
 }
 
-bool CsgShape::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
-  if (!can_cross(ray)) return false;
-  const LineRange range = line_range(bounds(), ray);
+bool CsgShape::find_hit(const Ray& ray, bool any, Hit& hit, TraversalCounters& counters) const {
+  const LineInverse inverse(ray.direction);
+  const LineRange range = line_range(bounds(), ray, inverse);
   if (range.empty() || range.high < ray.t_min || range.low > std::min(ray.t_max, hit.t))
     return false;
-  const CsgSweep::Lease sweep;
-  sweep->gather(gates_, ray, range, {}, &counters);
-  while (const CsgEvent* e = sweep->next(gates_)) {
-    // Entering shows the front, leaving the back.
-    if (ray.cull == (e->inward ? Cull::front : Cull::back)) continue;
-    // Nearer than its error it may be the surface that the ray starts on.
-    if (!(e->t > ray.t_min && e->t > e->error && e->t < ray.t_max)) continue;
-    if (e->t > hit.t || (e->t == hit.t && e->primitive >= hit.primitive)) return false;
-    hit = {e->t, e->u, e->v, hit.instance, e->primitive};
-    return true;
+  if (!can_hit(ray)) return false;
+  if (table_.is_usable()) {
+    const CsgTable::Answer answer =
+        table_.closest_hit(gates_, ray, inverse, range, any, hit, counters);
+    if (answer != CsgTable::Answer::in_doubt) return answer == CsgTable::Answer::hit;
   }
+  const CsgSweep::Lease sweep;
+  sweep->gather(gates_, ray, inverse, range, {}, &counters);
+  while (const CsgEvent* e = sweep->next(gates_))
+    if (is_hit(ray, e->t, e->error, e->inward))
+      return take_nearer({e->t, e->u, e->v, 0, e->primitive}, hit);
   return false;
+}
+
+bool CsgShape::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
+  return find_hit(ray, false, hit, counters);
 }
 
 bool CsgShape::any_hit(const Ray& ray, TraversalCounters& counters) const {
   Hit hit;
-  return closest_hit(ray, hit, counters);
+  return find_hit(ray, true, hit, counters);
 }
 
 void CsgShape::crossings(const Ray& ray, const RayError& error,
                          std::vector<SolidEvent>& events) const {
-  if (!can_cross(ray)) return;
-  const LineRange range = line_range(bounds(), ray);
+  if (!can_hit(ray)) return;
+  const LineInverse inverse(ray.direction);
+  const LineRange range = line_range(bounds(), ray, inverse);
   if (range.empty()) return;
   const CsgSweep::Lease sweep;
-  sweep->gather(gates_, ray, range, error, nullptr);
+  sweep->gather(gates_, ray, inverse, range, error, nullptr);
   while (const CsgEvent* e = sweep->next(gates_)) {
     const bool endless = std::isinf(e->t);
     const double reach = std::max(e->t - sweep->low(), sweep->high() - e->t);

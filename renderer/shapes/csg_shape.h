@@ -1,6 +1,7 @@
 #pragma once
 
 #include "renderer/shapes/csg_gates.h"
+#include "renderer/shapes/csg_table.h"
 
 namespace tessera {
 
@@ -32,7 +33,11 @@ class CsgShape final : public Solid {
   uint32_t operand_of(uint32_t primitive) const;
 
  private:
+  /// As closest_hit(); with `any` any other hit is as good.
+  bool find_hit(const Ray& ray, bool any, Hit& hit, TraversalCounters& counters) const;
+
   CsgGates gates_;
+  CsgTable table_;
   /// |position error| <= matrix |p| + constant, on each axis, for every operand at once.
   Affine position_error_;
 };

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <memory>
 
-#include "renderer/math/rounding.h"
-
 namespace tessera {
 namespace {
 
@@ -13,22 +11,6 @@ struct Pool {
   size_t used = 0;
 };
 thread_local Pool pool;
-
-/// A bound on the error of the matrices and of the products with them; relative to the sum of the
-/// magnitudes that enter.
-constexpr double kTransformError = gamma(8);
-
-RayError transformed_error(const Affine& m, const Ray& ray, const RayError& error) {
-  RayError local;
-  for (int r = 0; r < 3; ++r) {
-    const auto& row = m.m[static_cast<size_t>(r)];
-    const Vec3 size{std::abs(row[0]), std::abs(row[1]), std::abs(row[2])};
-    const Vec3 o = abs(ray.origin - Point3{}), d = abs(ray.direction);
-    local.origin[r] = dot(size, error.origin) + kTransformError * (dot(size, o) + std::abs(row[3]));
-    local.direction[r] = dot(size, error.direction) + kTransformError * dot(size, d);
-  }
-  return local;
-}
 
 }  // namespace
 
@@ -47,29 +29,28 @@ CsgSweep::State& CsgSweep::state(const CsgGates& gates, uint32_t gate) {
 
 void CsgSweep::gather_leaf(const CsgGates::Leaf& leaf, const LineRange& range, uint32_t number,
                            const Ray& ray, const RayError& error) {
-  if (range.empty()) return;
   leaf_events_.clear();
   if (leaf.moved) {
-    const Affine& m = leaf.csg_from_solid.inverse_matrix();
-    const Ray local{m(ray.origin), m(ray.direction)};
-    leaf.solid->crossings(local, transformed_error(m, ray, error), leaf_events_);
+    const LocalLine line = to_solid(leaf, ray, error);
+    leaf.solid->crossings(line.ray, line.error, leaf_events_);
   } else {
     leaf.solid->crossings(ray, error, leaf_events_);
   }
-  // Numbers out of range: a solid that cannot be told is not there.
-  for (const SolidEvent& e : leaf_events_)
-    if (std::isnan(e.t) || std::isnan(e.error)) return;
+  const size_t before = events_.size();
   for (const SolidEvent& e : leaf_events_) {
-    // Whatever the error, a crossing is inside of the solid's bounds.
-    const double low = std::min(e.t, std::max(e.t - e.error, range.low));
-    const double high = std::max(e.t, std::min(e.t + e.error, range.high));
-    events_.push_back({e.t, low, high, e.error, number, leaf.first_primitive + e.primitive,
-                       e.entering ? 1 : -1, e.entering != leaf.complement, e.u, e.v});
+    // Numbers out of range: a solid that cannot be told is not there.
+    if (std::isnan(e.t) || std::isnan(e.error)) {
+      events_.resize(before);
+      return;
+    }
+    events_.push_back({e.t, lowest(e, range), highest(e, range), e.error, number,
+                       leaf.first_primitive + e.primitive, e.entering ? 1 : -1,
+                       e.entering != leaf.complement, e.u, e.v});
   }
 }
 
-void CsgSweep::gather(const CsgGates& gates, const Ray& ray, const LineRange& range,
-                      const RayError& error, TraversalCounters* counters) {
+void CsgSweep::gather(const CsgGates& gates, const Ray& ray, const LineInverse& inverse,
+                      const LineRange& range, const RayError& error, TraversalCounters* counters) {
   events_.clear();
   ++line_;
   at_ = 0;
@@ -81,15 +62,14 @@ void CsgSweep::gather(const CsgGates& gates, const Ray& ray, const LineRange& ra
     if (gate.kind != CsgGates::Kind::leaf) {
       state(gates, i).first_event = events_.size();
       // That the line meets the whole is known.
-      i = i > 0 && line_range(gate.bounds, ray).empty() ? gate.end : i + 1;
+      i = i > 0 && line_range(gate.bounds, ray, inverse).empty() ? gate.end : i + 1;
       continue;
     }
     const CsgGates::Leaf& leaf = gates.leaves()[gate.leaf];
     const size_t before = events_.size();
     if (counters) ++counters->primitive_tests;
-    // The first operand of a difference has the bounds of the whole.
-    const bool as_whole = gate.bounds == all[0].bounds;
-    gather_leaf(leaf, as_whole ? range : line_range(gate.bounds, ray), gate.leaf, ray, error);
+    const LineRange own = gate.as_whole ? range : line_range(gate.bounds, ray, inverse);
+    if (!own.empty()) gather_leaf(leaf, own, gate.leaf, ray, error);
     ++i;
     // An intersection one of whose solids the line misses is empty: what is below it is not looked
     // at, and what was found below it is dropped, so that the order of operands makes no
@@ -100,9 +80,28 @@ void CsgSweep::gather(const CsgGates& gates, const Ray& ray, const LineRange& ra
       i = all[gate.parent].end;
     }
   }
-  std::sort(events_.begin(), events_.end(), [](const CsgEvent& a, const CsgEvent& b) {
+  sort_events();
+}
+
+void CsgSweep::sort_events() {
+  const auto is_before = [](const CsgEvent& a, const CsgEvent& b) {
     return a.low != b.low ? a.low < b.low : a.t != b.t ? a.t < b.t : a.leaf < b.leaf;
-  });
+  };
+  // Each operand's are in order, and mostly there are few.
+  constexpr size_t kFew = 16;
+  if (events_.size() > kFew) {
+    std::sort(events_.begin(), events_.end(), is_before);
+    return;
+  }
+  for (size_t i = 1; i < events_.size(); ++i) {
+    if (!is_before(events_[i], events_[i - 1])) continue;
+    const CsgEvent event = events_[i];
+    size_t at = i;
+    do {
+      events_[at] = events_[at - 1];
+    } while (--at > 0 && is_before(event, events_[at - 1]));
+    events_[at] = event;
+  }
 }
 
 bool CsgSweep::pass(const CsgGates& gates, const CsgEvent& event) {

@@ -2,29 +2,17 @@
 
 #include <vector>
 
-#include "renderer/shapes/csg_gates.h"
-#include "renderer/shapes/line_box.h"
+#include "renderer/shapes/csg_event.h"
 
 namespace tessera {
-
-/// A crossing of one operand, in the frame of the whole.
-struct CsgEvent {
-  double t, low, high;  ///< where it may truly be
-  double error;
-  uint32_t leaf;
-  uint32_t primitive;  ///< within the whole
-  int turn;            ///< +1 entering the operand, -1 leaving it
-  bool inward;         ///< whether it can only add to the whole: entering a solid, leaving a hole
-  double u, v;
-};
 
 /// Walks along a line through a combination of solids. One per thread and nesting depth; reused.
 class CsgSweep {
  public:
   /// Gathers and sorts the crossings of all operands that matter on this line, which is inside the
   /// bounds of the whole in `range`.
-  void gather(const CsgGates& gates, const Ray& ray, const LineRange& range, const RayError& error,
-              TraversalCounters* counters);
+  void gather(const CsgGates& gates, const Ray& ray, const LineInverse& inverse,
+              const LineRange& range, const RayError& error, TraversalCounters* counters);
   /// The next change of the whole: its event, or null at the end.
   const CsgEvent* next(const CsgGates& gates);
   /// After next(): where the change may truly be.
@@ -53,6 +41,7 @@ class CsgSweep {
     size_t first_event = 0;
   };
   State& state(const CsgGates& gates, uint32_t gate);
+  void sort_events();
   void gather_leaf(const CsgGates::Leaf& leaf, const LineRange& range, uint32_t number,
                    const Ray& ray, const RayError& error);
   /// Passes an event; says whether the whole changes there.

@@ -165,12 +165,12 @@ double Frustum::event_error(const Ray& ray, const Crossing& at, const RayError& 
   return rounding + std::min(linear, chord);
 }
 
-void Frustum::crossings(const Ray& ray, const RayError& error,
-                        std::vector<SolidEvent>& events) const {
+bool Frustum::span(const Ray& ray, const RayError& error, SolidSpan& span) const {
   Crossing enter, leave;
-  if (!cross(ray, enter, leave)) return;
-  events.push_back({enter.t, event_error(ray, enter, error), true, enter.part});
-  events.push_back({leave.t, event_error(ray, leave, error), false, leave.part});
+  if (!cross(ray, enter, leave)) return false;
+  span.enter = {enter.t, event_error(ray, enter, error), true, enter.part};
+  span.leave = {leave.t, event_error(ray, leave, error), false, leave.part};
+  return true;
 }
 
 void Frustum::side_surface(const Point3& near_side, LocalSurface& s) const {

@@ -19,7 +19,7 @@ struct OpenParts {
 /// line's moments, and whether an origin is inside is told by an exact sign; so hits are right from
 /// any distance and a ray that starts off the surface neither meets it again nor misses the far
 /// wall.
-class Frustum : public Solid {
+class Frustum : public ConvexSolid {
  public:
   enum Part : uint32_t { kSide, kTop, kBottom };
 
@@ -29,8 +29,7 @@ class Frustum : public Solid {
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   size_t primitive_count() const override { return 3; }
   bool closed() const override { return !(open_.side || open_.top || open_.bottom); }
-  void crossings(const Ray& ray, const RayError& error,
-                 std::vector<SolidEvent>& events) const override;
+  bool span(const Ray& ray, const RayError& error, SolidSpan& span) const override;
 
  protected:
   /// Throws Error unless the height is > 0 and the radii >= 0, finite and not both 0.

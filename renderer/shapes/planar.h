@@ -15,21 +15,27 @@ struct PlaneCrossing {
   double approach = 0;  ///< normal . direction
 };
 
-/// Whether the ray meets the plane inside its stretch, on a side that it does not cull, no farther
-/// than `hit`. An origin on the plane, as far as can be told, does not meet it again.
-inline bool cross_plane(const Point3& anchor, const Vec3& normal, const Ray& ray, const Hit& hit,
-                        PlaneCrossing& crossing) {
-  const double approach = accurate_dot(normal, ray.direction);
+/// cross_plane() by the products of the normal with the way from the anchor to the origin and with
+/// the direction; `reach` is the former's, all parts taken as positive.
+inline bool cross_plane_at(double height, double approach, double reach, const Ray& ray,
+                           const Hit& hit, PlaneCrossing& crossing) {
   if (!(approach != 0)) return false;
   if (ray.cull != Cull::none && (approach < 0) == (ray.cull == Cull::front)) return false;
-  const Vec3 from_anchor = ray.origin - anchor;
-  const double height = accurate_dot(normal, from_anchor);
-  if (std::abs(height) <= gamma(2) * dot(abs(normal), abs(from_anchor))) return false;
+  if (std::abs(height) <= gamma(2) * reach) return false;
   const double t = -height / approach;
   if (!(t > ray.t_min && t < ray.t_max)) return false;
   if (t > hit.t || (t == hit.t && hit.primitive == 0)) return false;
   crossing = {t, approach};
   return true;
+}
+
+/// Whether the ray meets the plane inside its stretch, on a side that it does not cull, no farther
+/// than `hit`. An origin on the plane, as far as can be told, does not meet it again.
+inline bool cross_plane(const Point3& anchor, const Vec3& normal, const Ray& ray, const Hit& hit,
+                        PlaneCrossing& crossing) {
+  const Vec3 from_anchor = ray.origin - anchor;
+  return cross_plane_at(accurate_dot(normal, from_anchor), accurate_dot(normal, ray.direction),
+                        dot(abs(normal), abs(from_anchor)), ray, hit, crossing);
 }
 
 /// Moves `near_plane`, a point at most some roundings off the plane, onto it, and bounds its error

@@ -3,10 +3,12 @@
 #include "renderer/math/rounding.h"
 
 namespace tessera {
-namespace {}  // namespace
 
-Plane::Plane(const Vec3& normal, double offset)
-    : Solid(ShapeKind::plane), normal_(normalize(normal)), offset_(offset) {
+Plane::Plane(const Vec3& normal, double offset, bool keep_uv)
+    : ConvexSolid(ShapeKind::plane),
+      normal_(normalize(normal)),
+      offset_(offset),
+      keep_uv_(keep_uv) {
   const bool along_y = std::abs(normal_.y) > 0.9;
   dpdu_ = normalize(cross(along_y ? Vec3{0, 0, 1} : Vec3{0, 1, 0}, normal_));
   if (along_y) dpdu_ = dpdu_ * (normal_.y < 0 ? -1 : 1);
@@ -36,6 +38,7 @@ LocalSurface Plane::surface(const Ray& ray, const Hit& hit) const {
   for (int a = 0; a < 3; ++a)
     s.point_error[a] = gamma(3) * std::abs(s.point[a]) + error * std::abs(normal_[a]);
   s.geometric_normal = s.shading_normal = to_normal(normal_);
+  if (!keep_uv_) return s;
   s.dpdu = dpdu_;
   s.dpdv = dpdv_;
   const Vec3 from_foot = s.point - (Point3{} + normal_ * offset_);

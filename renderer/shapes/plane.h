@@ -8,16 +8,16 @@ namespace tessera {
 /// The endless plane normal . p = offset; as a solid, the half-space below it. Its bounds are
 /// endless on every axis. No texture coordinates of its own: uv are metres along two unit tangents
 /// from the foot of the origin.
-class Plane final : public Solid {
+class Plane final : public ConvexSolid {
  public:
-  /// `normal` of any length but 0; `offset` is along the unit normal.
-  Plane(const Vec3& normal, double offset);
+  /// `normal` of any length but 0; `offset` is along the unit normal. Without `keep_uv` surface()
+  /// leaves uv, and derivatives by them, zero.
+  Plane(const Vec3& normal, double offset, bool keep_uv = true);
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
-  void crossings(const Ray& ray, const RayError& error,
-                 std::vector<SolidEvent>& events) const override;
+  bool span(const Ray& ray, const RayError& error, SolidSpan& span) const override;
 
   /// Where `ray` meets the sides that `cull` leaves, if it does at t <= `limit`; ray.cull does not
   /// count.
@@ -45,6 +45,7 @@ class Plane final : public Solid {
   Vec3 normal_;
   double offset_;
   Vec3 dpdu_, dpdv_;
+  bool keep_uv_;
 };
 
 }  // namespace tessera

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -21,6 +22,16 @@ struct Ray {
 
   Point3 at(double t) const { return origin + direction * t; }
 };
+
+/// False for a ray with a part that is not finite, or no direction: it hits nothing.
+inline bool can_hit(const Ray& ray) {
+  const Point3& o = ray.origin;
+  const Vec3& d = ray.direction;
+  // Nearly always this says it all.
+  if (std::isfinite(o.x + o.y + o.z + d.x + d.y + d.z) && d.x != 0) [[likely]]
+    return true;
+  return is_finite(o - Point3{}) && is_finite(d) && d != Vec3{};
+}
 
 /// Where a ray met a surface, and no more: 40 bytes. Of hits at equal t the one with the smaller
 /// (instance, primitive) counts, whatever the accelerator.

@@ -34,6 +34,32 @@ class Solid : public Shape {
                          std::vector<SolidEvent>& events) const = 0;
 };
 
+/// The stretch of a line that is inside a convex solid; t is infinite where it has no end.
+struct SolidSpan {
+  SolidEvent enter{.t = -Bounds3::kInfinity, .entering = true};
+  SolidEvent leave{.t = Bounds3::kInfinity};
+};
+
+/// Where a point is with regard to a solid.
+enum class Side : uint8_t { inside, outside, in_doubt };
+
+/// A solid that a line enters at most once, and whose hits have no u and v.
+class ConvexSolid : public Solid {
+ public:
+  using Solid::Solid;
+  /// As crossings(): false where the line misses.
+  virtual bool span(const Ray& ray, const RayError& error, SolidSpan& span) const = 0;
+  /// Where `p` is, if it is farther than `margin` from the surface and that is cheap to tell.
+  virtual Side side_of(const Point3&, double /*margin*/) const { return Side::in_doubt; }
+  void crossings(const Ray& ray, const RayError& error,
+                 std::vector<SolidEvent>& events) const final {
+    SolidSpan inside;
+    if (!span(ray, error, inside)) return;
+    events.push_back(inside.enter);
+    events.push_back(inside.leave);
+  }
+};
+
 /// How far the line may be from where it seems to be at t, along a normal n (any length) and in
 /// units of n's length, where it crosses a surface whose own distance is known to within
 /// `distance`. Over |n . direction| this is the error of t.

@@ -37,8 +37,9 @@ void place_moved(const Transform& world_from_object, LocalSurface& s) {
 /// What place_moved() does, to the last bit, under the identity.
 void place_unmoved(LocalSurface& s) {
   const Vec3 zero{};
-  const auto placed = [&](const Normal3& n) {
-    return to_normal(normalize(static_cast<Vec3>(n) + zero));
+  const auto placed = [&](const Normal3& normal) {
+    const Vec3 n = static_cast<Vec3>(normal) + zero;
+    return to_normal(length_squared(n) == 1 ? n : normalize(n));
   };
   const bool is_flat = s.shading_normal == s.geometric_normal;
   s.point = s.point + zero;  // no -0

@@ -39,13 +39,14 @@ class RayOrigins {
     ray.t_max = 1;
     return ray;
   }
-
- private:
+  /// Where rays to the side that `direction` points to start.
   const Point3& towards(const Vec3& direction) {
     const bool behind = dot(from_.geometric_normal, direction) < 0;
     if (!known_[behind]) work_out(behind);
     return origins_[behind];
   }
+
+ private:
   void work_out(bool behind);
 
   const SurfaceInteraction& from_;

@@ -30,11 +30,14 @@ class SurfaceSampler {
   virtual double density(const Point3& from, const Point3& there, const Vec3& normal) const = 0;
   virtual double area() const = 0;     ///< square metres, > 0
   virtual Bounds3 bounds() const = 0;  ///< about, rounding apart
+  /// Whether all of it lies in one plane, through `at` across `normal`, which shows the front.
+  virtual bool is_flat(Point3& /*at*/, Vec3& /*normal*/) const { return false; }
 };
 
 /// For a shape as it stands in the world: spheres that stay spheres by the cone in which they are
 /// seen, rectangles by solid angle (Urena et al. 2013, "An Area-Preserving Parametrization for
-/// Spherical Rectangles") where they are near, discs, polygons, parallelograms and boxes by area.
+/// Spherical Rectangles") where they are near, others about so, by densities that are linear along
+/// both edges; discs, polygons and boxes by area.
 /// Null for any other shape.
 std::unique_ptr<const SurfaceSampler> make_surface_sampler(const Shape& shape,
                                                            const Transform& world_from_object,

@@ -1,7 +1,9 @@
 #include "renderer/shapes/triangle_mesh.h"
 
+#include <atomic>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "renderer/math/accurate_dot.h"
 
 namespace tessera {
@@ -52,6 +54,26 @@ Vec3 smooth_shift(const TriangleMesh& mesh, const TriangleIndices& index,
   return shift;
 }
 
+bool is_legal(const TriangleMesh& mesh, size_t triangle) {
+  for (const uint32_t index : mesh.triangles[triangle]) {
+    if (index >= mesh.positions.size() || !finite(mesh.positions[index])) return false;
+  }
+  const auto [a, b, c] = mesh.corners(triangle);
+  return a != b && b != c && c != a;
+}
+
+/// As those of most meshes are, which then need not be written again.
+bool all_legal(const TriangleMesh& mesh, int threads) {
+  constexpr size_t kPiece = 1 << 16;
+  std::atomic<bool> legal{true};
+  for_each_piece_parallel(mesh.triangles.size(), kPiece, threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      if (!is_legal(mesh, i)) legal = false;
+    }
+  });
+  return legal;
+}
+
 }  // namespace
 
 Bounds3 TriangleMesh::bounds() const {
@@ -67,8 +89,9 @@ size_t TriangleMesh::bytes() const {
          colors.size() * sizeof(Float4) + face_materials.size() * sizeof(uint32_t);
 }
 
-MeshDefects drop_degenerate(TriangleMesh& mesh) {
+MeshDefects drop_degenerate(TriangleMesh& mesh, int threads) {
   MeshDefects defects;
+  if (all_legal(mesh, threads)) return defects;
   size_t kept = 0;
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
     const TriangleIndices index = mesh.triangles[i];

@@ -54,7 +54,7 @@ struct MeshDefects {
 
 /// Removes every triangle that no accelerator may hold, with its face material; keeps the order of
 /// the rest. Three distinct corners in a line stay: without them a closed mesh would have a slit.
-MeshDefects drop_degenerate(TriangleMesh& mesh);
+MeshDefects drop_degenerate(TriangleMesh& mesh, int threads = 1);
 
 /// The surface at barycentric weights u, v of vertices 1 and 2 of a triangle.
 LocalSurface triangle_surface(const TriangleMesh& mesh, uint32_t triangle, double u, double v);

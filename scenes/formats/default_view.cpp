@@ -69,6 +69,8 @@ class PointFinder {
     if (!blob) return;
     const size_t count = blob->size() / 12;
     if (count <= kMostPoints && points_.size() <= kMostPoints - count) {
+      const size_t needed = points_.size() + count;
+      if (needed > points_.capacity()) points_.reserve(std::max(needed, 2 * points_.capacity()));
       for (size_t i = 0; i < count; ++i) points_.push_back(world(point(*blob, i)));
       return;
     }

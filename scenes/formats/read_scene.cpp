@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/lower_case.h"
 #include "proto/wire/scene_codec.h"
 #include "scenes/formats/crt/crt_reader.h"
 #include "scenes/formats/default_view.h"
@@ -36,11 +36,6 @@ constexpr std::array<std::string_view, 5> kModels{"obj", "ply", "stl", "gltf", "
 /// Formats that users may well try, so that the error can say that they were recognised.
 constexpr std::array<std::string_view, 12> kOthers{"fbx",  "dae",  "blend", "3ds",  "usd", "usda",
                                                    "usdc", "usdz", "abc",   "pbrt", "mtl", "xml"};
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 std::string readable() {
   std::vector<std::string> endings = readable_endings();
@@ -78,7 +73,7 @@ std::string format_of(const std::string& path, const std::string& asked) {
     throw usage_error(fmt::format("unknown format '{}'; expected one of {}{}", asked,
                                   fmt::join(kFormats, ", "), suggestion(asked, names)));
   }
-  std::string ending = lower(fs::path(path).extension().string());
+  std::string ending = lower_case(fs::path(path).extension().string());
   if (!ending.empty()) ending.erase(0, 1);
   if (std::find(kFormats.begin(), kFormats.end(), ending) != kFormats.end()) return ending;
   if (std::find(kX3dToo.begin(), kX3dToo.end(), ending) != kX3dToo.end()) return "x3d";

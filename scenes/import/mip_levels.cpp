@@ -89,6 +89,7 @@ void average(const Texels& texels, const std::array<const std::byte*, 4>& from, 
 }  // namespace
 
 uint32_t add_mip_levels(DecodedTexture& texture, bool is_srgb) {
+  texture.digest.reset();
   const Texels texels(texture, is_srgb);
   const size_t size = size_t{texture.channels} * (texture.bits / 8);
   size_t width = texture.width, height = texture.height, offset = 0;

@@ -9,8 +9,6 @@
 namespace tessera {
 namespace {
 
-const std::string kGlow = "materials { name: 'glow' unlit { } } ";
-
 TEST(Lens, BlursAnEdgeByTheProfileOfItsDisc) {
   constexpr int kWidth = 64;
   const double radius = 2, focus = 20, distance = 50;
@@ -66,8 +64,9 @@ TEST(Coverage, OfDotsSmallerThanAPixelLosesNoEnergy) {
     std::mt19937 engine(5);
     std::string scene = kGlow + map_camera(kSide, kSide) + samples(dots.samples);
     for (int i = 0; i < kDots * kDots; ++i) {
-      const double x = (i % kDots) * kCell + 1 + engine() * 0x1p-32;
-      const double y = (i / kDots) * kCell + 1 + engine() * 0x1p-32;
+      const int column = i % kDots, row = i / kDots;
+      const double x = column * kCell + 1 + engine() * 0x1p-32;
+      const double y = row * kCell + 1 + engine() * 0x1p-32;
       scene += node("disc { center { x: " + number(x) + " y: " + number(y) +
                         " } radius: " + number(dots.radius) + " }",
                     "glow");

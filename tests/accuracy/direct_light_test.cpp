@@ -95,7 +95,31 @@ TEST(DirectLight, PenumbrasAreAsWideAsTheyShouldBe) {
       EXPECT_LE(found, whole) << x;
     }
   }
-  EXPECT_NEAR(shaded.values[3 * 40] / bare.values[3 * 40], 0.4, 0.1);  // a little past the middle
+}
+
+TEST(DirectLight, PenumbrasFallByWhatIsSeenOfTheLamp) {
+  constexpr int kWidth = 8;  // from x = 38, where they begin, to 42
+  const double hl = 40, ho = 10, edge = 30;
+  const std::string scene =
+      kWhiteWall + blind(edge, ho) +
+      "materials { name: 'lamp' sides: FRONT_ONLY classic { diffuse { value { } } emission " +
+      grey(1) + " } } " +
+      node("rectangle { corner { x: -6 y: -2 z: 40 } edge_u { y: 5 } edge_v { x: 12 } }", "lamp") +
+      "cameras { world_from_camera { steps { translate { x: 38 z: 100 } } } orthographic { min_x: "
+      "0 "
+      "min_y: 0 max_x: 4 max_y: .5 } } settings { sampling { samples_per_pixel: 4096 pattern: "
+      "CENTER } integrator { kind: 'path' max_depth: 1 } } ";
+  const TilePixels tile = render_text(scene, kWidth, 1);
+  const auto seen = [&](double x, double to) {  // of the lamp up to `to`, from (x, .25, 0)
+    return irradiance(
+               {{-6 - x, -2.25, hl}, {to - x, -2.25, hl}, {to - x, 2.75, hl}, {-6 - x, 2.75, hl}}) /
+           kPi;
+  };
+  for (int i = 0; i < kWidth; ++i) {
+    const double x = 38 + (i + 0.5) / 2;
+    const double last = std::clamp(x + (edge - x) * hl / ho, -6.0, 6.0);
+    EXPECT_NEAR(tile.values[3 * static_cast<size_t>(i)], seen(x, last), 0.005 * seen(x, 6)) << x;
+  }
 }
 
 }  // namespace

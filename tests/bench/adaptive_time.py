@@ -7,12 +7,11 @@ Each picture's error is its root mean square difference from one of --reference 
 seed, in linear light. The time of uniform sampling to an adaptive picture's error is read off the
 line between its two neighbours, both axes logarithmic. One thread, the least of --repeat runs."""
 import argparse
-import array
 import math
 import pathlib
-import resource
-import subprocess
 import tempfile
+
+import timed_render
 
 SAMPLES = pathlib.Path(__file__).parents[2] / "scenes/samples"
 SCENES = ["still_life.tessera", "lanterns.tessera", "mosaic.tessera", "knot.tessera", "temple.x3d",
@@ -21,41 +20,23 @@ UNIFORM = [8, 16, 32, 64, 128, 256]
 TARGETS = [0.03, 0.01, 0.003]
 
 
-def pixels(path):
-    with open(path, "rb") as file:
-        for _ in range(3):
-            file.readline()
-        values = array.array("f")
-        values.frombytes(file.read())
-    return values
-
-
-def cpu_seconds():
-    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return usage.ru_utime + usage.ru_stime
-
-
 class Bench:
     def __init__(self, arguments, folder):
         self.arguments, self.picture = arguments, pathlib.Path(folder) / "picture.pfm"
 
     def render(self, scene, *options, repeat=None):
         """The pixels, and the processor seconds."""
-        least = math.inf
-        for _ in range(repeat or self.arguments.repeat):
-            begin = cpu_seconds()
-            subprocess.run([self.arguments.program, "render", scene, "--size", self.arguments.size,
-                            "--pattern", "owen-sobol", "--workers", "0", "--threads", "1",
-                            "--quiet", "-o", self.picture, *options], check=True)
-            least = min(least, cpu_seconds() - begin)
-        return pixels(self.picture), least
+        found = [timed_render.render(self.arguments.program, scene, self.picture, "--size",
+                                     self.arguments.size, *options)
+                 for _ in range(repeat or self.arguments.repeat)]
+        return found[0][0], min(seconds for _, seconds in found)
 
     def compare(self, scene):
         truth, _ = self.render(scene, "--spp", str(self.arguments.reference), "--seed", "1000",
                                repeat=1)
 
         def error(values):
-            return math.sqrt(sum((a - b) ** 2 for a, b in zip(values, truth)) / len(truth))
+            return math.sqrt(timed_render.mean_square(values, truth))
 
         # Reading and building the scene is the same for both.
         _, start = self.render(scene, "--spp", "1", "--crop", "0,0,1,1")

@@ -32,35 +32,40 @@ COMPILED = [WHITTED, DIRECT, POINT]
 
 # (the feature, its file, what stands there exactly once, what stands in its place)
 DELETIONS = [
-    ("fog", WHITTED, "const bool foggy = scene_->fog.kind != FogKind::none;",
+    ("fog", WHITTED, "const bool foggy = !kPlain && scene_->fog.kind != FogKind::none;",
      "constexpr bool foggy = false;"),
-    ("grain", WHITTED, "if (point.material->grain > 0) seen =", "if (false) seen ="),
+    ("grain", WHITTED, "if (!kPlain && point.material->grain > 0)", "if (false)"),
     ("missing and other backs", POINT, "if (is_back && material->sides != Sides::two_sided) {",
      "if (false) {"),
     ("flat materials", POINT, "normal = material->flat ? geometric_normal : ", "normal = "),
     ("vertex colours", POINT_HEADER,
      "if (!point.surface.has_vertex_color) return material.diffuse;",
      "if (true) return material.diffuse;"),
-    ("unlit materials", DIRECT, "if (material.model == MaterialModel::unlit) {", "if (false) {"),
+    ("unlit materials", DIRECT, "if (!kPlain && material.model == MaterialModel::unlit) {",
+     "if (false) {"),
     ("refraction beside reflection", DIRECT,
-     "material.transmission == Transmission::refract ? 1 - material.transparency : 1.0;", "1.0;"),
-    ("clear shadows", DIRECT, "if (!occluders.clear) return kWhite;",
+     "!kPlain && material.transmission == Transmission::refract;", "false;"),
+    ("clear shadows", DIRECT, "if (kPlain || !occluders.clear) return kWhite;",
      "if (true) return kWhite;"),
-    ("soft shadows", DIRECT, "return kWhite * (1 - light.shadow_intensity);", "return kBlack;"),
-    ("bounded shadows", DIRECT, "if (std::isfinite(light.shadow_distance)) {", "if (false) {"),
+    ("soft shadows", DIRECT, "return kPlain ? kBlack : kWhite * (1 - light.shadow_intensity);",
+     "return kBlack;"),
+    ("bounded shadows", DIRECT, "if (!kPlain && std::isfinite(light.shadow_distance)) {",
+     "if (false) {"),
     ("attenuated ambient light", DIRECT,
-     "if (light.ambient_attenuated) ambient += light.ambient * sample.factor;", ""),
+     "if (!kPlain && light.ambient_attenuated) ambient += light.ambient * sample.factor;", ""),
     ("ambient light of the whole scene", DIRECT,
-     "if (!light.ambient_attenuated) ambient += light.ambient;", "ambient += light.ambient;"),
+     "if (kPlain || !light.ambient_attenuated) ambient += light.ambient;",
+     "ambient += light.ambient;"),
     ("light that is subtracted", DIRECT, "if (light.casts_shadow && shades_itself) {",
      "if (false) {"),
-    ("lights without shadows", DIRECT, "if (light.casts_shadow)\n", "if (true)\n"),
+    ("lights without shadows", DIRECT, "if (kPlain || light.casts_shadow)\n", "if (true)\n"),
     ("half-Lambert and signed Lambert", MATERIAL,
      "} else if (material.diffuse_model == DiffuseModel::half_lambert) {", "} else if (false) {"),
-    ("the switch of shadow rays left out", DIRECT, "      if (skips) {", "      if (true) {"),
+    ("the switch of shadow rays left out", DIRECT, "if (kPlain || skips) {",
+     "if (true) {"),
     ("that of faint branches", WHITTED, " || !scene_->skips.faint_branches", ""),
     ("that of texture points", POINT, "if (scene.skips.texture_points) {", "if (true) {"),
-    ("the one or the other", MATERIAL, "if (material.diffuse_model == DiffuseModel::lambert) {",
+    ("the one or the other", MATERIAL, "if (kLambert || material.diffuse_model == DiffuseModel::lambert) {",
      "if (true) {"),
 ]
 
@@ -88,15 +93,25 @@ def write_plain_source(folder):
 
 
 def compile_plain(build, folder):
-    """Headers of the plain source go before those of the other."""
-    commands = {entry["file"]: entry for entry in
-                json.loads((build / "compile_commands.json").read_text())}
+    """Headers of the plain source go before those of the other. Files that are compiled together in
+    this build are so here."""
     objects = []
-    for name in COMPILED:
-        entry = commands[str(ROOT / name)]
+    for entry in json.loads((build / "compile_commands.json").read_text()):
+        source = pathlib.Path(entry["file"])
+        names = [name for name in COMPILED if ROOT / name == source]
+        plain = folder / names[0] if names else folder / source.name
+        if source.parent.name == "Unity" and source.exists():
+            text = source.read_text()
+            names = [name for name in COMPILED if f'"{ROOT / name}"' in text]
+            for name in names:
+                text = text.replace(f'"{ROOT / name}"', f'"{folder / name}"')
+            if names:
+                plain.write_text(text)
+        if not names:
+            continue
         words = shlex.split(entry["command"])
-        words[words.index(entry["file"])] = str(folder / name)
-        objects.append(str(folder / name) + ".o")
+        words[words.index(entry["file"])] = str(plain)
+        objects.append(f"{plain}.o")
         words[words.index("-o") + 1] = objects[-1]
         compiler = next(i for i, word in enumerate(words) if word.endswith("++"))
         words[compiler + 1:compiler + 1] = [f"-I{folder}", "-w"]

@@ -42,9 +42,11 @@ class BenchError(TesseraTest):
         done = self.run_program("render", "s.tessera", "--spp", "64", "-o", "s.exr")
         self.assertEqual(0, done.code, done.err)
         run = self.run_program("bench", "error", "s.tessera", "--samples", "1-2", "--seeds", "2", "--cache",
-                               "c", "--reference", "s.exr", "--peer", "twin:1.5:64:s.exr", "--json",
-                               "s.json")
+                               "c", "--reference", "s.exr", "--peer", "twin:1.5:64:s.exr", "--peer",
+                               "twin:3:128:s.exr", "--json", "s.json", "--svg", ".")
         self.assertEqual(0, run.code, run.err)
+        plot = (self.folder / "s-peers.svg").read_text()
+        self.assertEqual(1, plot.count(">twin<"), "one name for both of its marks")
         peer = json.loads((self.folder / "s.json").read_text())["peers"][0]
         self.run_program("render", "s.tessera", "--spp", "1", "-o", "one.exr")
         told = self.run_program("compare", "one.exr", "s.exr", "--metrics").out
@@ -52,6 +54,15 @@ class BenchError(TesseraTest):
             self.assertRegex(told, rf"{name} +0\.\d*[1-9]")
         self.assertRegex(self.run_program("compare", "s.exr", "s.exr", "--metrics").out, r"FLIP +0\n")
         self.assertEqual(("twin", 1.5, 64, 0), tuple(peer[k] for k in ("method", "seconds", "samples", "rmse")))
+
+    def test_its_scenes_can_be_written(self):
+        done = self.run_program("convert", "error:edge", "edge.tessera")
+        self.assertEqual(0, done.code, done.err)
+        done = self.run_program("render", "edge.tessera", "--spp", "2", "-o", "edge.exr")
+        self.assertEqual(0, done.code, done.err)
+        wrong = self.run_program("convert", "error:glosy", "x.tessera")
+        self.assertEqual(2, wrong.code)
+        self.assertIn("did you mean 'glossy'?", wrong.err)
 
     def test_says_what_is_wrong(self):
         for arguments, message in (

@@ -6,6 +6,7 @@
 
 #include "renderer/accel/bvh.h"
 #include "renderer/accel/embree_mesh.h"
+#include "renderer/accel/few_instances.h"
 #include "renderer/accel/linear_scan.h"
 #include "renderer/accel/octree.h"
 #include "renderer/accel/tree_boxes.h"
@@ -45,9 +46,12 @@ struct Accelerators {
   static Accelerators over(const std::vector<Instance>& instances) {
     Accelerators a;
     a.all.push_back(std::make_unique<InstanceLinearScan>(instances));
-    bool any_bounded = false;
-    for (const Instance& i : instances) any_bounded |= can_be_held(i, bounds_of(i));
-    if (!any_bounded) return a;
+    size_t bounded = 0;
+    for (const Instance& i : instances) bounded += can_be_held(i, bounds_of(i));
+    if (bounded <= BoxRow::kMost)
+      for (const BvhKernels& code : all_kernels())
+        a.all.push_back(std::make_unique<FewInstances>(instances, code));
+    if (bounded == 0) return a;
     for (const BvhKernels& code : all_kernels())
       a.all.push_back(std::make_unique<InstanceBvh>(instances, 2, code));
     for (const OctreeKind kind : {OctreeKind::uniform, OctreeKind::nonuniform})

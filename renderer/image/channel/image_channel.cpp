@@ -2,6 +2,7 @@
 
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cerrno>
 
 namespace tessera {
@@ -40,6 +41,23 @@ bool ImageChannel::receive_bytes(void* bytes, size_t size) {
     size -= static_cast<size_t>(received);
   }
   return true;
+}
+
+void ImageStream::begin(const PixelLayout& layout) {
+  left_ = layout.bytes();
+  channel_.send(ImageReply{1, layout, *left_}, {});
+}
+
+void ImageStream::add(std::string_view pixels) {
+  channel_.send_bytes(pixels.data(), pixels.size());
+  *left_ -= pixels.size();
+}
+
+void ImageStream::end(bool holds) {
+  const std::string nothing(size_t{64} << 10, '\0');
+  while (*left_ > 0) add(std::string_view(nothing).substr(0, std::min(*left_, nothing.size())));
+  channel_.send(ImageVerdict{holds}, {});
+  left_.reset();
 }
 
 bool ImageChannel::may_go_on() const { return errno == EINTR || (errno == EAGAIN && is_alive_()); }

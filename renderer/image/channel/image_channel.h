@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -78,13 +79,17 @@ struct ImageRequest {
   uint32_t to_srgb = 0;  ///< decode_file, decode_bytes: an embedded colour profile is heeded
   uint64_t payload_bytes = 0;
 
-  static constexpr uint32_t kVersion = 8;
+  static constexpr uint32_t kVersion = 9;
 };
 
+/// Before the payload, which is sent while it is still being worked out, and followed by a verdict.
 struct ImageReply {
   uint32_t done = 0;  ///< else the payload is the cause, a text
   PixelLayout layout;
   uint64_t payload_bytes = 0;
+};
+struct ImageVerdict {
+  uint32_t holds = 0;  ///< else what came is to be forgotten: another reply follows
 };
 
 /// One end of the socket pair between a program and its image codec. Blocking; one thread at a
@@ -104,15 +109,30 @@ class ImageChannel {
   bool receive(Message& message) {
     return receive_bytes(&message, sizeof message);
   }
+  bool send_bytes(const void* bytes, size_t size);
   bool receive_bytes(void* bytes, size_t size);
 
  private:
-  bool send_bytes(const void* bytes, size_t size);
-
   bool may_go_on() const;
 
   int socket_;
   std::function<bool()> is_alive_;
+};
+
+/// A decoded picture on its way out, piece by piece from the top. What cannot be sent is known to
+/// whoever sends next.
+class ImageStream {
+ public:
+  explicit ImageStream(ImageChannel& channel) : channel_(channel) {}
+  bool is_open() const { return left_.has_value(); }
+  void begin(const PixelLayout& layout);
+  void add(std::string_view pixels);
+  /// Where it does not hold it may be short.
+  void end(bool holds);
+
+ private:
+  ImageChannel& channel_;
+  std::optional<uint64_t> left_;  ///< bytes to come; nothing: not begun, or ended
 };
 
 }  // namespace tessera

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <new>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -41,11 +42,11 @@ Module oiio_module() {
   return module;
 }
 
-ImageAnswer answer_to(const ImageRequest& request, std::vector<char> payload) {
+ImageAnswer answer_to(const ImageRequest& request, std::vector<char> payload, ImageStream& stream) {
   if (request.version != ImageRequest::kVersion) {
     fail_image("the image codec is of another version");
   }
-  if (auto plain = answer_plainly(request, payload)) return *std::move(plain);
+  if (auto plain = answer_plainly(request, payload, stream)) return *std::move(plain);
   ImageAnswer answer;
   oiio_module()(request, std::move(payload), answer);
   return answer;
@@ -71,6 +72,10 @@ bool load_oiio() {
   return true;
 }
 
+bool send_whole(ImageChannel& channel, const ImageReply& reply, std::string_view payload) {
+  return channel.send(reply, payload) && channel.send(ImageVerdict{1}, {});
+}
+
 bool serve_one(ImageChannel& channel) {
   ImageRequest request;
   if (!channel.receive(request)) return false;
@@ -78,10 +83,11 @@ bool serve_one(ImageChannel& channel) {
   if (request.call == ImageRequest::load) return load_oiio();
   std::vector<char> payload(request.payload_bytes);
   if (!channel.receive_bytes(payload.data(), payload.size())) return false;
+  ImageStream stream(channel);
   ImageAnswer answer;
   std::string cause;
   try {
-    answer = answer_to(request, std::move(payload));
+    answer = answer_to(request, std::move(payload), stream);
   } catch (const std::bad_alloc&) {
     cause = "there is not enough memory for it";
   } catch (const std::exception& error) {
@@ -89,9 +95,11 @@ bool serve_one(ImageChannel& channel) {
     if (cause.empty()) cause = "OpenImageIO does not tell why";
     std::replace(cause.begin(), cause.end(), '\n', ' ');
   }
-  if (!cause.empty()) return channel.send(ImageReply{0, {}, cause.size()}, cause);
-  const ImageReply reply{1, answer.layout, answer.payload.size()};
-  return channel.send(reply, {answer.payload.data(), answer.payload.size()});
+  if (stream.is_open()) stream.end(false);
+  if (!cause.empty()) return send_whole(channel, {0, {}, cause.size()}, cause);
+  if (answer.is_sent) return true;
+  return send_whole(channel, {1, answer.layout, answer.payload.size()},
+                    {answer.payload.data(), answer.payload.size()});
 }
 
 }  // namespace

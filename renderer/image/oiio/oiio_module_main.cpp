@@ -168,11 +168,14 @@ ImageAnswer decode(const std::string& path, bool to_srgb) {
   ImageAnswer answer{{spec.width, spec.height, channels, static_cast<int>(type.basesize()) * 8},
                      {}};
   read_pixels(*input, type, channels, answer);
-  const OIIO::ParamValue* const profile = to_srgb ? spec.find_attribute("ICCProfile") : nullptr;
+  const bool has_colors = answer.layout.bits == 8 && channels >= 3;
+  const OIIO::ParamValue* const profile =
+      to_srgb && has_colors ? spec.find_attribute("ICCProfile") : nullptr;
   if (profile) {
-    convert_to_srgb({static_cast<const unsigned char*>(profile->data()),
-                     static_cast<size_t>(profile->datasize())},
-                    answer);
+    const auto conversion =
+        SrgbConversion::from({static_cast<const unsigned char*>(profile->data()),
+                              static_cast<size_t>(profile->datasize())});
+    if (conversion) conversion->convert(answer.payload, static_cast<size_t>(channels));
   }
   return answer;
 }

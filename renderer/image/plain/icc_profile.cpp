@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -84,78 +83,82 @@ std::optional<std::array<double, 256>> curve(Bytes data) {
   });
 }
 
-class Conversion {
- public:
-  static std::optional<Conversion> read(Bytes profile) {
-    if (profile.size() < 132 || !has_name(profile, 16, "RGB ") || !has_name(profile, 20, "XYZ ")) {
-      return std::nullopt;
-    }
-    // From the XYZ of illuminant D50, in which profiles meet, to linear sRGB (IEC 61966-2-1,
-    // adapted by Bradford's matrix).
-    constexpr double kToSrgb[3][3] = {{3.1338561, -1.6168667, -0.4906146},
-                                      {-0.9787684, 1.9161415, 0.0334540},
-                                      {0.0719453, -0.2289914, 1.4052427}};
-    Conversion out;
-    for (size_t c = 0; c < 3; ++c) {
-      const char channel = "rgb"[c];
-      const Bytes xyz = tag(profile, std::string{channel} + "XYZ", 20);
-      const auto linear = curve(tag(profile, std::string{channel} + "TRC", 12));
-      if (xyz.empty() || !linear) return std::nullopt;
-      out.linear_[c] = *linear;
-      for (size_t row = 0; row < 3; ++row) {
-        for (size_t k = 0; k < 3; ++k)
-          out.matrix_[row][c] += kToSrgb[row][k] * fixed(xyz, 8 + 4 * k);
-      }
-    }
-    for (size_t i = 0; i < out.codes_.size(); ++i) {
-      const double v = static_cast<double>(i) / kSteps;
-      const double encoded = v <= 0.0031308 ? 12.92 * v : 1.055 * portable::pow(v, 1 / 2.4) - 0.055;
-      out.codes_[i] = static_cast<unsigned char>(std::lround(encoded * 255));
-    }
-    return out;
-  }
-
-  std::array<unsigned char, 3> operator()(const unsigned char* rgb) const {
-    std::array<unsigned char, 3> out{};
-    const Rgb linear{linear_[0][rgb[0]], linear_[1][rgb[1]], linear_[2][rgb[2]]};
-    for (size_t c = 0; c < 3; ++c) {
-      const auto& row = matrix_[c];
-      const double v = row[0] * linear[0] + row[1] * linear[1] + row[2] * linear[2];
-      out[c] = codes_[static_cast<size_t>(std::lround(std::clamp(v, 0.0, 1.0) * kSteps))];
-    }
-    return out;
-  }
-
-  bool changes_nothing() const {
-    for (int i = 0; i < 512; ++i) {
-      const auto probe = [](int step) { return static_cast<unsigned char>(step * 255 / 7); };
-      const unsigned char rgb[3] = {probe(i % 8), probe(i / 8 % 8), probe(i / 64)};
-      const auto converted = (*this)(rgb);
-      for (size_t c = 0; c < 3; ++c) {
-        if (std::abs(int{converted[c]} - int{rgb[c]}) > 1) return false;
-      }
-    }
-    return true;
-  }
-
- private:
-  static constexpr int kSteps = 65535;
-  std::array<std::array<double, 256>, 3> linear_{};
-  std::array<Rgb, 3> matrix_{};
-  std::array<unsigned char, kSteps + 1> codes_{};
-};
+/// The 8-bit code of light in 1/65535.
+unsigned char srgb_code(size_t step) {
+  const double v = static_cast<double>(step) / 65535;
+  const double encoded = v <= 0.0031308 ? 12.92 * v : 1.055 * portable::pow(v, 1 / 2.4) - 0.055;
+  return static_cast<unsigned char>(std::lround(encoded * 255));
+}
 
 }  // namespace
 
-void convert_to_srgb(std::span<const unsigned char> profile, ImageAnswer& picture) {
-  if (picture.layout.bits != 8 || picture.layout.channels < 3) return;
-  const auto conversion = Conversion::read(profile);
-  if (!conversion || conversion->changes_nothing()) return;
-  auto* const values = reinterpret_cast<unsigned char*>(picture.payload.data());
-  const auto channels = static_cast<size_t>(picture.layout.channels);
-  for (size_t at = 0; at + channels <= picture.payload.size(); at += channels) {
-    const auto converted = (*conversion)(values + at);
-    std::copy(converted.begin(), converted.end(), values + at);
+std::optional<SrgbConversion> SrgbConversion::from(Bytes profile) {
+  if (profile.size() < 132 || !has_name(profile, 16, "RGB ") || !has_name(profile, 20, "XYZ ")) {
+    return std::nullopt;
+  }
+  // From the XYZ of illuminant D50, in which profiles meet, to linear sRGB (IEC 61966-2-1,
+  // adapted by Bradford's matrix).
+  constexpr double kToSrgb[3][3] = {{3.1338561, -1.6168667, -0.4906146},
+                                    {-0.9787684, 1.9161415, 0.0334540},
+                                    {0.0719453, -0.2289914, 1.4052427}};
+  SrgbConversion out;
+  for (size_t c = 0; c < 3; ++c) {
+    const char channel = "rgb"[c];
+    const Bytes xyz = tag(profile, std::string{channel} + "XYZ", 20);
+    const auto linear = curve(tag(profile, std::string{channel} + "TRC", 12));
+    if (xyz.empty() || !linear) return std::nullopt;
+    out.linear_[c] = *linear;
+    for (size_t row = 0; row < 3; ++row) {
+      for (size_t k = 0; k < 3; ++k) out.matrix_[row][c] += kToSrgb[row][k] * fixed(xyz, 8 + 4 * k);
+    }
+  }
+  out.fill_codes(0, out.codes_.size() - 1, srgb_code(0), srgb_code(out.codes_.size() - 1));
+  if (out.changes_nothing()) return std::nullopt;
+  return out;
+}
+
+void SrgbConversion::fill_codes(size_t first, size_t last, unsigned char low, unsigned char high) {
+  // They ascend: what lies between two alike is alike.
+  if (low == high || last - first < 2) {
+    std::fill(codes_.begin() + static_cast<std::ptrdiff_t>(first),
+              codes_.begin() + static_cast<std::ptrdiff_t>(last), low);
+    codes_[last] = high;
+    return;
+  }
+  const size_t middle = first + (last - first) / 2;
+  const unsigned char code = srgb_code(middle);
+  fill_codes(first, middle, low, code);
+  fill_codes(middle, last, code, high);
+}
+
+std::array<unsigned char, 3> SrgbConversion::converted(const unsigned char* rgb) const {
+  std::array<unsigned char, 3> out{};
+  const Rgb linear{linear_[0][rgb[0]], linear_[1][rgb[1]], linear_[2][rgb[2]]};
+  for (size_t c = 0; c < 3; ++c) {
+    const auto& row = matrix_[c];
+    const double v = row[0] * linear[0] + row[1] * linear[1] + row[2] * linear[2];
+    out[c] = codes_[static_cast<size_t>(std::lround(std::clamp(v, 0.0, 1.0) * kSteps))];
+  }
+  return out;
+}
+
+bool SrgbConversion::changes_nothing() const {
+  for (int i = 0; i < 512; ++i) {
+    const auto probe = [](int step) { return static_cast<unsigned char>(step * 255 / 7); };
+    const unsigned char rgb[3] = {probe(i % 8), probe(i / 8 % 8), probe(i / 64)};
+    const auto result = converted(rgb);
+    for (size_t c = 0; c < 3; ++c) {
+      if (std::abs(int{result[c]} - int{rgb[c]}) > 1) return false;
+    }
+  }
+  return true;
+}
+
+void SrgbConversion::convert(std::span<char> pixels, size_t channels) const {
+  auto* const values = reinterpret_cast<unsigned char*>(pixels.data());
+  for (size_t at = 0; at + channels <= pixels.size(); at += channels) {
+    const auto rgb = converted(values + at);
+    std::copy(rgb.begin(), rgb.end(), values + at);
   }
 }
 

@@ -12,6 +12,7 @@ namespace tessera {
 struct ImageAnswer {
   PixelLayout layout;
   std::vector<char> payload;
+  bool is_sent = false;  ///< piece by piece, by an ImageStream
 };
 
 /// The cause becomes the answer.

@@ -104,8 +104,11 @@ std::optional<ImageAnswer> decode(const Png& png, const std::vector<char>& file,
   png_bytep profile = nullptr;
   png_uint_32 size = 0;
   int method = 0;
-  if (to_srgb && png_get_iCCP(png.get(), png.info(), &name, &method, &profile, &size) != 0) {
-    convert_to_srgb({profile, size}, answer);
+  const auto channels = static_cast<size_t>(answer.layout.channels);
+  if (to_srgb && channels >= 3 &&
+      png_get_iCCP(png.get(), png.info(), &name, &method, &profile, &size) != 0) {
+    const auto conversion = SrgbConversion::from({profile, size});
+    if (conversion) conversion->convert(answer.payload, channels);
   }
   return answer;
 }

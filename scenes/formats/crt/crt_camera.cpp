@@ -1,9 +1,8 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 
+#include "base/lower_case.h"
 #include "scenes/formats/crt/crt_objects.h"
 
 namespace tessera {
@@ -26,16 +25,11 @@ constexpr std::array<Aperture, 8> kApertures{{
     {"gaussian", v1::Lens::GAUSSIAN, 0},
 }};
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 /// Of `names`, the one that the attribute names without regard to case, or null after a report.
 template <typename Names>
 auto choose(CrtAttributes& in, std::string_view attribute, const Names& names, auto name_of)
     -> const typename Names::value_type* {
-  const std::string chosen = lower(in.text(attribute, name_of(names.front())));
+  const std::string chosen = lower_case(in.text(attribute, name_of(names.front())));
   std::vector<std::string> known;
   for (const auto& entry : names) {
     if (name_of(entry) == chosen) return &entry;

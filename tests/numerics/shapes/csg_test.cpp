@@ -238,6 +238,36 @@ TEST(N22, OrderAndGroupingChangeNoBit) {
   }
 }
 
+/// With solids far from every ray, more than a table of what holds has room for.
+CsgShape among_many(const Expression& e, const Transform& world) {
+  CsgTree tree;
+  std::vector<CsgTree::Node> nodes{e.add_to(tree, world)};
+  for (size_t i = 0; i <= CsgTable::kMostLeaves; ++i)
+    nodes.push_back(
+        tree.add(std::make_shared<Sphere>(Point3{1e4, 1e4, 100.0 * static_cast<double>(i)}, 1)));
+  const CsgTree::Node root = tree.combine(CsgOperation::join, nodes);
+  return CsgShape(tree, root);
+}
+
+TEST(N22, FewSolidsAreMetWhereTheyAreAmongMany) {
+  int64_t hits = 0;
+  for (uint64_t seed = 1; seed <= 8; ++seed) {
+    Random random(222, seed);
+    for (int64_t i = 0; i < ray_count(20000); ++i) {
+      const Expression e = random_expression(random, random.below(3), i % 2);
+      const Transform world(i % 3 ? Affine{} : rotation({1, 2, 3}, 0.6));
+      const CsgShape few = e.shape(world), many = among_many(e, world);
+      for (int k = 0; k < 30; ++k) {
+        const Ray ray = random_ray(random, k % 3 == 0);
+        const std::vector<Hit> found = all_hits(few, ray);
+        ASSERT_EQ(found, all_hits(many, ray)) << "seed " << seed << " at " << i << " ray " << k;
+        hits += static_cast<int64_t>(found.size());
+      }
+    }
+  }
+  EXPECT_GT(hits, ray_count(20000) * 30);
+}
+
 TEST_P(N14, RaysThatStartInsideOrOnSurfaces) {
   int64_t compared = 0;
   Random random(18, seed());

@@ -125,6 +125,23 @@ TEST(BenchError, PeersAreHeldAgainstTheSameTruth) {
             "--peer other: its picture has 16x16 pixels; expected 32x32, or --size");
 }
 
+TEST(BenchError, PeersAreNotBlamedForTheReferencesNoise) {
+  const Picture truth = *closed_form("edge", 32, 32);
+  Picture first = truth, second = truth;
+  constexpr float kNoise[] = {.1F, -.1F, 0, 0};
+  for (size_t i = 0; i < truth.values.size(); ++i) {
+    first.values[i] += kNoise[i % 4];
+    second.values[i] += kNoise[(i + 2) % 4];
+  }
+  ErrorBenchOptions options = tiny({"owen"});
+  options.most_samples = 2;
+  options.given_reference = {first, second};
+  options.peers = {{"exact", 2.5, 64, truth}};
+  const PeerMark peer = bench_error(edge(32), options).peers.at(0);
+  EXPECT_NEAR(peer.error.rmse, .05, 1e-3);
+  EXPECT_LT(peer.rmse_scaled, .005);
+}
+
 TEST(BenchError, MethodsAreWordsInAnyOrder) {
   const ErrorMethod method = parse_error_method("tent+octree+independent+whitted");
   EXPECT_EQ(method.integrator, "whitted");

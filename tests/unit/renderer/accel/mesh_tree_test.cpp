@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <random>
 
 #include "renderer/accel/bvh.h"
 #include "renderer/accel/linear_scan.h"
@@ -32,6 +34,37 @@ TriangleMesh hills(uint32_t side) {
 bool same_units(const MeshTree& a, const MeshTree& b) {
   return a.tree.units.size() == b.tree.units.size() &&
          std::memcmp(a.tree.units.data(), b.tree.units.data(), a.tree.units.bytes()) == 0;
+}
+
+/// Enough for all threads to work on one node, in no order that is of use.
+TriangleMesh many_triangles() {
+  TriangleMesh mesh = hills(420);
+  std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), std::mt19937(7));
+  return mesh;
+}
+
+TEST(MeshTree, IsTheSameForAnyNumberOfThreads) {
+  const TriangleMesh mesh = many_triangles();
+  const BuiltMeshTree one = build_mesh_tree(mesh, 1, BvhQuality::standard);
+  for (const int threads : {2, 3, 7}) {
+    const BuiltMeshTree built = build_mesh_tree(mesh, threads, BvhQuality::standard);
+    EXPECT_TRUE(same_units(one.tree, built.tree)) << threads;
+    EXPECT_EQ(one.statistics.leaves, built.statistics.leaves);
+    EXPECT_EQ(one.statistics.depth, built.statistics.depth);
+  }
+}
+
+TEST(MeshTree, OfManyTrianglesHoldsEach) {
+  const TriangleMesh mesh = many_triangles();
+  const MeshBvh bvh(build_mesh_tree(mesh, 3, BvhQuality::standard));
+  for (uint32_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
+    const auto [a, b, c] = mesh.corners(triangle);
+    const Vec3 middle = ((a - Point3{}) + (b - Point3{}) + (c - Point3{})) / 3.0;
+    Hit hit;
+    TraversalCounters counters;
+    ASSERT_TRUE(bvh.closest_hit({{middle.x, 50, middle.z}, {0, -1, 0}}, hit, counters)) << triangle;
+    ASSERT_EQ(hit.primitive, triangle);
+  }
 }
 
 TEST(SharedMeshTree, IsTheTreeThatEachWouldBuild) {

@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <vector>
 
 #include "renderer/camera/camera.h"
+#include "tests/chi_square.h"
+#include "tests/uniform_numbers.h"
 
 namespace tessera {
 namespace {
@@ -67,6 +71,59 @@ TEST(Lens, the_other_shapes_have_their_densities) {
   EXPECT_NEAR(moments(LensShape::gaussian, 0, any).squares, 2, 2e-2);
   const Moments line = moments(LensShape::line, 0, [](const Vec2& p) { EXPECT_EQ(p.y, 0); });
   EXPECT_NEAR(line.squares, 1.0 / 6, 1e-4);
+}
+
+/// By how many deviations the chi-square of 100,000 samples over 20 x 20 cells of [-extent,
+/// extent]^2 is too large, were they of that density.
+double lens_sigmas(LensShape shape, uint32_t blades, double extent,
+                   const std::function<double(double, double)>& density) {
+  constexpr int kCells = 20, kFine = 40, kCount = 100000;
+  std::vector<double> expected(kCells * kCells + 1), found(expected.size());
+  double rest = kCount;
+  UniformNumbers random(28);
+  const double step = 2 * extent / (kCells * kFine);
+  for (int i = 0; i < kCells * kFine * kCells * kFine; ++i) {
+    const int row = i / (kCells * kFine), column = i % (kCells * kFine);
+    // Somewhere in each: edges along the cells would make the same mistake in all of them.
+    const double x = (column + random()) * step - extent, y = (row + random()) * step - extent;
+    const double count = density(x, y) * step * step * kCount;
+    const int cell = row / kFine * kCells + column / kFine;
+    expected[static_cast<size_t>(cell)] += count;
+    rest -= count;
+  }
+  expected.back() = std::max(rest, 0.0);
+  for (int i = 0; i < kCount; ++i) {
+    const double u = random(), v = random();
+    const Vec2 p = sample_lens(shape, blades, {u, v});
+    const double column = std::floor((p.x / extent + 1) / 2 * kCells);
+    const double row = std::floor((p.y / extent + 1) / 2 * kCells);
+    const bool is_inside = row >= 0 && row < kCells && column >= 0 && column < kCells;
+    ++found[is_inside ? static_cast<size_t>(row * kCells + column) : found.size() - 1];
+  }
+  return chi_square_sigmas(found, expected);
+}
+
+TEST(Lens, samples_pass_a_chi_square_test) {  // N28; a false alarm in 300,000 a case
+  constexpr double kPi = std::numbers::pi;
+  const auto circle = [](double x, double y) { return x * x + y * y < 1 ? 1 / kPi : 0; };
+  EXPECT_LT(lens_sigmas(LensShape::circle, 0, 1, circle), kChiSquareAlarm);
+  EXPECT_GT(lens_sigmas(LensShape::square, 0, 1, circle), 100) << "it can fail";
+  EXPECT_LT(lens_sigmas(LensShape::square, 0, 1, [](double, double) { return 0.25; }),
+            kChiSquareAlarm);
+  EXPECT_LT(
+      lens_sigmas(LensShape::gaussian, 0, 4,
+                  [](double x, double y) { return std::exp(-(x * x + y * y) / 2) / (2 * kPi); }),
+      kChiSquareAlarm);
+  for (const uint32_t blades : {3u, 5u, 6u}) {
+    const auto polygon = [&](double x, double y) {
+      for (uint32_t k = 0; k < blades; ++k) {
+        const double a = kPi * (1 + (2.0 * k + 1) / blades);
+        if (x * std::cos(a) + y * std::sin(a) > std::cos(kPi / blades)) return 0.0;
+      }
+      return 2 / (blades * std::sin(2 * kPi / blades));
+    };
+    EXPECT_LT(lens_sigmas(LensShape::polygon, blades, 1, polygon), kChiSquareAlarm) << blades;
+  }
 }
 
 CameraSettings with_lens(bool focal_sphere) {

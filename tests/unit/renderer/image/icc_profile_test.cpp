@@ -54,11 +54,13 @@ constexpr std::array<double, 9> kSrgb{.43607, .22249, .01392, .38515, .71687,
 using Pixel = std::array<int, 3>;
 
 Pixel converted(const std::string& by, const Pixel& pixel) {
-  ImageAnswer picture{{1, 1, 3, 8}, {}};
-  for (const int code : pixel) picture.payload.push_back(static_cast<char>(code));
-  convert_to_srgb({reinterpret_cast<const unsigned char*>(by.data()), by.size()}, picture);
+  std::array<char, 3> codes{};
+  for (size_t c = 0; c < 3; ++c) codes[c] = static_cast<char>(pixel[c]);
+  const auto conversion =
+      SrgbConversion::from({reinterpret_cast<const unsigned char*>(by.data()), by.size()});
+  if (conversion) conversion->convert(codes, 3);
   Pixel out{};
-  for (size_t c = 0; c < 3; ++c) out[c] = static_cast<unsigned char>(picture.payload[c]);
+  for (size_t c = 0; c < 3; ++c) out[c] = static_cast<unsigned char>(codes[c]);
   return out;
 }
 

@@ -210,6 +210,42 @@ TEST_F(ImageFile, files_in_memory_are_decoded_too) {
   EXPECT_NE(message.find("box.glb"), std::string::npos) << message;
 }
 
+/// Hard to compress, and larger than what is sent of a picture at once.
+Film large_picture() {
+  Film film({0, 0, 700, 401});
+  uint32_t state = 1;
+  for (float& value : film.values()) {
+    state = state * 1664525u + 1013904223u;
+    value = static_cast<float>(state >> 24) / 256;
+  }
+  return film;
+}
+
+TEST_F(ImageFile, a_large_jpeg_is_the_same_however_it_is_read) {
+  write_image(folder_ / "a.jpg", large_picture(), display_, {});
+  const TextureImage image = read_texture_image(folder_ / "a.jpg");
+  ASSERT_EQ(image.texels.size(), 700u * 401 * 3);
+  EXPECT_EQ(image.digest, Digest::of(image.texels));
+  const FloatImage floats = read_image(folder_ / "a.jpg");
+  size_t different = 0;
+  for (size_t i = 0; i < image.texels.size(); ++i)
+    different += std::lround(floats.values[i] * 255) != std::to_integer<int>(image.texels[i]);
+  EXPECT_EQ(different, 0u);
+}
+
+TEST_F(ImageFile, a_large_jpeg_that_breaks_off_is_no_picture) {
+  write_image(folder_ / "a.jpg", large_picture(), display_, {});
+  std::ifstream file(folder_ / "a.jpg", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  for (const size_t part : {2, 3, 50}) {
+    const std::string_view cut =
+        std::string_view(bytes).substr(0, bytes.size() * (part - 1) / part);
+    EXPECT_EQ(code_of([&] { decode_texture_image("a", cut); }), ExitCode::bad_scene) << part;
+    // And the codec goes on.
+    EXPECT_EQ(decode_texture_image("a", bytes).texels.size(), 700u * 401 * 3);
+  }
+}
+
 /// The process that decodes for this one, or 0.
 pid_t codec_process() {
   const std::string self = std::to_string(getpid());

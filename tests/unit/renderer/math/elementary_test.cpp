@@ -75,6 +75,12 @@ TEST(Elementary, ArcsAreWithinOneUlp) {
     const double y = spread(-300, 300, true)(random), x = y * spread(-20, 20, true)(random);
     EXPECT_LE(ulps(portable::atan2(y, x), atan2q(y, x)), 1.0) << std::hexfloat << y << " " << x;
   }
+  // Of directions, both ways to work it out round but once.
+  for (int i = 0; i < 100000; ++i) {
+    const double y = uniform(-1, 1)(random);
+    const double x = i % 4 == 0 ? y * (i % 33 - 16) / 16 : uniform(-1, 1)(random);
+    EXPECT_LE(ulps(portable::atan2(y, x), atan2q(y, x)), 0.51) << std::hexfloat << y << " " << x;
+  }
 }
 
 TEST(Elementary, ExponentialsAreWithinOneUlp) {

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "renderer/shading/glass_albedo.h"
+#include "tests/uniform_numbers.h"
 
 namespace tessera {
 namespace {
@@ -40,6 +40,13 @@ Case physical(const std::string& name, double metallic, double roughness, double
   result.material.clearcoat_roughness = 0.4;
   result.material.transparency = transmission;
   result.material.refractive_index = 1.5;
+  return result;
+}
+
+/// Black but for its coat.
+Case coal() {
+  Case result = physical("coal", 1, 0.7, 1);
+  result.material.diffuse = kBlack;
   return result;
 }
 
@@ -76,6 +83,7 @@ std::vector<Case> smooth_cases() {
           physical("rough metal", 1, 1),
           physical("plastic", 0, 0.4),
           physical("coated", 0.3, 0.6, 1),
+          coal(),
           physical("frosted", 0, 0.5, 0, 0.7),
           physical("coated and frosted", 0, 0.5, 1, 1),
           gold(0.5),
@@ -95,15 +103,6 @@ Vec3 at_angle(double degrees) {
   return {std::sin(angle), 0, std::cos(angle)};
 }
 
-class Random {
- public:
-  explicit Random(uint64_t seed) : engine_(seed) {}
-  double operator()() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
-
- private:
-  std::mt19937_64 engine_;
-};
-
 /// The mean weight of samples spread evenly: what the surface gives back of even light.
 Color albedo(const Bsdf& bsdf, int side = 512) {
   Color sum = kBlack;
@@ -111,7 +110,8 @@ Color albedo(const Bsdf& bsdf, int side = 512) {
   double choice = 0.5;
   for (int i = 0; i < side * side; ++i) {
     choice = std::fmod(choice + 0.6180339887498949, 1.0);
-    const Vec2 u{(i % side + 0.5) / side, (i / side + 0.5) / side};
+    const int column = i % side, row = i / side;
+    const Vec2 u{(column + 0.5) / side, (row + 0.5) / side};
     if (bsdf.sample(choice, u, sample)) sum += sample.weight * (1 / sample.radiance_scale);
   }
   return sum * (1.0 / (side * side));
@@ -138,8 +138,8 @@ TEST(Bsdf, SamplesFollowTheDensityThatItTells) {  // N28
           total += p;
         }
       }
-      EXPECT_LE(total, 1.02);
-      Random random(20261121);
+      EXPECT_LE(total, 1.004);
+      UniformNumbers random(20261121);
       BsdfSample sample;
       int ended = 0;
       for (int i = 0; i < count; ++i) {
@@ -160,7 +160,8 @@ TEST(Bsdf, SamplesFollowTheDensityThatItTells) {  // N28
         const int column = std::min(static_cast<int>(phi / (2 * kPi) * columns), columns - 1);
         ++found[row * columns + column];
       }
-      EXPECT_NEAR(total, 1 - static_cast<double>(ended) / count, 0.02);
+      // Within 4.5 deviations of what ended, and .004 for the rule of mid-points.
+      EXPECT_NEAR(total, 1 - static_cast<double>(ended) / count, 0.004 + 2.25 / std::sqrt(count));
       // Cells of few expected samples go together.
       double chi2 = 0, pooled_expected = 0, pooled_found = 0;
       int freedom = -1;
@@ -197,17 +198,36 @@ TEST(Bsdf, GivesBackNoMoreThanItGets) {
   }
 }
 
-TEST(Bsdf, WhiteOnesGiveBackAllTheyGet) {
+/// All that its facets get, at any angle.
+Case silver(double roughness) {
+  Case result{"silver", {}};
+  result.material.model = MaterialModel::conductor;
+  result.material.eta = kWhite * 1e-9;
+  result.material.k = kWhite * 3;
+  result.material.roughness = roughness;
+  return result;
+}
+
+Case sheet() {
+  Case result = glass("sheet", 0, false);
+  result.material.thin = true;
+  return result;
+}
+
+TEST(Bsdf, WhiteOnesGiveBackAllTheyGet) {  // N30
   for (Case c :
        {physical("metal", 1, 0.3), physical("rougher metal", 1, 0.6), physical("rough metal", 1, 1),
         physical("plastic", 0, 0.4), physical("varnish", 0, 0), classic("lambert", kWhite, kBlack),
+        physical("frosted", 0, 0, 0, 1), silver(0), silver(0.4), silver(0.9), sheet(),
         glass("glass", 0, false), glass("glass from inside", 0, true),
         whole(glass("rough glass", 0.5, false)), whole(glass("rough glass from inside", 0.5, true)),
         whole(glass("the roughest", 1, false)), whole(glass("from inside", 1, true))}) {
     c.material.diffuse = kWhite;
     for (const double degrees : {0.0, 30.0, 60.0, 80.0}) {
       SCOPED_TRACE(c.name + " at " + std::to_string(degrees));
-      EXPECT_NEAR(albedo(bsdf_of(c, at_angle(degrees))).g, 1, 0.005);
+      // Close to grazing the tables of what goes on between facets are off by up to .004.
+      const double within = degrees < 80 ? 0.002 : 0.004;
+      EXPECT_NEAR(albedo(bsdf_of(c, at_angle(degrees))).g, 1, within);
     }
   }
 }
@@ -273,6 +293,11 @@ TEST(Bsdf, LambertAloneIsTheSameAsTheGeneralOne) {
     EXPECT_NEAR(length(a.wi - b.wi), 0, 1e-12);
     EXPECT_NEAR(a.weight.g, b.weight.g, 1e-12);
     EXPECT_NEAR(a.density, b.density, 1e-12);
+    for (const Vec3& wi : {a.wi, normalize(Vec3{-0.3, 0.8, 0.1}), -a.wi}) {
+      const BsdfValue x = LambertBsdf(point).evaluate(wi), y = Bsdf(point).evaluate(wi);
+      EXPECT_NEAR(x.density, y.density, 1e-12);
+      EXPECT_NEAR(x.share.g, y.share.g, 1e-12);
+    }
   }
 }
 

@@ -3,9 +3,13 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <vector>
 
+#include "renderer/math/frame.h"
 #include "renderer/shading/environment_sampler.h"
 #include "renderer/shading/sky.h"
+#include "tests/chi_square.h"
+#include "tests/uniform_numbers.h"
 
 namespace tessera {
 namespace {
@@ -101,6 +105,75 @@ TEST(EnvironmentSampler, EstimatesTheLightOfSunAndSky) {
   EXPECT_NEAR(found.mean, truth, 4.5 * found.error + 0.003 * truth);
   // Most of it is the sun's, and the densest choice is the sun.
   EXPECT_LT(found.error, 0.005 * truth);
+}
+
+/// By how many deviations the chi-square of 200,000 directions, over 24 x 48 cells of equal solid
+/// angle about +z, is too large for the densities that the sampler tells; `total` becomes their
+/// integral. The sun is left out of both.
+double direction_sigmas(const EnvironmentSampler& sampler, const Vec3& to_sun, double& total) {
+  constexpr int kRows = 24, kColumns = 48, kFine = 32, kCount = 200000;
+  const auto is_sun = [&](const Vec3& d) { return dot(d, to_sun) > 0.9999; };
+  std::vector<double> expected(kRows * kColumns + 1), found(expected.size());
+  total = 0;
+  for (int row = 0; row < kRows * kFine; ++row) {
+    const double z = 1 - 2 * (row + 0.5) / (kRows * kFine), r = std::sqrt(1 - z * z);
+    for (int column = 0; column < kColumns * kFine; ++column) {
+      const double phi = 2 * kPi * (column + 0.5) / (kColumns * kFine);
+      const Vec3 d{r * std::cos(phi), r * std::sin(phi), z};
+      if (is_sun(d)) continue;
+      const double share = sampler.density(d) * 4 * kPi / (kRows * kColumns * kFine * kFine);
+      const int cell = row / kFine * kColumns + column / kFine;
+      expected[static_cast<size_t>(cell)] += share * kCount;
+      total += share;
+    }
+  }
+  expected.back() = std::max(0.0, 1 - total) * kCount;
+  UniformNumbers random(28);
+  for (int i = 0; i < kCount; ++i) {
+    const double x = random(), y = random();
+    const Vec3 d = sampler.sample({x, y}).wi;
+    const double turn = std::atan2(d.y, d.x) / (2 * kPi);
+    const int row = std::clamp(static_cast<int>((1 - d.z) / 2 * kRows), 0, kRows - 1);
+    const int column =
+        std::clamp(static_cast<int>((turn < 0 ? turn + 1 : turn) * kColumns), 0, kColumns - 1);
+    ++found[is_sun(d) ? found.size() - 1 : static_cast<size_t>(row * kColumns + column)];
+  }
+  return chi_square_sigmas(found, expected);
+}
+
+TEST(EnvironmentSampler,
+     DirectionsFollowTheDensityThatItTells) {  // N28; an alarm in 300,000 a case
+  double total = 0;
+  EXPECT_LT(direction_sigmas(*make_environment_sampler(panorama()), {}, total), kChiSquareAlarm);
+  EXPECT_NEAR(total, 1, 1e-3);
+  const Vec3 to_sun = normalize(Vec3{0.4, 0.6, -0.3});
+  const auto with_sun = make_environment_sampler(daylight(to_sun));
+  EXPECT_LT(direction_sigmas(*with_sun, to_sun, total), kChiSquareAlarm);
+  // The sun has the rest, spread over its disc.
+  EXPECT_NEAR(total + with_sun->density(to_sun) / Sky::sun_density(), 1, 1e-3);
+}
+
+TEST(Sky, SunIsFilledEvenly) {  // N28
+  const Vec3 to_sun = normalize(Vec3{0.4, 0.6, -0.3});
+  const Sky sky(to_sun, 3, 1, kBlack);
+  constexpr int kCells = 16, kCount = 50000;
+  const double one_minus_cosine = 1 / (2 * kPi * Sky::sun_density());
+  std::vector<double> found(kCells * kCells + 1), expected(found.size());
+  std::fill(expected.begin(), expected.end() - 1, double{kCount} / (kCells * kCells));
+  UniformNumbers random(28);
+  const Frame frame(to_sun);
+  for (int i = 0; i < kCount; ++i) {
+    const double x = random(), y = random();
+    const Vec3 d = sky.sample_sun({x, y}), local = frame.to_local(d);
+    EXPECT_TRUE(sky.is_sun(d));
+    const double out = (local.x * local.x + local.y * local.y) / (1 + local.z) / one_minus_cosine;
+    const double turn = std::atan2(local.y, local.x) / (2 * kPi);
+    const int row = std::clamp(static_cast<int>(out * kCells), 0, kCells);
+    const int column =
+        std::clamp(static_cast<int>((turn < 0 ? turn + 1 : turn) * kCells), 0, kCells - 1);
+    ++found[row == kCells ? found.size() - 1 : static_cast<size_t>(row * kCells + column)];
+  }
+  EXPECT_LT(chi_square_sigmas(found, expected), kChiSquareAlarm);
 }
 
 TEST(EnvironmentSampler, IsNotMadeForSmoothColours) {

@@ -85,6 +85,19 @@ TEST(Plane, SeesItsFrontAndItsBack) {
   EXPECT_TRUE(closest(plane, down));
 }
 
+TEST(Plane, WithoutTextureCoordinatesTheRestStays) {
+  const Plane full({0.1, 2, 0.3}, 1), bare({0.1, 2, 0.3}, 1, false);
+  const Ray ray{{2, 4, 0}, {1, -1, 0}};
+  const LocalSurface a = full.surface(ray, *closest(full, ray));
+  const LocalSurface b = bare.surface(ray, *closest(bare, ray));
+  EXPECT_EQ(a.point, b.point);
+  EXPECT_EQ(a.point_error, b.point_error);
+  EXPECT_EQ(a.geometric_normal, b.geometric_normal);
+  EXPECT_NE(a.uv, Vec2{});
+  EXPECT_EQ(b.uv, Vec2{});
+  EXPECT_EQ(b.dpdu, Vec3{});
+}
+
 TEST(Box, ReportsFaces) {
   const Box box({{-1, -2, -3}, {1, 2, 3}});
   const Vec3 towards[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};

@@ -1,0 +1,72 @@
+// Part of bvh_kernels.cpp, compiled once for each instruction set: a ray against a row of boxes.
+#if defined(TESSERA_BOX_ROW_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_BOX_ROW_INL_H
+#undef TESSERA_BOX_ROW_INL_H
+#else
+#define TESSERA_BOX_ROW_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "renderer/accel/box_row.h"
+#include "renderer/shapes/ray.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// What a slab test wants of one axis: one over the direction, never infinite, so that no product
+/// with the distance of a face is not a number, and the origin as often.
+struct SlabAxis {
+  double inverse, offset;
+  HWY_INLINE SlabAxis(double origin, double direction) {
+    constexpr double kSteepest = 1e200;
+    inverse = std::max(-kSteepest, std::min(1 / direction, kSteepest));
+    offset = origin * inverse;
+  }
+};
+
+/// BvhKernels::boxes_entered.
+uint32_t boxes_entered(const BoxRow& row, const Ray& ray, double t_max, double* entered) {
+  // Sums, since a greatest part may hide one that is not a number.
+  const double far = std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z);
+  const double steep =
+      std::abs(ray.direction.x) + std::abs(ray.direction.y) + std::abs(ray.direction.z);
+  if (!(far <= row.farthest && steep >= 1e-150 && steep <= 1e150)) [[unlikely]] {
+    std::fill_n(entered, row.count, -Bounds3::kInfinity);
+    return row.all | BoxRow::kUnusual;
+  }
+  const SlabAxis x(ray.origin.x, ray.direction.x), y(ray.origin.y, ray.direction.y),
+      z(ray.origin.z, ray.direction.z);
+  const hn::CappedTag<double, 4> tag;
+  const auto first = hn::Set(tag, ray.t_min), last = hn::Set(tag, t_max);
+  uint32_t mask = 0;
+  for (size_t i = 0; i < row.count; i += hn::MaxLanes(tag)) {
+    auto enter = first, leave = last;
+    const auto narrow = [&](const double* min, const double* max, const SlabAxis& axis) HWY_ATTR {
+      const auto inverse = hn::Set(tag, axis.inverse), offset = hn::Set(tag, axis.offset);
+      const auto a = hn::MulSub(hn::Load(tag, min + i), inverse, offset);
+      const auto b = hn::MulSub(hn::Load(tag, max + i), inverse, offset);
+      enter = hn::Max(enter, hn::Min(a, b));
+      leave = hn::Min(leave, hn::Max(a, b));
+    };
+    narrow(row.min[0], row.max[0], x);
+    narrow(row.min[1], row.max[1], y);
+    narrow(row.min[2], row.max[2], z);
+    hn::StoreU(enter, tag, entered + i);
+    mask |= bits_of(tag, hn::Le(enter, leave)) << i;
+  }
+  return mask & row.all;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#endif

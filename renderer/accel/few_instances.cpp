@@ -1,0 +1,151 @@
+#include "renderer/accel/few_instances.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include "renderer/accel/tree_boxes.h"
+
+namespace tessera {
+namespace {
+
+/// Takes the lowest of the bits.
+size_t take_lowest(uint32_t& bits) {
+  const auto i = static_cast<size_t>(std::countr_zero(bits));
+  bits &= bits - 1;
+  return i;
+}
+/// Takes that of the bits whose box is entered first.
+size_t take_nearest(uint32_t& bits, const double* entered) {
+  uint32_t others = bits;
+  size_t nearest = take_lowest(others);
+  while (others != 0) {
+    const size_t i = take_lowest(others);
+    if (entered[i] < entered[nearest]) nearest = i;
+  }
+  bits &= ~(1u << nearest);
+  return nearest;
+}
+
+/// The rectangle that the instance is, where it stands as it is; or null.
+const Rectangle* plain_rectangle(const Instance& instance) {
+  if (!instance.world_from_object.is_identity()) return nullptr;
+  const auto* rectangle = dynamic_cast<const Rectangle*>(instance.shape.get());
+  return rectangle && RectangleRow::can_hold(*rectangle) ? rectangle : nullptr;
+}
+
+const Rectangle& rectangle_of(const Instance& instance) {
+  return static_cast<const Rectangle&>(*instance.shape);
+}
+
+/// As closest_hit_of() where the ray is known to be inside the rectangle's edges.
+bool closest_hit_inside_of(const Rectangle& rectangle, uint32_t number, const Ray& ray, Hit& hit,
+                           TraversalCounters& counters) {
+  const uint32_t primitive = hit.primitive;
+  if (number != hit.instance) {
+    hit.primitive = number < hit.instance ? std::numeric_limits<uint32_t>::max() : 0;
+  }
+  const bool found = rectangle.closest_hit_inside(ray, hit, counters);
+  if (found)
+    hit.instance = number;
+  else
+    hit.primitive = primitive;
+  return found;
+}
+
+}  // namespace
+
+FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& code)
+    : instances_(std::move(instances)),
+      boxes_entered_(code.boxes_entered),
+      rectangles_met_(code.rectangles_met) {
+  std::vector<Bounds3> boxes;
+  for (uint32_t i = 0; i < instances_.size(); ++i) {
+    const Instance& instance = instances_[i];
+    const Bounds3 box = bounds_of(instance);
+    if (box.empty()) continue;
+    bounds_.extend(box);
+    if (const Rectangle* rectangle = plain_rectangle(instance)) {
+      const auto place = static_cast<uint32_t>(rectangles_.count);
+      if (instance.cull == Cull::none) two_sided_ |= 1u << place;
+      held_[place] = i;
+      rectangles_.add(*rectangle);
+    } else if (can_be_held(instance, box)) {
+      held_[kBoxes + boxes.size()] = i;
+      boxes.push_back(box);
+    } else {
+      endless_.push_back(i);
+    }
+  }
+  rectangles_.finish();
+  row_ = BoxRow(boxes);
+}
+
+void FewInstances::find_rectangles(const Ray& ray, double t_max, Candidates& candidates) const {
+  if (rectangles_.count == 0) return;
+  const RectanglesMet met = rectangles_met_(rectangles_, ray, t_max, candidates.entered);
+  candidates.left = met.maybe & rectangles_.all;
+  candidates.inside = ray.cull == Cull::none ? met.inside & two_sided_ : 0;
+  candidates.is_unusual = (met.maybe & RectangleRow::kUnusual) != 0;
+}
+
+void FewInstances::find_boxes(const Ray& ray, double t_max, Candidates& candidates) const {
+  if (row_.count == 0) return;
+  const uint32_t in = boxes_entered_(row_, ray, t_max, candidates.entered + kBoxes);
+  candidates.left |= (in & row_.all) << kBoxes;
+  candidates.is_unusual |= (in & BoxRow::kUnusual) != 0;
+}
+
+bool FewInstances::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
+  Candidates candidates;
+  const double t_max = std::min(ray.t_max, hit.t);
+  find_rectangles(ray, t_max, candidates);
+  find_boxes(ray, t_max, candidates);
+  if (candidates.is_unusual && !can_hit(ray)) return false;
+  bool found = false;
+  for (const uint32_t i : endless_) found |= closest_hit_of(instances_[i], i, ray, hit, counters);
+  for (uint32_t left = candidates.left; left != 0;) {
+    const size_t nearest = take_nearest(left, candidates.entered);
+    if (candidates.entered[nearest] > hit.t) break;
+    const uint32_t i = held_[nearest];
+    found |= (candidates.inside >> nearest & 1) != 0
+                 ? closest_hit_inside_of(rectangle_of(instances_[i]), i, ray, hit, counters)
+                 : closest_hit_of(instances_[i], i, ray, hit, counters);
+  }
+  return found;
+}
+
+bool FewInstances::any_hit(const Ray& ray, TraversalCounters& counters) const {
+  Candidates candidates;
+  find_rectangles(ray, ray.t_max, candidates);
+  for (uint32_t inside = candidates.left & candidates.inside; inside != 0;) {
+    const Instance& instance = instances_[held_[take_lowest(inside)]];
+    if (instance.casts_shadow && rectangle_of(instance).any_hit_inside(ray, counters)) return true;
+  }
+  candidates.left &= ~candidates.inside;
+  find_boxes(ray, ray.t_max, candidates);
+  if (candidates.is_unusual && !can_hit(ray)) return false;
+  for (const uint32_t i : endless_)
+    if (any_hit_of(instances_[i], ray, counters)) return true;
+  for (uint32_t left = candidates.left; left != 0;)
+    if (any_hit_of(instances_[held_[take_lowest(left)]], ray, counters)) return true;
+  return false;
+}
+
+bool FewInstances::any_hit_among(uint32_t boxes, const Ray& ray,
+                                 TraversalCounters& counters) const {
+  if ((boxes & BoxRow::kUnusual) != 0 && !can_hit(ray)) return false;
+  for (const uint32_t i : endless_)
+    if (any_hit_of(instances_[i], ray, counters)) return true;
+  for (uint32_t left = boxes & ~BoxRow::kUnusual; left != 0;)
+    if (any_hit_of(instances_[held_[kBoxes + take_lowest(left)]], ray, counters)) return true;
+  return false;
+}
+
+AcceleratorStatistics FewInstances::statistics() const {
+  return {.primitives = instances_.size(),
+          .references = instances_.size(),
+          .bytes = sizeof(BoxRow) + sizeof(RectangleRow) + instances_.size() * sizeof(Instance)};
+}
+
+}  // namespace tessera

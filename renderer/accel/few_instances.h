@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "renderer/accel/accelerator.h"
+#include "renderer/accel/box_row.h"
+#include "renderer/accel/bvh_kernels.h"
+#include "renderer/accel/rectangle_row.h"
+
+namespace tessera {
+
+/// A few instances without a tree: a ray is held against all rectangles that stand as they are, and
+/// against the boxes of all others, at once, which takes less than to prepare it for a tree. What
+/// cannot be held in a box is always tested.
+class FewInstances final : public Accelerator {
+ public:
+  /// At most BoxRow::kMost that can_be_held(), any number of others.
+  explicit FewInstances(std::vector<Instance> instances, const BvhKernels& code = kernels());
+  Bounds3 bounds() const override { return bounds_; }
+  bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
+  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  AcceleratorStatistics statistics() const override;
+
+  /// The boxes; a bit of a mask stands for one of them.
+  const BoxRow& row() const { return row_; }
+  /// Whether nothing is held as a rectangle, so that what is in no box is always tested.
+  bool is_all_in_boxes() const { return rectangles_.count == 0; }
+  /// any_hit() of a ray that may hit what is in `boxes`, as BvhKernels::boxes_entered tells, where
+  /// all are in boxes.
+  bool any_hit_among(uint32_t boxes, const Ray& ray, TraversalCounters& counters) const;
+  /// Whether there is anything to hit in `boxes`, or that is in none.
+  bool holds_any(uint32_t boxes) const { return boxes != 0 || !endless_.empty(); }
+
+ private:
+  /// The place of the first box among candidates.
+  static constexpr size_t kBoxes = RectangleRow::kMost;
+  /// What the ray may hit, a bit each, and lower bounds of t there.
+  struct Candidates {
+    uint32_t left = 0;
+    uint32_t inside = 0;      ///< rectangles of which the ray is inside
+    bool is_unusual = false;  ///< the ray may hit nothing at all
+    double entered[2 * BoxRow::kMost];
+  };
+  void find_rectangles(const Ray& ray, double t_max, Candidates& candidates) const;
+  void find_boxes(const Ray& ray, double t_max, Candidates& candidates) const;
+
+  std::vector<Instance> instances_;
+  std::vector<uint32_t> endless_;  ///< always tested, ascending
+  /// By candidate: those of the row of rectangles, and from kBoxes on those of the row of boxes.
+  std::array<uint32_t, 2 * BoxRow::kMost> held_{};
+  RectangleRow rectangles_;
+  BoxRow row_;
+  uint32_t two_sided_ = 0;  ///< rectangles that all rays see from either side
+  Bounds3 bounds_;
+  decltype(BvhKernels::boxes_entered) boxes_entered_;
+  decltype(BvhKernels::rectangles_met) rectangles_met_;
+};
+
+}  // namespace tessera

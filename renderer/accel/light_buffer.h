@@ -1,0 +1,81 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "renderer/accel/box_row.h"
+#include "renderer/shapes/surface_interaction.h"
+
+namespace tessera {
+
+/// Which boxes of a row are in the way of a light: of those seen from it towards a point, found by
+/// a look-up in place of a test of each (Haines and Greenberg, The Light Buffer, 1986). Immutable;
+/// thread-safe.
+class LightBuffer {
+ public:
+  /// Of a light at `place`.
+  static LightBuffer of_place(const BoxRow& row, const Point3& place);
+  /// Of a light that comes along `direction`, which is of unit length.
+  static LightBuffer of_direction(const BoxRow& row, const Vec3& direction);
+
+  /// Whether boxes_met() can answer for all rays that leave the surface there: they start no
+  /// farther off than half of what boxes are grown by.
+  static bool has_answers(const BoxRow& row, const SurfaceInteraction& from) {
+    const auto size = [](const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
+    constexpr double kShare = 0x1p21;
+    return size(from.point - Point3{}) + kShare * size(from.point_error + abs(from.smooth_shift)) <=
+           row.farthest;
+  }
+  /// A bit for each box that rays may hit something in which leave the surface at `point` for the
+  /// light, in direction `wi` of unit length and so far away.
+  uint32_t boxes_met(const Point3& point, const Vec3& wi, double distance) const {
+    if (!is_place_) return met_along(point - Point3{});
+    if (!(distance > 1e-100)) [[unlikely]]
+      return all_;
+    return met_towards(wi);
+  }
+
+ private:
+  /// Cells along each edge of a face.
+  static constexpr int kSide = 32;
+  /// The most that the smaller parts of a direction can be, and a little.
+  static constexpr double kEdge = 0.70711;
+
+  /// A range of places on a face.
+  struct Range {
+    double low, high;
+  };
+
+  explicit LightBuffer(const BoxRow& row) : all_(row.all) {}
+
+  uint32_t met_towards(const Vec3& d) const {
+    const double x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
+    if (x > y && x > z) return at(d.x < 0, cell(d.y), cell(d.z));
+    if (y > z) return at(2 + (d.y < 0), cell(d.z), cell(d.x));
+    return at(4 + (d.z < 0), cell(d.x), cell(d.y));
+  }
+  uint32_t met_along(const Vec3& p) const {
+    const double column = (dot(p, right_) - least_.x) * scale_.x;
+    const double row = (dot(p, down_) - least_.y) * scale_.y;
+    if (!(column >= 0 && column < kSide && row >= 0 && row < kSide)) return 0;
+    return at(0, static_cast<int>(column), static_cast<int>(row));
+  }
+  static double place_of(double part) { return (part + kEdge) * (kSide / (2 * kEdge)); }
+  static int cell(double part) { return static_cast<int>(place_of(part)); }
+  static size_t index_of(int face, int column, int row) {
+    const int index = (face * kSide + row) * kSide + column;
+    return static_cast<size_t>(index);
+  }
+  uint32_t at(int face, int column, int row) const { return cells_[index_of(face, column, row)]; }
+  void add(uint32_t box, int face, const Range& columns, const Range& rows);
+
+  bool is_place_ = true;
+  uint32_t all_;
+  Vec3 right_, down_;            ///< of a direction: what a point's cell is measured along
+  Vec2 least_, scale_;           ///< of a direction: from there to cells
+  std::vector<uint16_t> cells_;  ///< a bit a box; by face (+x, -x, +y, ...), row and column
+};
+
+}  // namespace tessera

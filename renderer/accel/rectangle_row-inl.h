@@ -1,0 +1,79 @@
+// Part of bvh_kernels.cpp, compiled once for each instruction set: a ray against a row of
+// rectangles.
+#if defined(TESSERA_RECTANGLE_ROW_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_RECTANGLE_ROW_INL_H
+#undef TESSERA_RECTANGLE_ROW_INL_H
+#else
+#define TESSERA_RECTANGLE_ROW_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "renderer/accel/rectangle_row.h"
+#include "renderer/shapes/ray.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// BvhKernels::rectangles_met.
+RectanglesMet rectangles_met(const RectangleRow& row, const Ray& ray, double t_max,
+                             double* entered) {
+  const double far = std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z);
+  const double steep =
+      std::abs(ray.direction.x) + std::abs(ray.direction.y) + std::abs(ray.direction.z);
+  const bool is_usual = far <= row.farthest && steep >= 1e-100 && steep <= 1e100 && ray.t_min >= 0;
+  if (!is_usual) [[unlikely]] {
+    std::fill_n(entered, row.count, -Bounds3::kInfinity);
+    return {row.all | RectangleRow::kUnusual, 0};
+  }
+  const hn::CappedTag<double, 4> tag;
+  using Lanes = hn::Vec<decltype(tag)>;
+  const auto all = [&](double value) HWY_ATTR { return hn::Set(tag, value); };
+  const Lanes ox = all(ray.origin.x), oy = all(ray.origin.y), oz = all(ray.origin.z);
+  const Lanes dx = all(ray.direction.x), dy = all(ray.direction.y), dz = all(ray.direction.z);
+  const double slack = 2 * RectangleRow::kMargin * row.extent / steep;
+  const Lanes first = all(ray.t_min), last = all(t_max + slack), half = all(0.5);
+  const Lanes t_slack = all(slack), length = all(steep);
+  RectanglesMet met;
+  for (size_t i = 0; i < row.count; i += hn::MaxLanes(tag)) {
+    const auto load = [&](const double* at) HWY_ATTR { return hn::Load(tag, at + i); };
+    const auto product = [&](const double(*with)[RectangleRow::kMost], Lanes x, Lanes y,
+                             Lanes z) HWY_ATTR {
+      return hn::MulAdd(load(with[2]), z, hn::MulAdd(load(with[1]), y, hn::Mul(load(with[0]), x)));
+    };
+    // From the origin to the corner.
+    const Lanes cx = hn::Sub(load(row.corner[0]), ox), cy = hn::Sub(load(row.corner[1]), oy),
+                cz = hn::Sub(load(row.corner[2]), oz);
+    const Lanes approach = product(row.normal, dx, dy, dz);
+    const Lanes t = hn::Div(product(row.normal, cx, cy, cz), approach);
+    const Lanes entered_at = hn::Sub(t, t_slack);
+    const Lanes px = hn::MulSub(t, dx, cx), py = hn::MulSub(t, dy, cy), pz = hn::MulSub(t, dz, cz);
+    // Half where it is on the edge.
+    const Lanes u = hn::Abs(hn::Sub(product(row.share_u, px, py, pz), half));
+    const Lanes v = hn::Abs(hn::Sub(product(row.share_v, px, py, pz), half));
+    const auto told = hn::Gt(hn::Abs(approach), hn::Mul(load(row.grazing), length));
+    const auto outside = hn::Or(hn::Gt(u, load(row.out_u)), hn::Gt(v, load(row.out_v)));
+    const auto elsewhere = hn::Or(hn::Lt(hn::Add(t, t_slack), first), hn::Gt(t, last));
+    const auto inside = hn::And(hn::Lt(u, load(row.in_u)), hn::Lt(v, load(row.in_v)));
+    hn::StoreU(hn::IfThenElse(told, entered_at, all(-Bounds3::kInfinity)), tag, entered + i);
+    const uint32_t misses = bits_of(tag, hn::And(told, hn::Or(outside, elsewhere)));
+    met.maybe |= (misses ^ ((1u << hn::MaxLanes(tag)) - 1)) << i;
+    met.inside |= bits_of(tag, hn::And(told, inside)) << i;
+  }
+  met.maybe &= row.all;
+  met.inside &= row.all;
+  return met;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#endif

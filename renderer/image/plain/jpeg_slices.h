@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+// After <cstdio>, whose FILE it names.
+#include <jpeglib.h>
+
+namespace tessera {
+
+/// A JPEG file cut at its restart markers into files of some of its rows each, which several
+/// threads may decode. Together they have the pixels of the whole, to the bit.
+class JpegSlices {
+ public:
+  /// `info` has read the header of `file`, which must outlive this, and no more. Nothing where the
+  /// file has no markers between its rows, or fewer than it should, where slices would be few or
+  /// large, and where rows of pixels depend on others than those of their blocks.
+  static std::optional<JpegSlices> cut(const jpeg_decompress_struct& info,
+                                       const std::vector<char>& file);
+  size_t count() const { return begins_.size() - 1; }
+  /// Decodes slice `number` into `pixels`, `channels` bytes each; leaves none where libjpeg as much
+  /// as warns. Several threads may each decode one.
+  void decode(size_t number, size_t channels, std::vector<char>& pixels) const;
+
+ private:
+  JpegSlices() = default;
+
+  std::span<const char> file_;
+  size_t width_ = 0, height_ = 0;
+  size_t rows_ = 0;             ///< of pixels, in all slices but the last
+  size_t height_at_ = 0;        ///< where the file has its height, two bytes
+  std::vector<size_t> begins_;  ///< of the slices' data in the file, and the end of the last
+};
+
+/// Decodes all slices ahead on several threads and gives them to `full` in order; false after the
+/// first that does not decode. `prepare` is called for each on its thread.
+bool decode_slices(const JpegSlices& slices, size_t channels,
+                   const std::function<void(std::span<char>)>& prepare,
+                   const std::function<void(std::span<char>)>& full);
+
+}  // namespace tessera

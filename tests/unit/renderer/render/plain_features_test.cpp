@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/unit/renderer/scene_text.h"
+
+namespace tessera {
+namespace {
+
+/// A ball's shadow on a floor, with more in the material, the light and the scene.
+std::string scene_with(const std::string& material, const std::string& light,
+                       const std::string& rest) {
+  return fmt::format(
+      "cameras {{ world_from_camera {{ steps {{ look_at {{ eye {{ x: 1 y: 2 z: 4 }} }} }} }} }} "
+      "materials {{ name: 'm' {} }} "
+      "nodes {{ light {{ directional {{ direction {{ x: -1 y: -2 z: -.5 }} }} {} }} }} "
+      "nodes {{ shape {{ materials: 'm' sphere {{ center {{ y: .5 }} radius: .7 }} }} }} "
+      "nodes {{ shape {{ materials: 'm' plane {{ offset: -.5 }} }} }} {}",
+      material, light, rest);
+}
+
+struct Feature {
+  const char *material, *light, *rest;
+  bool plain = false;
+};
+
+// The variant that asks a hit for nothing is taken where that gives the same bits, and only there.
+TEST(PlainFeatures, keep_the_bits_and_are_told_from_others) {
+  for (const Feature& feature : {
+           Feature{"classic { }", "", "", true},
+           Feature{"classic { specular { value { r: .5 g: .5 b: .5 } } }", "", "", true},
+           Feature{"classic { }", "ambient_intensity: .3", "", true},
+           Feature{"classic { grain: .5 }", "", ""},
+           Feature{"classic { flat: true }", "", ""},
+           Feature{"sides: FRONT_ONLY classic { }", "", ""},
+           Feature{"classic { diffuse_model: HALF_LAMBERT }", "", ""},
+           Feature{"unlit { color { value { r: .5 } } }", "", ""},
+           Feature{"classic { reflectivity { value { r: .5 } } }", "", ""},
+           Feature{"classic { transparency { value: .5 } }", "", ""},
+           Feature{"classic { }", "shadow_intensity: .5", ""},
+           Feature{"classic { }", "shadow_distance: .6", ""},
+           Feature{"classic { }", "ambient_intensity: .3 ambient_attenuated: true", ""},
+           Feature{"classic { }", "", "fog { visibility_range: 9 }"},
+       }) {
+    const v1::Scene scene = parse_scene(scene_with(feature.material, feature.light, feature.rest));
+    const PixelRect rect{0, 0, 24, 18};
+    const auto picture = [&](const Skips& skips, uint64_t& absent) {
+      const auto renderer = make_tile_renderer(scene, {}, frame_of(24, 18), 1, nullptr, skips);
+      absent = renderer->build_counters().at("features_absent");
+      return render_rect(*renderer, rect).values;
+    };
+    uint64_t absent = 0, without = 0, hit_switch_off = 0;
+    const auto values = picture({}, absent);
+    EXPECT_EQ(values, picture({.absent_features = false}, without)) << feature.material;
+    EXPECT_EQ(values, picture({.dark_shadow_rays = false}, hit_switch_off)) << feature.material;
+    // A switch that a hit would meet takes it back, and nothing else.
+    EXPECT_EQ(absent - hit_switch_off, feature.plain ? 1u : 0u)
+        << feature.material << feature.light << feature.rest;
+    EXPECT_EQ(without, 0u);
+  }
+}
+
+}  // namespace
+}  // namespace tessera
