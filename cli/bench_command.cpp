@@ -73,7 +73,7 @@ void add_bench_command(CLI::App& app, Action& action) {
             options->farm.workers);
   add_whole(*farm, "--repeats", 1, 1000, "How often each pair is measured [5]",
             options->farm.repeats);
-  add_whole(*farm, "--rings", 3, 5000, "Of the sphere whose mesh is sent to all workers [1200]",
+  add_whole(*farm, "--rings", 3, 5000, "Of the sphere whose mesh is sent to all workers [2000]",
             options->farm.rings);
   farm->add_option("--json", options->json_file, "Write the rows as JSON too")->type_name("FILE");
   farm->callback([options, &action] { action = [options] { return bench(*options); }; });

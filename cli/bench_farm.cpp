@@ -17,6 +17,9 @@
 #include "base/plural.h"
 #include "base/process.h"
 #include "bench/error/statistics.h"
+#include "cli/bench_first_tile.h"
+#include "cli/bench_scene_transfer.h"
+#include "cli/bench_workers.h"
 #include "cli/timed_process.h"
 #include "coordinator/coordinator.h"
 #include "coordinator/render_loop.h"
@@ -29,7 +32,6 @@ namespace tessera {
 namespace {
 
 using nlohmann::json;
-constexpr char kThisProgram[] = "/proc/self/exe";
 
 /// A folder that is gone with this object.
 class TemporaryFolder {
@@ -45,6 +47,7 @@ class TemporaryFolder {
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::string path() const { return path_.string(); }
   std::string file(const std::string& name) const { return (path_ / name).string(); }
 
  private:
@@ -136,82 +139,15 @@ json worker_row(const BenchFarmOptions& options, const TemporaryFolder& folder) 
           {"limit", 0.03}};
 }
 
-/// Worker processes over TCP that are gone with this object.
-class FarWorkers {
- public:
-  FarWorkers(const std::string& endpoint, int count) {
-    for (int i = 0; i < count; ++i) {
-      pids_.push_back(start_process(kThisProgram,
-                                    {kThisProgram, "worker", "--connect", endpoint, "--threads",
-                                     "1", "--quiet", "--parent", std::to_string(getpid())},
-                                    {.discards_output = true}));
-    }
-  }
-  ~FarWorkers() {
-    for (const pid_t pid : pids_) kill(pid, SIGKILL);
-    for (const pid_t pid : pids_) wait_for_process(pid);
-  }
-  FarWorkers(const FarWorkers&) = delete;
-  FarWorkers& operator=(const FarWorkers&) = delete;
-
- private:
-  std::vector<pid_t> pids_;
-};
-
-/// How long a large mesh takes to all workers at once, and what a second job on it ships.
-json blobs_row(const BenchFarmOptions& options) {
-  const LoadedScene loaded = generate_scene(fmt::format("uvsphere:{}", options.rings));
-  JobSpec job{.scene = loaded.scene, .blobs = loaded.blobs, .frame = {}, .crop = {0, 0, 32, 32}};
-  job.tile_size = 8;
-  job.frame.set_width(32);
-  job.frame.set_height(32);
-  job.frame.set_samples_per_pixel(1);
-  uint64_t bytes = 0;
-  for (const auto& [digest, data] : loaded.blobs.all()) bytes += data->size();
-  bytes *= static_cast<uint64_t>(options.workers);
-  RenderLoop loop(bind_server("tcp://127.0.0.1:*"), {});
-  const FarWorkers workers(loop.endpoint(), options.workers);
-  std::atomic<bool> all_have_it{false};
-  std::optional<Time> began, ended;
-  uint64_t shipped = 0, before = 0;
-  loop.observe(
-      [&](Coordinator& coordinator, Time now) {
-        shipped = coordinator.snapshot(now).counters.bytes_scene;
-        // Starting them is another measure.
-        if (!began && coordinator.workers().present_count() == options.workers) {
-          began = now;
-          before = shipped;
-        }
-        if (shipped < bytes || ended) return;
-        ended = now;
-        all_have_it = true;
-      },
-      std::chrono::milliseconds(2));
-  // It ends before it is traced: what it ships is all that is asked of it.
-  loop.run(job, nullptr, all_have_it);
-  const std::atomic<bool> never{false};
-  job.frame.set_seed(1);
-  const JobResult again = loop.run(job, nullptr, never);
-  if (!began || !ended || again.report.end != JobReport::End::done) {
-    throw render_error("not all workers had the scene before it was traced; try more --rings");
-  }
-  const double gigabytes = static_cast<double>(bytes - before) * 1e-9;
-  return {{"measure", fmt::format("a scene to {} by TCP, {:.2f} GB in all, against 1 GB/s",
-                                  counted(options.workers, "worker"), gigabytes)},
-          {"seconds", to_seconds(*ended - *began)},
-          {"reference_seconds", gigabytes},
-          {"ratio", to_seconds(*ended - *began) / gigabytes},
-          {"limit", 1.0},
-          {"bytes_of_second_job", again.report.bytes_scene}};
-}
-
 }  // namespace
 
 json bench_farm(const BenchFarmOptions& options) {
   const TemporaryFolder folder;
   json rows = json::array({processes_row(options, folder, 16), processes_row(options, folder, 4),
                            one_sphere_row(options, folder), worker_row(options, folder),
-                           blobs_row(options)});
+                           first_tile_row(options, folder.path()),
+                           scene_transfer_row(options, "tcp://127.0.0.1:*"),
+                           scene_transfer_row(options, "ipc://" + folder.file("transfer"))});
   for (json& row : rows) {
     const double measured = row[row.contains("ratio") ? "ratio" : "seconds"];
     row["beyond_limit"] = measured > row["limit"].get<double>();

@@ -9,7 +9,7 @@ struct BenchFarmOptions {
   std::string scene;  ///< a file to render at 1080p; empty: a scene of spheres made for this
   int workers = 4;
   int repeats = 5;
-  int rings = 1200;  ///< of the sphere whose mesh is sent to all workers
+  int rings = 2000;  ///< of the sphere whose mesh is sent to all workers
 };
 
 /// What distribution costs, one row a measure: `measure, seconds, reference_seconds, ratio, limit,

@@ -27,7 +27,7 @@
 namespace tessera {
 namespace {
 
-constexpr char kFooter[] =
+constexpr char kFetchFooter[] =
     "Fetches the light of each frame and makes pictures of it as 'tessera render' does; those of "
     "an\n"
     "animation go to NAME.NNNN.png. The job stays, so that this can be done again.\n"
@@ -175,7 +175,7 @@ class Fetch {
 void add_fetch_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<FetchOptions>();
   CLI::App* command = app.add_subcommand("fetch", "Get the pictures of a farm's job");
-  command->footer(kFooter);
+  command->footer(kFetchFooter);
   command->add_option("JOB", options->job, "The job, by its number or name")
       ->type_name("JOB")
       ->required();

@@ -20,9 +20,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr char kCoordinator[] = "coordinator";
+
 struct KeygenOptions {
   std::string place, name;
-  std::string role = "worker";
+  std::string role = kCoordinator;
 };
 
 std::string host_name() {
@@ -49,7 +51,8 @@ void write_new(const fs::path& path, const std::string& text, mode_t mode) {
 }
 
 ExitCode keygen(const KeygenOptions& options) {
-  const Role role = parse_role(options.role, "--role");
+  const bool own = options.role == kCoordinator;
+  const Role role = own ? Role::any : parse_role(options.role, "--role");
   fs::path secret = options.place;
   std::string name = options.name;
   if (fs::is_directory(secret)) {
@@ -66,7 +69,9 @@ ExitCode keygen(const KeygenOptions& options) {
         fmt::format("keygen: '{}' is there already; expected a new file", open.string()));
   }
   const KeyPair keys = make_key_pair();
-  const std::string line = AllowList::line(keys.public_key, {role, name});
+  const std::string line =
+      own ? fmt::format("{} {} {}\n", key_text(keys.public_key), kCoordinator, name)
+          : AllowList::line(keys.public_key, {role, name});
   write_new(secret, secret_key_file(keys, name), 0600);
   write_new(open, line, 0644);
   say("{}", line);
@@ -101,7 +106,8 @@ void add_keygen_command(CLI::App& app, Action& action) {
       ->type_name("NAME");
   command
       ->add_option("--role", options->role,
-                   "worker, submitter or viewer; a coordinator's own key needs none")
+                   "worker, submitter or viewer: that line is for the coordinator's list; its own "
+                   "key is on none")
       ->type_name("ROLE")
       ->capture_default_str();
   command->callback([options, &action] { action = [options] { return keygen(*options); }; });

@@ -29,7 +29,7 @@ namespace {
 /// How long tiles that are being traced may take, once it is told to end.
 constexpr Time kDrain = std::chrono::seconds(10);
 /// At the coordinator, by who shows it.
-constexpr Time kBetweenLooks = std::chrono::milliseconds(50);
+constexpr Time kBetweenLooks = std::chrono::milliseconds(20);
 
 struct ServeOptions {
   std::string endpoint = kDefaultEndpoint;

@@ -35,6 +35,8 @@ constexpr char kSubmitFooter[] =
     "  tessera submit walk.x3d --frames 1-240 --priority 5 --connect tcp://127.0.0.1:7117\n"
     "  job=$(tessera submit room.x3d --quiet) && tessera fetch $job --wait -o room.png";
 
+constexpr size_t kMostNameTyped = 200;
+
 struct SubmitOptions {
   RenderOptions render;
   FarmConnection connection{.endpoint = kDefaultEndpoint};
@@ -48,6 +50,10 @@ SubmittedJob gather(const SubmitOptions& options) {
   const RenderOptions& render = options.render;
   if (render.frames && render.time) {
     throw usage_error("--time: a frame of --frames has its own instant; expected one of the two");
+  }
+  if (options.name.size() > kMostNameTyped) {
+    throw usage_error(fmt::format("--name: a name of {} bytes; expected at most {}",
+                                  options.name.size(), kMostNameTyped));
   }
   check_input_file(render.scene, UINT64_MAX);
   SubmittedJob job;

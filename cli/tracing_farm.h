@@ -6,7 +6,7 @@
 #include <string>
 
 #include "cli/farm_connection.h"
-#include "coordinator/tile_store.h"
+#include "coordinator/tiles/tile_store.h"
 #include "job/job.h"
 
 namespace tessera {

@@ -74,9 +74,10 @@ ExitCode work(const WorkerCommandOptions& options) {
   };
   worker.shares_memory = options.connection.endpoint.starts_with("ipc://");
   if (!options.cache.empty()) {
-    worker.cache = std::make_shared<BlobCache>(options.cache,
-                                               options.cache_budget.value_or(kDefaultCacheBudget));
+    const uint64_t budget = options.cache_budget.value_or(kDefaultCacheBudget);
+    worker.cache = std::make_shared<BlobCache>(options.cache, budget);
     worker.spool_folder = options.cache;
+    worker.spool_budget_bytes = budget;
   } else if (options.cache_budget) {
     throw usage_error("--cache-budget: is for --cache; expected that beside it");
   }

@@ -18,6 +18,8 @@ namespace {
 
 // More than this at once is refused: each may hold a scene.
 constexpr size_t kMaxSubmissions = 64;
+/// Of one connection, so that one alone does not keep the others out.
+constexpr int64_t kMaxOfPeer = 8;
 /// Of statuses of jobs, so that they fit one message.
 constexpr size_t kListBytes = size_t{1} << 20;
 
@@ -33,7 +35,6 @@ v1::JobStatus failed_status(uint64_t submission, ExitCode code, const std::strin
   status.set_how(v1::JobEnd::FAILED);
   status.set_exit_code(static_cast<uint32_t>(code));
   status.set_failure(why);
-  spdlog::warn("submission {:016x} failed: {}", submission, printable(why));
   return status;
 }
 
@@ -60,6 +61,12 @@ bool ClientDesk::on_control(const PeerId& peer, const v1::Envelope& message, Tim
 
 // ---------------------------------------------------------------------------------- submissions
 
+int64_t ClientDesk::count_of(const PeerId& peer) const {
+  const auto is_its = [&peer](const auto& entry) { return entry.second.peer == peer; };
+  return std::count_if(submissions_.begin(), submissions_.end(), is_its) +
+         std::count_if(attached_.begin(), attached_.end(), is_its);
+}
+
 void ClientDesk::on_submit(const PeerId& peer, const v1::SubmitJob& request, Time now) {
   const uint64_t id = request.submission();
   v1::JobQuery query;
@@ -69,6 +76,9 @@ void ClientDesk::on_submit(const PeerId& peer, const v1::SubmitJob& request, Tim
     if (submissions_.size() + attached_.size() >= kMaxSubmissions) {
       throw render_error(
           fmt::format("the coordinator has {} clients; expected fewer", kMaxSubmissions));
+    }
+    if (count_of(peer) >= kMaxOfPeer) {
+      throw render_error(fmt::format("a client with {} submissions; expected fewer", kMaxOfPeer));
     }
     Submission fresh(request, *store_, now);
     fresh.peer = peer;
@@ -83,6 +93,7 @@ void ClientDesk::on_submit(const PeerId& peer, const v1::SubmitJob& request, Tim
     answer(peer, submission.status);
     advance(submission, now);
   } catch (const Error& error) {
+    tell_failure(id, error.what(), now);
     answer(peer, failed_status(id, error.code(), error.what()));
   }
 }
@@ -117,8 +128,16 @@ void ClientDesk::advance(Submission& submission, Time now) {
     }
     if (submission.finished()) accept(submission, now);
   } catch (const Error& error) {
+    tell_failure(id, error.what(), now);
     submission.fail(failed_status(id, error.code(), error.what()));
   }
+}
+
+void ClientDesk::tell_failure(uint64_t id, const std::string& why, Time now) {
+  const auto count = failures_.note(now);
+  if (!count) return;
+  spdlog::warn("submission {:016x} failed{}: {}", id,
+               *count > 1 ? fmt::format(", and {} before it", *count - 1) : "", printable(why));
 }
 
 void ClientDesk::accept(Submission& submission, Time now) {

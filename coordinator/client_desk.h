@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "base/monotonic.h"
+#include "base/tally.h"
 #include "coordinator/coordinator_options.h"
-#include "coordinator/job_store.h"
-#include "coordinator/job_table.h"
+#include "coordinator/jobs/job_store.h"
+#include "coordinator/jobs/job_table.h"
 #include "coordinator/submission.h"
 #include "proto/transport/transport.h"
 
@@ -51,7 +52,10 @@ class ClientDesk {
   void act(FarmJob& job, const v1::JobQuery& query);
 
   void advance(Submission& submission, Time now);
+  /// Submissions of that connection that are under way.
+  int64_t count_of(const PeerId& peer) const;
   void accept(Submission& submission, Time now);
+  void tell_failure(uint64_t id, const std::string& why, Time now);
   void forget(uint64_t submission);
   /// Of all submissions, with their pictures.
   uint64_t claimed_bytes() const;
@@ -67,6 +71,7 @@ class ClientDesk {
     Time last_heard{};
   };
   std::map<uint64_t, Attached> attached_;
+  Tally failures_;  ///< of submissions, as the log tells them
   std::vector<Outgoing> outgoing_;
 };
 

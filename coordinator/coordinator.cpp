@@ -5,7 +5,7 @@
 
 #include "base/log.h"
 
-#include "coordinator/memory_job_store.h"
+#include "coordinator/jobs/memory_job_store.h"
 #include "proto/wire/blob_transfer.h"
 
 namespace tessera {
@@ -124,9 +124,9 @@ void Coordinator::on_blob_request(const PeerId& peer, const v1::BlobRequest& req
   outgoing_.push_back(std::move(answer));
 }
 
-void Coordinator::on_peer_gone(const PeerId& peer, Time now) {
+void Coordinator::on_peer_gone(const PeerId& peer, Time now, bool welcomed) {
   jobs_->account(now);
-  workers_->on_peer_gone(peer, now);
+  workers_->on_peer_gone(peer, now, welcomed);
   settle(now);
 }
 

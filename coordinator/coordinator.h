@@ -11,9 +11,9 @@
 #include "base/monotonic.h"
 #include "coordinator/client_desk.h"
 #include "coordinator/coordinator_options.h"
-#include "coordinator/farm_snapshot.h"
-#include "coordinator/job_store.h"
-#include "coordinator/job_table.h"
+#include "coordinator/jobs/farm_snapshot.h"
+#include "coordinator/jobs/job_store.h"
+#include "coordinator/jobs/job_table.h"
 #include "coordinator/worker_desk.h"
 #include "job/job.h"
 #include "proto/transport/transport.h"
@@ -49,8 +49,9 @@ class Coordinator {
   JobProgress progress(Time now) const;
 
   void on_message(Channel channel, const PeerId& peer, const v1::Envelope& message, Time now);
-  /// The transport found that this control connection is no more.
-  void on_peer_gone(const PeerId& peer, Time now);
+  /// The transport found that this control connection is no more. Where not even the welcome could
+  /// be sent, its hello was read late: the worker had given it up for another, and is not lost.
+  void on_peer_gone(const PeerId& peer, Time now, bool welcomed = true);
   /// A process of this host is no more; `crashed` as in EndedProcess.
   void on_process_ended(pid_t process, bool crashed, const std::string& how, Time now);
   /// To be called at next_deadline().
@@ -81,6 +82,9 @@ class Coordinator {
   std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
   /// The frames that are being traced: job, and frame counted from 0. Those of this process too.
   std::vector<std::pair<uint64_t, uint32_t>> running_frames() const;
+  /// Another number once a job has come or the first tile of a frame is done: what those who watch
+  /// want to see at once.
+  uint64_t news() const { return jobs_->accepted_count() + workers_->begun_count(); }
   /// The light so far of a frame that is being traced, or that of a client's frame that has ended.
   std::optional<FilmView> film(uint64_t job, uint32_t frame);
   /// Of a frame that is being traced, or of the last ones that were; else null.

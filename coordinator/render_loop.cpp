@@ -182,7 +182,7 @@ void RenderLoop::deliver() {
       const SendResult sent = transport_->send(out.channel, out.peer, encode(out.message));
       // What was dropped for a peer that does not read is told again when it does.
       if (sent == SendResult::gone && out.channel == Channel::control) {
-        coordinator_->on_peer_gone(out.peer, monotonic_now());
+        coordinator_->on_peer_gone(out.peer, monotonic_now(), !out.message.has_welcome());
       }
     }
   }

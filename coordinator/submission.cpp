@@ -43,6 +43,10 @@ Submission::Submission(v1::SubmitJob request, JobStore& store, Time now)
     throw usage_error(fmt::format("a submission of priority {}; expected a number from {} to {}",
                                   request_.priority(), -kMostPriority, kMostPriority));
   }
+  if (request_.name().size() > kMostName) {
+    throw usage_error(fmt::format("a submission with a name of {} bytes; expected at most {}",
+                                  request_.name().size(), kMostName));
+  }
   claimed_bytes_ = film_bytes(request_);
   for (const v1::JobFrame& frame : request_.frames()) {
     const auto digest = Digest::parse(frame.scene_digest());

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/monotonic.h"
-#include "coordinator/job_store.h"
+#include "coordinator/jobs/job_store.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/transport/transport.h"
 #include "proto/wire/blob_transfer.h"

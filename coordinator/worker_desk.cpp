@@ -12,14 +12,14 @@
 #include "proto/wire/printable.h"
 
 namespace tessera {
-namespace {
-
-constexpr int kMaxFailuresOfWorker = 3;
-
-}  // namespace
 
 WorkerDesk::WorkerDesk(const CoordinatorOptions& options, JobTable& jobs)
     : options_(options), jobs_(jobs), workers_(options_) {}
+
+void WorkerDesk::complain(WorkerRecord& worker, const std::string& what, Time now) {
+  const auto times = worker.complaints.note(now);
+  if (times) spdlog::warn("worker {} {}{}", worker.name(), what, *times > 1 ? ", again" : "");
+}
 
 v1::Envelope& WorkerDesk::send(const PeerId& peer) {
   outgoing_.push_back({peer, {}});
@@ -51,6 +51,7 @@ void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Tim
     return;
   }
   workers_.heard(*worker, now);
+  tell_if_back(*worker);
   for (ActiveJob* job : jobs_.running()) {
     job->scheduler().set_suspect(worker->id, false);
     job->note_worker(worker->id);
@@ -77,19 +78,27 @@ void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Tim
   }
 }
 
+void WorkerDesk::tell_if_back(WorkerRecord& worker) {
+  if (std::exchange(worker.told_lost, false)) spdlog::info("worker {} is back", worker.name());
+}
+
 void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, Time now) {
   if (auto reject = workers_.judge(hello)) {
-    spdlog::warn("refused a worker: {}", reject->text());
+    if (const auto count = refusals_.note(now)) {
+      spdlog::warn("refused {}: {}", *count > 1 ? counted(*count, "worker") : "a worker",
+                   reject->text());
+    }
     *send(peer).mutable_reject() = std::move(*reject);
     return;
   }
   const auto greeting = workers_.greet(peer, hello, now);
   if (!greeting.worker) return;
   WorkerRecord& worker = *greeting.worker;
-  if (greeting.anew && hello.session() == 1) {
+  if (!greeting.known) {
     ++counters_.workers_seen;
     spdlog::info("worker {} has come, with {}", worker.name(), counted(hello.threads(), "thread"));
   }
+  tell_if_back(worker);
   v1::Welcome& welcome = *send(peer).mutable_welcome();
   welcome.set_epoch(options_.epoch);
   welcome.set_farm(options_.farm != 0 ? options_.farm : options_.epoch);
@@ -194,7 +203,7 @@ void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBan
   TileScheduler& scheduler = job.scheduler();
   const uint32_t tile = TileScheduler::tile_of(band.lease());
   if (!scheduler.issued(band.lease(), worker.id) && !scheduler.adopt(band.lease(), worker.id)) {
-    spdlog::warn("worker {} sent pixels under a lease that it was not given", worker.name());
+    complain(worker, "sent pixels under a lease that it was not given", now);
     return;
   }
   // What else it sent of that tile before it heard of it.
@@ -203,7 +212,7 @@ void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBan
   const bool was_complete = tile < job.assembler().tiles().size() && job.assembler().complete(tile);
   BandResult result = job.assembler().add(band, worker.id);
   if (!result.valid) {
-    spdlog::warn("worker {} sent a damaged band of tile {}", worker.name(), tile);
+    complain(worker, fmt::format("sent a damaged band of tile {}", tile), now);
     return act(job, scheduler.fail(band.lease(), worker.id, now), now);
   }
   worker.got_on = now;
@@ -240,6 +249,7 @@ void WorkerDesk::on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId leas
   job.note_span(FrameTrace::Kind::tile, worker.id, worker.name(), tile,
                 now - completion.events.took.value_or(Time{}), now);
   counters_.note_tile(seconds);
+  frames_begun_ += job.assembler().tiles_done() == 1;
   ++worker.tiles_done;
   worker.tile_seconds += seconds;
   act(job, completion.events, now);
@@ -281,10 +291,10 @@ void WorkerDesk::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& fa
 
 // --------------------------------------------------------------------------------------- workers
 
-void WorkerDesk::on_peer_gone(const PeerId& peer, Time now) {
+void WorkerDesk::on_peer_gone(const PeerId& peer, Time now, bool welcomed) {
   WorkerRecord* worker = workers_.by_peer(peer);
   if (!worker || worker->peer != peer) return;
-  lose(*worker, LossCause::vanished, "its connection is gone", now);
+  lose(*worker, welcomed ? LossCause::vanished : LossCause::left, "its connection is gone", now);
 }
 
 void WorkerDesk::on_process_ended(pid_t process, bool crashed, const std::string& how, Time now) {
@@ -294,41 +304,23 @@ void WorkerDesk::on_process_ended(pid_t process, bool crashed, const std::string
 
 void WorkerDesk::lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now) {
   if (worker.state == WorkerState::lost) return;
-  if (cause != LossCause::left) spdlog::warn("lost worker {}: {}", worker.name(), how);
+  if (cause != LossCause::left) {
+    // One that is stopped and woken again and again is told of once in a while.
+    const auto times = worker.losses.note(now);
+    worker.told_lost |= times.has_value();
+    if (times == 1) spdlog::warn("lost worker {}: {}", worker.name(), how);
+    if (times > 1) spdlog::warn("lost worker {}: {}; {} times of late", worker.name(), how, *times);
+  }
   workers_.lose(worker);
   if (cause != LossCause::left) ++counters_.workers_lost;
   for (ActiveJob* job : jobs_.running()) {
-    job->note_lost_worker();
+    if (cause != LossCause::left) job->note_lost_worker();
     for (const Lease& lease : job->scheduler().leases_of(worker.id)) {
       job->note_span(FrameTrace::Kind::lost, worker.id, worker.name(), lease.tile, lease.issued,
                      now);
     }
     act(*job, job->scheduler().leave(worker.id, cause, now), now);
   }
-}
-
-void WorkerDesk::set_aside(WorkerId id, const std::string& cause, Time now) {
-  if (id == kFromStore) return;
-  workers_.set_aside(id, cause);
-  ++counters_.workers_set_aside;
-  WorkerRecord* const worker = workers_.by_id(id);
-  if (!worker) return;
-  const auto reject = workers_.judge(worker->hello);
-  if (reject) *send(worker->peer).mutable_reject() = *reject;
-  lose(*worker, LossCause::left, "it is set aside", now);
-}
-
-void WorkerDesk::judge_failures(WorkerRecord& worker, Time now) {
-  if (++worker.failures < kMaxFailuresOfWorker || worker.state == WorkerState::lost) return;
-  const auto present = workers_.present();
-  const bool others = std::any_of(present.begin(), present.end(), [&](const WorkerRecord* other) {
-    return other != &worker && other->failures < kMaxFailuresOfWorker;
-  });
-  // The last one is kept, for want of a better.
-  if (!others) return;
-  set_aside(worker.id,
-            fmt::format("worker {} failed {} tiles; expected none", worker.name(), worker.failures),
-            now);
 }
 
 void WorkerDesk::on_tick(Time now) {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "base/monotonic.h"
-#include "coordinator/active_job.h"
 #include "coordinator/coordinator_options.h"
-#include "coordinator/farm_snapshot.h"
-#include "coordinator/job_table.h"
+#include "coordinator/jobs/active_job.h"
+#include "coordinator/jobs/farm_snapshot.h"
+#include "coordinator/jobs/job_table.h"
 #include "coordinator/worker_registry.h"
 #include "proto/transport/transport.h"
 
@@ -30,7 +30,7 @@ class WorkerDesk {
   };
 
   void on_control(const PeerId& peer, const v1::Envelope& message, Time now);
-  void on_peer_gone(const PeerId& peer, Time now);
+  void on_peer_gone(const PeerId& peer, Time now, bool welcomed);
   void on_process_ended(pid_t process, bool crashed, const std::string& how, Time now);
   void on_tick(Time now);
   /// As WorkerRegistry::forgive().
@@ -48,6 +48,8 @@ class WorkerDesk {
   const WorkerRegistry& workers() const { return workers_; }
   /// What it knows of: workers, and counters of tiles and of them.
   void describe(FarmSnapshot& snapshot, Time now) const;
+  /// Of how many frames a worker has completed the first tile.
+  uint64_t begun_count() const { return frames_begun_; }
 
  private:
   void on_hello(const PeerId& peer, const v1::Hello& hello, Time now);
@@ -82,10 +84,13 @@ class WorkerDesk {
   void recall(const ActiveJob& job, const Lease& lease);
   size_t held_by(const WorkerRecord& worker) const;
 
+  void tell_if_back(WorkerRecord& worker);
   void lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now);
   void note_stuck(const WorkerRecord& worker);
   void act(ActiveJob& job, const SchedulerEvents& events, Time now);
   void judge_failures(WorkerRecord& worker, Time now);
+  /// Says in the log, once in a while, what any worker could make it say ever so often.
+  static void complain(WorkerRecord& worker, const std::string& what, Time now);
   v1::Envelope& send(const PeerId& peer);
 
   CoordinatorOptions options_;
@@ -95,6 +100,8 @@ class WorkerDesk {
   std::vector<pid_t> stuck_;
   FarmSnapshot::Counters counters_;
   std::set<WorkerId> hungry_;
+  uint64_t frames_begun_ = 0;
+  Tally refusals_;  ///< as the log tells them
   bool draining_ = false;
 };
 

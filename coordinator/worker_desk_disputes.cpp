@@ -1,12 +1,18 @@
-// What follows where workers differ: a part of WorkerDesk.
+// What follows where workers differ or fail: a part of WorkerDesk.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "base/log.h"
 #include "coordinator/worker_desk.h"
 
 namespace tessera {
+namespace {
+
+constexpr int kMaxFailuresOfWorker = 3;
+
+}  // namespace
 
 void WorkerDesk::on_unseen(const WorkerRecord& worker, ActiveJob& job,
                            const v1::SceneReady::Unseen& unseen, Time now) {
@@ -63,6 +69,30 @@ void WorkerDesk::fail_undecided(ActiveJob& job, Time now) {
            fmt::format("tile {}: workers {} and {} traced different pixels, and there is no "
                        "third to decide",
                        *tile, name_of(by[0]), name_of(by[1])));
+}
+
+void WorkerDesk::set_aside(WorkerId id, const std::string& cause, Time now) {
+  if (id == kFromStore) return;
+  workers_.set_aside(id, cause);
+  ++counters_.workers_set_aside;
+  WorkerRecord* const worker = workers_.by_id(id);
+  if (!worker) return;
+  const auto reject = workers_.judge(worker->hello);
+  if (reject) *send(worker->peer).mutable_reject() = *reject;
+  lose(*worker, LossCause::left, "it is set aside", now);
+}
+
+void WorkerDesk::judge_failures(WorkerRecord& worker, Time now) {
+  if (++worker.failures < kMaxFailuresOfWorker || worker.state == WorkerState::lost) return;
+  const auto present = workers_.present();
+  const bool others = std::any_of(present.begin(), present.end(), [&](const WorkerRecord* other) {
+    return other != &worker && other->failures < kMaxFailuresOfWorker;
+  });
+  // The last one is kept, for want of a better.
+  if (!others) return;
+  set_aside(worker.id,
+            fmt::format("worker {} failed {} tiles; expected none", worker.name(), worker.failures),
+            now);
 }
 
 }  // namespace tessera

@@ -101,7 +101,7 @@ WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hel
     worker.foreign = 0;
     worker.leaves = false;
   }
-  return {&worker, anew};
+  return {&worker, anew, !inserted};
 }
 
 void WorkerRegistry::forget_lost() {

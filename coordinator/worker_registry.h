@@ -10,8 +10,9 @@
 #include <vector>
 
 #include "base/monotonic.h"
+#include "base/tally.h"
 #include "coordinator/coordinator_options.h"
-#include "coordinator/tile_scheduler.h"
+#include "coordinator/tiles/tile_scheduler.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/transport/transport.h"
 
@@ -41,7 +42,9 @@ struct WorkerRecord {
   uint64_t work_told = 0;             ///< on what it holds, by its last heartbeat
   Time got_on{};                      ///< when it was last seen to trace or build
   bool leaves = false;                ///< it takes no more tiles
-  size_t foreign = 0;                 ///< tiles that keep it busy though they are no longer its own
+  Tally losses{std::chrono::minutes(1)}, complaints{};  ///< told of it
+  bool told_lost = false;                               ///< and not yet that it is back
+  size_t foreign = 0;  ///< tiles that keep it busy though they are no longer its own
 
   bool ready_for(uint64_t job) const;
   /// "host:process", for messages.
@@ -59,6 +62,7 @@ class WorkerRegistry {
   struct Greeting {
     WorkerRecord* worker = nullptr;  ///< null: to be ignored: an old hello, or one too many
     bool anew = false;               ///< the first of this session: what it held is forgotten
+    bool known = false;              ///< by an earlier session
   };
   /// Registers a hello that judge() has nothing against.
   Greeting greet(const PeerId& peer, const v1::Hello& hello, Time now);

@@ -47,6 +47,39 @@ void sync_folder(const fs::path& folder) {
 
 }  // namespace
 
+bool make_room_in_cache(const fs::path& folder, uint64_t budget_bytes, uint64_t bytes) {
+  struct File {
+    fs::file_time_type used;
+    uint64_t size = 0;
+    fs::path path;
+  };
+  std::vector<File> files;
+  uint64_t sum = bytes, kept = bytes;
+  std::error_code failure;
+  for (const auto& entry : fs::directory_iterator(folder, failure)) {
+    std::error_code gone;
+    File file{entry.last_write_time(gone), 0, entry.path()};
+    if (!gone) file.size = entry.file_size(gone);
+    const bool is_blob = Digest::parse(entry.path().filename().string()).has_value();
+    if (gone || (!is_blob && entry.path().extension() != kResultsEnding)) continue;
+    sum += file.size;
+    if (!is_blob) {
+      kept += file.size;
+      continue;
+    }
+    files.push_back(std::move(file));
+  }
+  if (kept > budget_bytes) return false;
+  std::sort(files.begin(), files.end(),
+            [](const File& a, const File& b) { return a.used < b.used; });
+  // Who has one of them mapped keeps its pages.
+  for (size_t i = 0; i < files.size() && sum > budget_bytes; ++i) {
+    std::error_code ignored;
+    if (fs::remove(files[i].path, ignored)) sum -= files[i].size;
+  }
+  return sum <= budget_bytes;
+}
+
 BlobCache::BlobCache(fs::path folder, uint64_t budget_bytes)
     : folder_(std::move(folder)), budget_bytes_(budget_bytes) {
   std::error_code failure;
@@ -94,8 +127,7 @@ void BlobCache::keep(const Digest& digest, const Blob& blob) {
   if (blob.size() == 0 || blob.size() > budget_bytes_) return;
   const fs::path path = path_of(digest);
   if (access(path.c_str(), F_OK) == 0) return;
-  make_room(blob.size());
-  write(path, blob);
+  if (make_room_in_cache(folder_, budget_bytes_, blob.size())) write(path, blob);
 }
 
 bool BlobCache::write(const fs::path& path, const Blob& blob) {
@@ -123,32 +155,6 @@ bool BlobCache::write(const fs::path& path, const Blob& blob) {
   unlink(unfinished.c_str());
   complain(std::strerror(cause));
   return false;
-}
-
-void BlobCache::make_room(uint64_t bytes) {
-  struct File {
-    fs::file_time_type used;
-    uint64_t size = 0;
-    fs::path path;
-  };
-  std::vector<File> files;
-  uint64_t sum = bytes;
-  std::error_code failure;
-  for (const auto& entry : fs::directory_iterator(folder_, failure)) {
-    std::error_code gone;
-    File file{entry.last_write_time(gone), 0, entry.path()};
-    if (!gone) file.size = entry.file_size(gone);
-    if (gone || !Digest::parse(entry.path().filename().string())) continue;
-    sum += file.size;
-    files.push_back(std::move(file));
-  }
-  std::sort(files.begin(), files.end(),
-            [](const File& a, const File& b) { return a.used < b.used; });
-  // Who has one of them mapped keeps its pages.
-  for (size_t i = 0; i < files.size() && sum > budget_bytes_; ++i) {
-    std::error_code ignored;
-    if (fs::remove(files[i].path, ignored)) sum -= files[i].size;
-  }
 }
 
 void BlobCache::complain(const std::string& why) {

@@ -9,6 +9,13 @@
 
 namespace tessera {
 
+/// What files of ResultSpool end in, which lie between the blobs of a cache.
+inline constexpr char kResultsEnding[] = ".results";
+
+/// Removes blobs, what was used longest ago first, until `bytes` more have room in a cache, beside
+/// the results there; whether they have.
+bool make_room_in_cache(const std::filesystem::path& folder, uint64_t budget_bytes, uint64_t bytes);
+
 /// Blobs on disk, by the name of their digest, beyond the life of a worker and for all workers of
 /// this user on this machine. What cannot be read or written is as if it were not there. Used by
 /// one thread; other processes may use the same folder at the same time.
@@ -27,7 +34,6 @@ class BlobCache {
  private:
   std::filesystem::path path_of(const Digest& digest) const;
   bool write(const std::filesystem::path& path, const Blob& blob);
-  void make_room(uint64_t bytes);
   void remove_unfinished();
   void complain(const std::string& why);
 

@@ -13,8 +13,8 @@ namespace tessera {
 /// Results that a worker could not hand in, on disk: for itself, or for the process that takes its
 /// place with the same folder. That one goes on under the id of the first, since its leases are
 /// that id's, and a coordinator must not take what it traces for a second opinion. One file a
-/// worker, locked as long as that lives; frames of proto/wire/frame.h, so that what is damaged or
-/// torn, and what follows it, is left out. Used by one thread.
+/// worker, "ID.GENERATION.results", locked as long as that lives; frames of proto/wire/frame.h, so
+/// that what is damaged or torn, and what follows it, is left out. Used by one thread.
 class ResultSpool {
  public:
   /// Whose results these are.
@@ -24,8 +24,9 @@ class ResultSpool {
     uint64_t farm = 0;     ///< whose jobs they are of
   };
 
-  /// Takes over what an ended worker of that numerics id left in `folder`, which is of this user
-  /// alone; what is older than a day, or of another id, is removed.
+  /// Takes over what one ended worker of that numerics id left in `folder`, which is of this user
+  /// alone; what is older than a day, or of another id, is removed. `budget_bytes` are those of
+  /// BlobCache, whose folder it is: blobs make room for results, which never take over 1 GiB.
   ResultSpool(std::filesystem::path folder, uint64_t budget_bytes, std::string numerics_id);
   /// Leaves a file that holds results to whoever comes next.
   ~ResultSpool();
@@ -36,20 +37,19 @@ class ResultSpool {
   const std::optional<Origin>& origin() const { return origin_; }
   /// Whether it holds results.
   bool empty() const { return file_ < 0; }
-  /// Adds a result of the worker that says `hello`, for `farm`. Drops it where the budget is used
-  /// up or it cannot be written, and says the latter in the log, once.
-  void keep(const v1::Hello& hello, uint64_t farm, const v1::Envelope& result);
+  /// Adds a result of the worker that says `hello`, for `farm`; false: it is dropped, since the
+  /// budget is used up or it cannot be written, which the log tells, once.
+  bool keep(const v1::Hello& hello, uint64_t farm, const v1::Envelope& result);
   /// Gives all results to `take` and holds them no more; those of another farm are dropped. `take`
   /// may call keep(). Returns how many.
   size_t hand_in(uint64_t farm, const std::function<void(v1::Envelope)>& take);
   void clear();
 
  private:
-  /// Whether it is one that can be taken over; else it is closed.
-  bool take_over(const std::filesystem::path& path);
+  void take_over();
   bool create(const v1::Hello& hello, uint64_t farm);
+  bool has_room(uint64_t bytes);
   bool append(const v1::Envelope& message);
-  std::optional<v1::Envelope> read(uint64_t& offset) const;
   void close_file();
 
   std::filesystem::path folder_, path_;
@@ -58,6 +58,8 @@ class ResultSpool {
   std::optional<Origin> origin_;
   int file_ = -1;      ///< locked
   uint64_t size_ = 0;  ///< of it
+  uint64_t room_ = 0;  ///< to which it may grow before one looks again
+  bool full_ = false;
   uint64_t farm_ = 0;  ///< of its results
   bool complained_ = false;
 };

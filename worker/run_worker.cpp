@@ -20,7 +20,7 @@
 #include "proto/wire/version.h"
 #include "worker/blob_loader.h"
 #include "worker/render_service.h"
-#include "worker/result_spool.h"
+#include "worker/session_spool.h"
 #include "worker/worker_session.h"
 
 namespace tessera {
@@ -45,7 +45,7 @@ std::string numerics_of(const WorkerOptions& options) {
 
 std::unique_ptr<ResultSpool> open_spool(const WorkerOptions& options) {
   if (options.spool_folder.empty()) return nullptr;
-  return std::make_unique<ResultSpool>(options.spool_folder, options.spool_bytes,
+  return std::make_unique<ResultSpool>(options.spool_folder, options.spool_budget_bytes,
                                        numerics_of(options));
 }
 
@@ -119,7 +119,7 @@ class WorkerLoop {
       if (session_.next_deadline() <= monotonic_now()) session_.on_tick(monotonic_now());
       tell_connection();
     }
-    if (spool_) spool_results();
+    if (spool_) leave_results();
     // Nothing waits for the tiles any more.
     session_.leave(end_.reason);
     return end_;
@@ -135,18 +135,15 @@ class WorkerLoop {
     return result;
   }
 
-  /// What is left is for a worker that comes after this one.
-  void spool_results() {
-    const std::vector<v1::Envelope> unsent = session_.take_unsent();
-    for (const auto& result : unsent) spool_->keep(session_.hello(), session_.farm(), result);
-    if (!spool_->empty()) spdlog::info("results that nobody took are kept for the next worker");
-  }
-
-  void hand_in_spooled() {
-    if (!spool_ || spool_->empty()) return;
-    const size_t count = spool_->hand_in(
-        session_.farm(), [this](v1::Envelope result) { session_.on_spooled(std::move(result)); });
-    spdlog::info("handed in {} that was kept on disk", counted(count, "message"));
+  void leave_results() {
+    const SpooledResults results = spool_unsent(session_, *spool_);
+    if (results.kept > 0) {
+      spdlog::info("{} of results that nobody took kept for the next worker",
+                   counted(results.kept, "message"));
+    }
+    if (results.dropped > 0) {
+      spdlog::info("{} of results that nobody took dropped", counted(results.dropped, "message"));
+    }
   }
 
   void receive() {
@@ -177,7 +174,8 @@ class WorkerLoop {
     }
     if (session_.is_welcome() == std::exchange(told_welcome_, session_.is_welcome())) return;
     if (told_welcome_) {
-      hand_in_spooled();
+      const size_t count = spool_ ? hand_in_spooled(session_, *spool_) : 0;
+      if (count > 0) spdlog::info("handed in {} that was kept on disk", counted(count, "message"));
       spdlog::info("connected, with {}", counted(threads_, "thread"));
     } else {
       spdlog::info("the coordinator is silent; connecting again");

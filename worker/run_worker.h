@@ -32,9 +32,10 @@ struct WorkerOptions {
   Time idle_timeout = Time::max();
   /// Results that are kept in memory for a coordinator that is away.
   uint64_t result_bytes = uint64_t{256} << 20;
-  /// Where they are kept beyond that, and when the worker has to end; empty: nowhere.
+  /// Where they are kept beyond that, and when the worker has to end; empty: nowhere. The folder of
+  /// `cache`, where there is one, and its budget.
   std::filesystem::path spool_folder{};
-  uint64_t spool_bytes = uint64_t{1} << 30;
+  uint64_t spool_budget_bytes = uint64_t{1} << 30;
   /// So many workers before this one were killed for the memory of their group: each time it takes
   /// fewer tiles at one time.
   uint64_t memory_kills = 0;

@@ -65,8 +65,11 @@ SqliteDatabase::SqliteDatabase(const fs::path& file, Kind kind)
   try {
     open();
   } catch (const Error& error) {
-    const bool busy = database_ && sqlite3_errcode(database_) == SQLITE_BUSY;
+    const int code = database_ ? sqlite3_errcode(database_) & 0xff : SQLITE_NOMEM;
+    const bool busy = code == SQLITE_BUSY;
     close();
+    // Nothing is wrong with what was asked for: another time it will do.
+    if (code == SQLITE_FULL || code == SQLITE_IOERR || code == SQLITE_NOMEM) throw;
     throw usage_error(fmt::format("'{}': {}; expected {}, or none", file.string(),
                                   busy ? "another process uses it" : error.what(), kind_.what));
   }

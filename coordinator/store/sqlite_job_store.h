@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "coordinator/job_store.h"
+#include "coordinator/jobs/job_store.h"
 #include "coordinator/store/sqlite_database.h"
 #include "coordinator/store/tile_table.h"
 #include "proto/tessera/v1/farm.pb.h"

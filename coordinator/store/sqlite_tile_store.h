@@ -4,7 +4,7 @@
 
 #include "coordinator/store/sqlite_database.h"
 #include "coordinator/store/tile_table.h"
-#include "coordinator/tile_store.h"
+#include "coordinator/tiles/tile_store.h"
 
 namespace tessera {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "coordinator/store/sqlite_database.h"
-#include "coordinator/tile_store.h"
+#include "coordinator/tiles/tile_store.h"
 
 namespace tessera {
 

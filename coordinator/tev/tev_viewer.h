@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/monotonic.h"
-#include "coordinator/farm_snapshot.h"
+#include "coordinator/jobs/farm_snapshot.h"
 #include "coordinator/tev/tev_link.h"
 #include "renderer/film/film.h"
 

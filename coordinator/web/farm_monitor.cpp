@@ -15,11 +15,17 @@ constexpr Time kBetweenSamples = std::chrono::seconds(1);
 constexpr size_t kSamples = 600;
 constexpr Time kBetweenTiles = std::chrono::milliseconds(250);
 constexpr Time kBetweenPreviews = std::chrono::milliseconds(500);
+/// Of first pictures, one a frame: a tenth of the processor.
+constexpr int kFirstShare = 10;
 constexpr int kPreviewSide = 1024;
+/// Less than the server's patience for an answer.
+constexpr Time kNewsPatience = std::chrono::seconds(3);
 /// A frame is shown for so long after it was last asked for.
 constexpr Time kWatched = std::chrono::seconds(10);
 constexpr size_t kMostWatched = 16;
 constexpr size_t kMostWaiting = 1024;
+/// For news, each on a connection of the 512 that there are: others have to get through.
+constexpr size_t kMostListening = 256;
 /// Orders that are carried out in one look: each may write to the store, and wait for the disk.
 constexpr size_t kOrdersOfLook = 4;
 
@@ -73,6 +79,13 @@ bool FarmMonitor::order(v1::JobQuery query, OrderReply reply) {
   return true;
 }
 
+bool FarmMonitor::ask_news(uint64_t known, NewsReply reply) {
+  const std::scoped_lock lock(mutex_);
+  if (inbox_.news.size() >= kMostListening) return false;
+  inbox_.news.push_back({known, std::nullopt, std::move(reply)});
+  return true;
+}
+
 void FarmMonitor::look(Coordinator& coordinator, Time now) {
   std::vector<Order> orders;
   std::vector<FrameQuestion> questions;
@@ -94,12 +107,13 @@ void FarmMonitor::look(Coordinator& coordinator, Time now) {
   }
   if (!orders.empty()) {
     carry_out(std::move(orders), coordinator, now);
-  } else if (now >= next_snapshot_) {
+  } else if (now >= next_snapshot_ || (now >= next_news_ && coordinator.news() != news_)) {
     show_farm(coordinator, now);
   }
+  tell_news(now);
   note_watchers(std::move(questions), now);
   show_tiles(coordinator, now);
-  if (now >= next_preview_) show_oldest_preview(coordinator, now);
+  show_oldest_preview(coordinator, now);
   tell_watchers();
   if (!trace) return;
   const Time start = thread_time();
@@ -122,13 +136,29 @@ void FarmMonitor::carry_out(std::vector<Order> orders, Coordinator& coordinator,
 void FarmMonitor::show_farm(const Coordinator& coordinator, Time now) {
   const Time start = thread_time();
   auto shown = std::make_shared<FarmShown>();
+  news_ = coordinator.news();
   shown->snapshot = coordinator.snapshot(now);
   if (now >= next_sample_) sample(shown->snapshot, now);
   shown->history = history_;
   const std::scoped_lock lock(mutex_);
   farm_ = std::move(shown);
   ++work_.snapshots;
-  next_snapshot_ = next_after(now, thread_time() - start, kBetweenSnapshots);
+  next_news_ = next_after(now, thread_time() - start, Time{0});
+  next_snapshot_ = std::max(next_news_, now + kBetweenSnapshots);
+}
+
+void FarmMonitor::tell_news(Time now) {
+  std::vector<NewsReply> replies;
+  {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(inbox_.news, [&](NewsQuestion& question) {
+      if (!question.until) question.until = now + kNewsPatience;
+      if (question.known == news_ && now < *question.until) return false;
+      replies.push_back(std::move(question.reply));
+      return true;
+    });
+  }
+  for (const NewsReply& reply : replies) reply(news_);
 }
 
 void FarmMonitor::sample(const FarmSnapshot& snapshot, Time now) {
@@ -205,25 +235,32 @@ void FarmMonitor::show_oldest_preview(Coordinator& coordinator, Time now) {
   for (const auto& entry : watched_) {
     const Watched& watched = entry.second;
     if (watched.preview_is_final || is_up_to_date(*watched.shown)) continue;
+    if (now < (watched.shown->preview ? next_preview_ : next_first_preview_)) continue;
     if (!oldest || watched.previewed < oldest->second.previewed) oldest = &entry;
   }
   if (!oldest) return;
   const Time start = thread_time();
   Watched& watched = watched_[oldest->first];
-  auto shown = std::make_shared<FrameShown>(*watched.shown);
   const auto& [job, frame] = oldest->first;
-  shown->tiles = coordinator.tiles(job, frame, now);
+  watched.previewed = now;
   auto preview = coordinator.preview(job, frame, kPreviewSide);
-  if (preview) shown->preview = std::make_shared<const PreviewImage>(std::move(*preview));
+  if (!preview) {
+    // To find that out may have taken long too.
+    next_first_preview_ = now + kFirstShare * (thread_time() - start);
+    return;
+  }
+  auto shown = std::make_shared<FrameShown>(*watched.shown);
+  shown->tiles = coordinator.tiles(job, frame, now);
+  shown->preview = std::make_shared<const PreviewImage>(std::move(*preview));
   std::vector<bool> pictured;
   for (const TileSnapshot& tile : shown->tiles) {
     pictured.push_back(tile.state == TileSnapshot::State::done);
   }
   shown->pictured = std::make_shared<const std::vector<bool>>(std::move(pictured));
   // Of a frame that has ended the picture does not change any more.
-  watched.preview_is_final = preview.has_value() && shown->tiles.empty();
+  watched.preview_is_final = shown->tiles.empty();
   watched.shown = std::move(shown);
-  watched.previewed = now;
+  next_first_preview_ = now + kFirstShare * (thread_time() - start);
   next_preview_ = next_after(now, thread_time() - start, kBetweenPreviews);
   const std::scoped_lock lock(mutex_);
   ++work_.previews;

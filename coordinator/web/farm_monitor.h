@@ -5,11 +5,12 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "base/monotonic.h"
-#include "coordinator/farm_snapshot.h"
+#include "coordinator/jobs/farm_snapshot.h"
 #include "job/frame_trace.h"
 #include "proto/tessera/v1/farm.pb.h"
 
@@ -60,6 +61,9 @@ class FarmMonitor {
   bool ask_trace(uint64_t job, uint32_t frame, TraceReply reply);
   using OrderReply = std::function<void(const v1::JobStatus&)>;
   bool order(v1::JobQuery query, OrderReply reply);
+  using NewsReply = std::function<void(uint64_t news)>;
+  /// Waits until Coordinator::news() is not `known`, or for some seconds.
+  bool ask_news(uint64_t known, NewsReply reply);
 
   /// What was asked of the coordinator's thread so far.
   struct Work {
@@ -87,7 +91,13 @@ class FarmMonitor {
     v1::JobQuery query;
     OrderReply reply;
   };
+  struct NewsQuestion {
+    uint64_t known = 0;
+    std::optional<Time> until;  ///< nothing: as yet not looked at
+    NewsReply reply;
+  };
   struct Inbox {
+    std::vector<NewsQuestion> news;
     std::vector<FrameQuestion> frames;
     std::vector<TraceQuestion> traces;
     std::vector<Order> orders;
@@ -100,11 +110,14 @@ class FarmMonitor {
   /// False where all that are watched are waited for.
   bool make_room();
   void show_tiles(Coordinator& coordinator, Time now);
+  void tell_news(Time now);
   void show_oldest_preview(Coordinator& coordinator, Time now);
   void tell_watchers();
 
   // Of the thread of look().
   Time next_snapshot_{}, next_sample_{}, next_preview_{}, next_trace_{}, next_orders_{};
+  Time next_news_{}, next_first_preview_{};  ///< what need not wait for its turn, but for its share
+  uint64_t news_ = 0;                        ///< that was shown
   FarmSnapshot::Counters sampled_;
   double sampled_at_ = 0;
   std::shared_ptr<const std::vector<FarmSample>> history_;

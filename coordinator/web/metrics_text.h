@@ -3,7 +3,7 @@
 #include <string>
 
 #include "base/process_usage.h"
-#include "coordinator/farm_snapshot.h"
+#include "coordinator/jobs/farm_snapshot.h"
 #include "coordinator/web/farm_monitor.h"
 
 namespace tessera {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "coordinator/farm_snapshot.h"
+#include "coordinator/jobs/farm_snapshot.h"
 
 namespace tessera {
 

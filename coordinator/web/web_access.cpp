@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/lower_case.h"
 #include "proto/wire/printable.h"
 
 namespace tessera {
@@ -89,7 +90,7 @@ std::optional<WebAccess::Role> WebAccess::role_of(const HttpRequest& request) co
 }
 
 std::optional<HttpResponse> WebAccess::refuse(const HttpRequest& request, Role needed) const {
-  const std::string host = request.header("host");
+  const std::string host = lower_case(request.header("host"));
   if (tokens_.empty()) {
     if (!names_this_machine(host_of(host))) {
       return http_error(421, "this page answers to 127.0.0.1, [::1] and localhost alone");
@@ -107,7 +108,7 @@ std::optional<HttpResponse> WebAccess::refuse(const HttpRequest& request, Role n
   }
   if (needed == Role::viewer) return std::nullopt;
   // What another site has a browser send is of a simple type, or names that site.
-  const std::string origin = request.header("origin");
+  const std::string origin = lower_case(request.header("origin"));
   const size_t scheme = origin.find("://");
   const bool foreign =
       !origin.empty() && (scheme == std::string::npos || origin.substr(scheme + 3) != host);

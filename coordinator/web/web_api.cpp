@@ -203,8 +203,23 @@ void WebApi::handle_api(const HttpRequest& request, const HttpReply& reply) {
     return tell(reply,
                 json(shared(rest, farm->history, [&] { return history_json(*farm->history); })));
   }
+  if (rest == "news") return tell_news(request, reply);
   if (rest == "log") return tell(reply, log(request));
   tell(reply, http_error(404, "there is no such thing; docs/operating.md lists what there is"));
+}
+
+void WebApi::tell_news(const HttpRequest& request, const HttpReply& reply) {
+  const auto after = request.query.find("after");
+  // There is never so much: who knows nothing is answered at once.
+  const auto known =
+      after == request.query.end() ? std::optional(UINT64_MAX) : whole<uint64_t>(after->second);
+  if (!known) return tell(reply, http_error(400, "after: expected a whole number"));
+  const bool asked = parts_.monitor->ask_news(*known, [reply](uint64_t news) {
+    reply([news] {
+      return json(std::make_shared<const std::string>(fmt::format("{{\"news\":{}}}\n", news)));
+    });
+  });
+  if (!asked) tell(reply, http_error(503, "too many ask"));
 }
 
 HttpResponse WebApi::log(const HttpRequest& request) const {

@@ -51,6 +51,7 @@ class WebApi {
   void show_frame(uint64_t job, uint32_t frame, const std::string& what, const HttpRequest& request,
                   const HttpReply& reply);
   void show_trace(uint64_t job, uint32_t frame, const HttpReply& reply);
+  void tell_news(const HttpRequest& request, const HttpReply& reply);
   void order(uint64_t job, const std::string& what, const HttpRequest& request,
              const HttpReply& reply);
   HttpResponse preview(uint64_t job, uint32_t frame, const FrameShown& shown,

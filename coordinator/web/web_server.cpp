@@ -10,12 +10,13 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
-#include <cctype>
+#include <list>
 #include <optional>
 #include <thread>
 #include <utility>
 
 #include "base/error.h"
+#include "base/lower_case.h"
 
 namespace tessera {
 namespace {
@@ -61,13 +62,19 @@ HttpRequest plain(http::request<http::string_body>&& message) {
   request.method = std::string(message.method_string());
   split_target(std::string(message.target()), request);
   for (const auto& field : message) {
-    std::string name(field.name_string());
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    request.headers.emplace(std::move(name), std::string(field.value()));
+    request.headers.emplace(lower_case(std::string(field.name_string())),
+                            std::string(field.value()));
   }
   request.body = std::move(message.body());
   return request;
+}
+
+/// What we decide by must not be there twice: others on the way may have gone by the other one.
+bool is_ambiguous(const http::request<http::string_body>& message) {
+  const auto fields = {http::field::host, http::field::origin, http::field::authorization,
+                       http::field::content_type, http::field::if_none_match};
+  return std::any_of(fields.begin(), fields.end(),
+                     [&](http::field field) { return message.count(field) > 1; });
 }
 
 using Answer = http::response<http::span_body<const char>>;
@@ -129,10 +136,12 @@ class WebServer::Impl : public std::enable_shared_from_this<WebServer::Impl> {
     }
   }
   void accept();
+  bool make_room();
 
   HttpHandler handler_;
   WebLimits limits_;
   size_t connections_ = 0;
+  std::list<Session*> asking_;   ///< whose requests have not come in full, the longest first
   asio::io_context context_{1};  ///< keeps the sessions, which use the above
   Tcp::acceptor acceptor_;
   asio::steady_timer pause_{context_};
@@ -146,17 +155,27 @@ class WebServer::Impl::Session : public std::enable_shared_from_this<Session> {
       : server_(server), stream_(std::move(socket)), patience_(stream_.get_executor()) {
     ++server_.connections_;
   }
-  ~Session() { --server_.connections_; }
+  ~Session() {
+    end_asking();
+    --server_.connections_;
+  }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
+  void hang_up() {
+    end_asking();
+    stream_.close();
+  }
+
   void read() {
+    asking_ = server_.asking_.insert(server_.asking_.end(), this);
     parser_.emplace();
     parser_->header_limit(server_.limits_.header_bytes);
     parser_->body_limit(server_.limits_.body_bytes);
     stream_.expires_after(server_.limits_.to_ask);
     http::async_read(
         stream_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, size_t) {
+          self->end_asking();
           if (!error) return self->handle();
           if (error == http::error::body_limit || error == http::error::header_limit) {
             self->keep_alive_ = false;
@@ -166,9 +185,18 @@ class WebServer::Impl::Session : public std::enable_shared_from_this<Session> {
   }
 
  private:
+  void end_asking() {
+    if (asking_) server_.asking_.erase(*asking_);
+    asking_.reset();
+  }
+
   void handle() {
     keep_alive_ = parser_->get().keep_alive();
     head_ = parser_->get().method() == http::verb::head;
+    if (is_ambiguous(parser_->get())) {
+      keep_alive_ = false;
+      return answer({400, "text/plain", std::make_shared<const std::string>("a field twice\n")});
+    }
     stream_.expires_never();
     const uint64_t turn = ++turn_;
     // Also keeps this while nothing else does.
@@ -240,13 +268,22 @@ class WebServer::Impl::Session : public std::enable_shared_from_this<Session> {
   std::shared_ptr<const std::string> body_;
   std::optional<Answer> answer_;
   std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
+  std::optional<std::list<Session*>::iterator> asking_;
   uint64_t turn_ = 0;
   bool keep_alive_ = false, head_ = false;
 };
 
+/// Whoever floods has no way to keep those away who ask something, such as whether all is well.
+bool WebServer::Impl::make_room() {
+  if (connections_ < limits_.connections) return true;
+  if (asking_.empty()) return false;
+  asking_.front()->hang_up();
+  return true;
+}
+
 void WebServer::Impl::accept() {
   acceptor_.async_accept([this](beast::error_code error, Tcp::socket socket) {
-    if (!error && connections_ < limits_.connections) {
+    if (!error && make_room()) {
       std::make_shared<Session>(std::move(socket), *this)->read();
     }
     if (!error) return accept();

@@ -10,7 +10,8 @@ namespace tessera {
 
 /// What one who connects may take up. A message that exceeds its share ends the connection.
 struct WebLimits {
-  size_t connections = 256;  ///< more are closed as they come
+  /// Of more, those that ask nothing for the longest are closed; where all ask, whoever comes.
+  size_t connections = 512;
   uint32_t header_bytes = 8 << 10;
   uint64_t body_bytes = 4 << 10;
   std::chrono::milliseconds to_ask{15'000};    ///< for a whole request, from the last answer on

@@ -1,7 +1,6 @@
 #include "proto/transport/accept_guard.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sched.h>
 #include <spdlog/spdlog.h>
 #include <sys/socket.h>
@@ -9,14 +8,9 @@
 #include <unistd.h>
 
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <csignal>
-#include <cstdint>
-#include <cstring>
 #include <utility>
-
-#include "proto/transport/zmq_sockets.h"
 
 namespace tessera {
 namespace {
@@ -36,31 +30,18 @@ int end_all_that_wait(void* argument) {
 }  // namespace
 
 AcceptGuard::AcceptGuard(zmq::context_t& context, zmq::socket_t& watched)
-    : events_(context, zmq::socket_type::pair) {
-  events_.set(zmq::sockopt::linger, 0);
-  static std::atomic<uint64_t> count{0};
-  const std::string endpoint = fmt::format("inproc://accepts-{}", ++count);
-  constexpr int kEvents = ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPT_FAILED;
-  if (zmq_socket_monitor(watched.handle(), endpoint.c_str(), kEvents) != 0) throw zmq::error_t();
-  events_.connect(endpoint);
-}
+    : monitor_(context, watched, ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPT_FAILED) {}
 
 void AcceptGuard::act() {
   bool failed = false;
-  while (true) {
-    const auto parts = receive_parts(events_);
-    if (parts.empty()) break;
-    uint16_t event = 0;
-    uint32_t value = 0;
-    if (parts[0].size() < sizeof event + sizeof value) continue;
-    std::memcpy(&event, parts[0].data(), sizeof event);
-    std::memcpy(&value, parts[0].data<char>() + sizeof event, sizeof value);
-    if (event == ZMQ_EVENT_LISTENING) {
-      listener_ = static_cast<int>(value);
+  while (const auto seen = monitor_.next()) {
+    if (seen->event == ZMQ_EVENT_LISTENING) {
+      listener_ = static_cast<int>(seen->value);
       // Somebody else may take the last that waits.
       fcntl(listener_, F_SETFL, fcntl(listener_, F_GETFL) | O_NONBLOCK);
     }
-    failed |= event == ZMQ_EVENT_ACCEPT_FAILED && (value == EMFILE || value == ENFILE);
+    failed |=
+        seen->event == ZMQ_EVENT_ACCEPT_FAILED && (seen->value == EMFILE || seen->value == ENFILE);
   }
   if (failed) turn_away();
 }

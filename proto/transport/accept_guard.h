@@ -2,6 +2,8 @@
 
 #include <zmq.hpp>
 
+#include "proto/transport/socket_monitor.h"
+
 namespace tessera {
 
 /// What a bound socket does while this process has no file descriptor left for another connection:
@@ -14,14 +16,14 @@ class AcceptGuard {
   AcceptGuard(zmq::context_t& context, zmq::socket_t& watched);
 
   /// Becomes readable when there is something to do.
-  zmq::socket_t& socket() { return events_; }
+  zmq::socket_t& socket() { return monitor_.socket(); }
   /// Takes notice of what has happened since. Does not block.
   void act();
 
  private:
   void turn_away();
 
-  zmq::socket_t events_;
+  SocketMonitor monitor_;
   int listener_ = -1;  ///< the socket's own
   bool told_ = false;
 };

@@ -80,6 +80,12 @@ AllowList AllowList::parse(std::string_view text, const std::string& file) {
       throw usage_error(fmt::format("{}: {} words; expected three: KEY ROLE NAME", place(last),
                                     line.words.size()));
     }
+    if (line.words[1].text == "coordinator") {
+      throw usage_error(
+          fmt::format("{}: a coordinator's own key; expected keys of workers, "
+                      "submitters and viewers",
+                      place(1)));
+    }
     AllowedKey allowed{parse_role(line.words[1].text, place(1)), std::string(line.words[2].text)};
     check_key_name(allowed.name, place(2));
     if (!list.keys_.emplace(key_text(*key), std::move(allowed)).second) {

@@ -1,12 +1,6 @@
 #include "proto/transport/handshake_monitor.h"
 
-#include <fmt/format.h>
-
-#include <atomic>
-#include <cstring>
 #include <utility>
-
-#include "proto/transport/zmq_sockets.h"
 
 namespace tessera {
 namespace {
@@ -37,26 +31,13 @@ std::optional<ConnectionTrouble> trouble_of(int event, uint32_t value) {
 }  // namespace
 
 HandshakeMonitor::HandshakeMonitor(zmq::context_t& context, zmq::socket_t& watched)
-    : events_(context, zmq::socket_type::pair) {
-  events_.set(zmq::sockopt::linger, 0);
-  static std::atomic<uint64_t> count{0};
-  const std::string endpoint = fmt::format("inproc://handshakes-{}", ++count);
-  if (zmq_socket_monitor(watched.handle(), endpoint.c_str(), kEvents) != 0) throw zmq::error_t();
-  events_.connect(endpoint);
-}
+    : monitor_(context, watched, kEvents) {}
 
 void HandshakeMonitor::read() {
-  while (true) {
-    const auto parts = receive_parts(events_);
-    if (parts.empty()) return;
-    uint16_t event = 0;
-    uint32_t value = 0;
-    if (parts[0].size() < sizeof event + sizeof value) continue;
-    std::memcpy(&event, parts[0].data(), sizeof event);
-    std::memcpy(&value, parts[0].data<char>() + sizeof event, sizeof value);
-    connected_ = event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED;
-    if (event == ZMQ_EVENT_DISCONNECTED) continue;
-    auto trouble = trouble_of(event, value);
+  while (const auto seen = monitor_.next()) {
+    connected_ = seen->event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED;
+    if (seen->event == ZMQ_EVENT_DISCONNECTED) continue;
+    auto trouble = trouble_of(seen->event, seen->value);
     // Who refuses may hang up before the other side has read why: what is certain stays.
     const bool is_vague = trouble && !trouble->refused;
     if (is_vague && trouble_ && trouble_->refused) continue;

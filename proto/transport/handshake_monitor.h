@@ -1,9 +1,9 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <zmq.hpp>
 
+#include "proto/transport/socket_monitor.h"
 #include "proto/transport/transport.h"
 
 namespace tessera {
@@ -21,7 +21,7 @@ class HandshakeMonitor {
   bool connected() const { return connected_; }
 
  private:
-  zmq::socket_t events_;
+  SocketMonitor monitor_;
   std::optional<ConnectionTrouble> trouble_;
   bool connected_ = false;
 };

@@ -90,9 +90,9 @@ class ManyWorkers(Limits):
 
 class ColdScene(Limits):
     """Farm test 24: all connect at once, and none has anything of the scene. TESSERA_COLD_SIDE=3800
-    is a scene of 1 GB."""
+    is half a GB of scene, with which each worker takes 2.3 GB: TESSERA_COLD_WORKERS=4."""
     SIDE = int(os.environ.get("TESSERA_COLD_SIDE", "400"))
-    COUNT = 16
+    COUNT = int(os.environ.get("TESSERA_COLD_WORKERS", "16"))
 
     def shipped(self):
         """Bytes of scenes that went to workers."""

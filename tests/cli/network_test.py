@@ -18,6 +18,7 @@ from tessera_process import PATIENCE, PROGRAM, wait_until
 
 
 BOTH = ("control", "bulk")
+LOST = 3  # seconds of silence after which a worker is counted no more
 
 
 class Relay:
@@ -279,6 +280,9 @@ class OneLine(BadNetwork):
                 self.assertEqual(TILES, self.stats()["tiles"]["done"])
                 for worker in workers:
                     self.assertIsNone(worker.poll(), done)
+                # Whoever is away when the service ends is told nothing and would wait for it.
+                time.sleep(LOST)
+                wait_until(lambda: "2 workers" in self.ask("status"), f"all are back, after {done}")
                 self.stop(service)
                 for worker in workers:
                     self.assertEqual(0, worker.wait(60), done)

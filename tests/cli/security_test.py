@@ -103,6 +103,11 @@ class KeyedFarm(TesseraTest):
         made = self.run_program("keygen", ".", "--name", "box-1", "--role", "submitter")
         self.assertEqual((self.folder / "box-1.pub").read_text(), made.out)
         self.assertTrue(made.out.endswith(" submitter box-1\n"))
+        own = self.run_program("keygen", "own.key")
+        self.assertRegex(own.out, r"^[0-9a-f]{64} coordinator own\n$")
+        (self.folder / "own.allow").write_text(own.out)
+        self.assert_error(self.run_program("serve", "--bind", "tcp://127.0.0.1:*", "--key", "own.key", "--allow",
+                                           "own.allow"), 2, "own.allow:1:66: a coordinator's own key")
         self.assert_error(self.run_program("keygen", "x.key", "--role", "wroker"), 2, "did you mean 'worker'")
         self.assert_error(self.run_program("keygen", "no/x.key"), 2, "no/x.key")
 
@@ -211,7 +216,7 @@ class KeyedFarm(TesseraTest):
         self.end_farm()
 
     def test_a_revoked_worker_is_shut_out_and_the_job_goes_on(self):
-        made = self.run_program("keygen", "other.key")
+        made = self.run_program("keygen", "other.key", "--role", "worker")
         self.assertEqual(0, made.code)
         self.allow("node", "other", "alice")
         self.serve()

@@ -21,14 +21,16 @@ TILES = 300
 
 
 def free_port():
-    """A port whose successor, for blobs, is free too."""
+    """A port whose successor, for blobs, is free too. Below those that connections are given, which
+    would keep a coordinator that is started anew from it for a minute after their end."""
     while True:
+        port = random.SystemRandom().randrange(20000, 32000, 2)
         with socket.socket() as one, socket.socket() as two:
-            one.bind(("127.0.0.1", 0))
             try:
-                two.bind(("127.0.0.1", one.getsockname()[1] + 1))
-                return one.getsockname()[1]
-            except (OSError, OverflowError):
+                one.bind(("127.0.0.1", port))
+                two.bind(("127.0.0.1", port + 1))
+                return port
+            except OSError:
                 pass
 
 

@@ -28,7 +28,8 @@ class Soak(BadNetwork):
     def setUp(self):
         super().setUp()
         self.chance = random.Random(SEED)
-        self.workers, self.done = [], []
+        self.cache = self.folder / "cache"
+        self.workers = []
 
     def begin(self):
         self.log = open(self.folder / "serve.log", "a")
@@ -37,12 +38,17 @@ class Soak(BadNetwork):
         self.assertIn("serving at", service.stdout.readline())
         return service
 
+    def results(self):
+        """What workers that have ended, or cannot hand them in, left of results."""
+        return list(self.cache.glob("*.results"))
+
     def join(self):
         self.workers.append(self.far_worker(stderr=self.log))
 
     def far_worker(self, **options):
         return self.start("worker", "--connect", f"tcp://127.0.0.2:{self.port}", "--threads", 1,
-                          "--quiet", **options)
+                          "--quiet", "--cache", self.cache,
+                          "--orphan-timeout", 6 if self.workers else 600, **options)
 
     def present(self):
         return json.loads(self.ask("status", "--json"))["workers"]
@@ -50,7 +56,7 @@ class Soak(BadNetwork):
     def something_happens(self):
         """What was done; never to the first worker, whose memory is looked at."""
         others = self.workers[1:]
-        what = self.chance.choice(["kill", "end", "stop", "join", "reset", "one line", "swallow", "coordinator"])
+        what = self.chance.choice(["kill", "end", "stop", "join", "reset", "one line", "swallow", "coordinator", "orphans"])
         if what in ("kill", "end", "stop") and others:
             worker = self.chance.choice(others)
             if what == "stop":
@@ -72,9 +78,12 @@ class Soak(BadNetwork):
             time.sleep(self.chance.uniform(0, 7))
             self.relay.swallow = set()
             self.relay.reset()
-        if what == "coordinator":
+        if what in ("coordinator", "orphans"):
             self.service.send_signal(signal.SIGKILL)  # told to end, it would send the workers away
             self.service.wait(60 * SLOWER)
+            if what == "orphans":  # all but the first leave what they have traced to the next ones
+                for worker in others:
+                    worker.wait(60 * SLOWER)
             self.service = self.begin()
         return what
 
@@ -108,6 +117,10 @@ class Soak(BadNetwork):
         self.assertLessEqual(late[1], early[1] + 8)
         self.assertLessEqual(late[2], early[2] + 8 * len(self.workers) + 8)
         self.assertEqual([], list((self.store / "blobs").iterdir()), "blobs of jobs that are forgotten")
+        # One worker hands in what one before it left, of jobs that are forgotten too.
+        for _ in self.results():
+            self.join()
+        wait_until(lambda: not self.results(), "all results are handed in")
         # Who is not there at the end hears nothing of it; who died is forgotten after 5 s.
         time.sleep(6)
         wait_until(lambda: self.present() == len(self.workers), "all workers are there")

@@ -6,6 +6,7 @@ import pathlib
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
@@ -69,7 +70,12 @@ def wait_until(condition, what):
 class TesseraTest(unittest.TestCase):
     """Each test has a folder of its own and fails if it leaves a process or a temporary file."""
 
+    def troubles(self):
+        result = self._outcome.result
+        return len(result.failures) + len(result.errors)
+
     def setUp(self):
+        self.troubles_before = self.troubles()
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="tessera-test-"))
         self.temporary = self.folder / "tmp"
         self.temporary.mkdir()
@@ -102,11 +108,17 @@ class TesseraTest(unittest.TestCase):
         self.addCleanup(self.end, process)
         return process
 
-    @staticmethod
-    def end(process):
-        if process.poll() is None:
+    def end(self, process):
+        """Ends it; of a test that failed, what it said."""
+        lived = process.poll() is None
+        if lived:
             process.kill()
-        process.communicate()
+        if process.stderr and process.stderr.closed:
+            return  # the test has read it
+        said = process.communicate()[1]
+        if self.troubles() > self.troubles_before:
+            how = "still ran" if lived else f"had ended with {process.returncode}"
+            print(f"{' '.join(process.args[1:])}: {how}; it said:\n{said}", file=sys.stderr)
 
     def run_program(self, *arguments, **options):
         """The ended process with .code, .out and .err."""

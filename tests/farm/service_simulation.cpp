@@ -29,7 +29,19 @@ ServiceSimulation::ServiceSimulation(uint64_t seed)
   service_.orders = draw() < 0.4 ? 0 : static_cast<int>(draw(6));
   service_.kills = draw() < 0.3 ? 0 : static_cast<int>(draw(4));
   service_.full = draw() < 0.3;
+  service_.spools = draw() < 0.4;
+  if (service_.spools) {
+    faults_.events += 4;
+    faults_.orphan_timeout = seconds(3) + draw_time(seconds(5));
+    faults_.result_bytes = 1 + draw(8) * 1024;
+  }
   coordinator_ = std::make_unique<Coordinator>(options_, store_);
+}
+
+std::filesystem::path ServiceSimulation::spool_folder() {
+  if (!service_.spools) return {};
+  if (!spool_) spool_.emplace();
+  return spool_->path();
 }
 
 void ServiceSimulation::with_coordinator(const std::function<void(Coordinator&)>& act) {

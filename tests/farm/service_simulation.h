@@ -2,14 +2,16 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "coordinator/memory_job_store.h"
+#include "coordinator/jobs/memory_job_store.h"
 #include "proto/wire/blob_store.h"
 #include "tests/farm/simulation.h"
+#include "tests/temporary_folder.h"
 
 namespace tessera::testing {
 
@@ -57,6 +59,7 @@ struct ServiceFaults {
   int orders = 0;  ///< pauses, resumptions, cancellations, new priorities
   int kills = 0;   ///< of the coordinator, each at some write of the store
   bool full = false;
+  bool spools = false;  ///< workers end when they are orphans for long, and leave their results
 };
 
 /// Many jobs on a coordinator that is killed and started again from its store.
@@ -70,6 +73,7 @@ class ServiceSimulation : public Simulation {
   int restarts() const { return restarts_; }
   int cancelled() const { return cancelled_; }
   uint64_t restored() const { return restored_; }
+  uint64_t handed_in() const { return handed_in_; }
 
  private:
   /// Somebody who submits one job and then gives orders about it.
@@ -89,6 +93,8 @@ class ServiceSimulation : public Simulation {
   Time next_client_time() const override;
   void tick_clients() override;
 
+  std::filesystem::path spool_folder() override;
+
   void come(int number);
   void ask(const PeerId& peer, Client& client);
   void on_status(Client& client, const v1::JobStatus& status);
@@ -98,6 +104,7 @@ class ServiceSimulation : public Simulation {
 
   ServiceFaults service_;
   std::shared_ptr<MortalStore> store_ = std::make_shared<MortalStore>();
+  std::optional<TemporaryFolder> spool_;
   std::map<PeerId, Client> clients_;
   std::string flaw_;
   int restarts_ = 0, cancelled_ = 0;

@@ -20,7 +20,7 @@ class FarmService : public ::testing::TestWithParam<uint64_t> {
 
 TEST_P(FarmService, EveryScheduleEndsWithTheSamePictures) {
   const std::vector<uint64_t> seeds = seeds_of(GetParam(), kSeeds);
-  uint64_t restarts = 0, restored = 0, cancelled = 0;
+  uint64_t restarts = 0, restored = 0, cancelled = 0, handed_in = 0;
   for (const uint64_t seed : seeds) {
     ServiceSimulation simulation(seed);
     simulation.trace = replayed_seed() != 0;
@@ -28,6 +28,7 @@ TEST_P(FarmService, EveryScheduleEndsWithTheSamePictures) {
         << "replay with TESSERA_SIM_SEED=" << seed << " farm_service_simulation_test";
     restarts += static_cast<uint64_t>(simulation.restarts());
     restored += simulation.restored();
+    handed_in += simulation.handed_in() > 0;
     cancelled += static_cast<uint64_t>(simulation.cancelled());
   }
   if (replayed_seed()) return;
@@ -35,6 +36,7 @@ TEST_P(FarmService, EveryScheduleEndsWithTheSamePictures) {
   EXPECT_GT(restarts, seeds.size() / 4);
   EXPECT_GT(restored, seeds.size() / 2);
   EXPECT_GT(cancelled, seeds.size() / 64);
+  EXPECT_GT(handed_in, seeds.size() / 32);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, FarmService, ::testing::Range<uint64_t>(0, kShards));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -12,7 +13,7 @@
 #include "client/job_client.h"
 #include "coordinator/coordinator.h"
 #include "tests/farm/fake_renderer.h"
-#include "worker/worker_session.h"
+#include "worker/session_spool.h"
 
 namespace tessera::testing {
 
@@ -32,6 +33,9 @@ struct Faults {
   bool bad_scene = false;    ///< no worker can build the scene
   bool one_starves = false;  ///< the first worker has memory for one tile at a time
   bool restarts = false;     ///< the coordinator dies once, and another takes its place
+  /// Workers that hear nothing for so long end, and others take their place.
+  Time orphan_timeout = Time::max();
+  uint64_t result_bytes = uint64_t{1} << 20;  ///< what each keeps of its results in memory
 };
 
 /// The whole farm in one thread under a simulated clock: the real Coordinator, WorkerSessions and
@@ -64,8 +68,13 @@ class Simulation {
   virtual Time next_client_time() const;
   virtual void tick_clients();
 
+  /// Where workers leave results that they cannot hand in; empty: nowhere.
+  virtual std::filesystem::path spool_folder() { return {}; }
+
   struct Worker {
     std::unique_ptr<WorkerSession> session;
+    std::unique_ptr<ResultSpool> spool;  ///< null: none
+    bool was_welcome = false;
     PeerId peer;
     uint32_t process = 0;
     int failures_left = 0;  ///< two do not make a tile given up
@@ -118,6 +127,8 @@ class Simulation {
   void to_coordinator(Channel channel, const PeerId& peer, const v1::Envelope& message);
   void deliver();
   void perform(Worker& worker);
+  void hand_in(Worker& worker);
+  void leave_results(Worker& worker);
   /// Of tracing that, for a worker of ordinary speed.
   double seconds_of(const TraceRun& run) const;
   void start_tracing(Worker& worker);
@@ -140,6 +151,7 @@ class Simulation {
   uint64_t id_ = 0;  ///< of the job, where no client asks for it
   std::map<uint32_t, Worker> workers_;
   uint32_t processes_ = 0, peers_ = 0;
+  uint64_t handed_in_ = 0;  ///< results of processes that had ended, or for which there was no room
   std::unique_ptr<JobClient> client_;
   bool quiet_ = false;  ///< nothing goes wrong any more
 };

@@ -44,10 +44,19 @@ void Simulation::join() {
   hello.set_protocol_major(kProtocolMajor);
   hello.set_numerics_id(kNumericsId);
   hello.set_worker_id(random_() | 1);
+  if (const auto folder = spool_folder(); !folder.empty()) {
+    worker.spool = std::make_unique<ResultSpool>(folder, uint64_t{1} << 30, kNumericsId);
+    if (const auto& before = worker.spool->origin()) {
+      hello.set_worker_id(before->worker_id);
+      hello.set_session(before->session);
+    }
+  }
   hello.set_host(draw() < 0.5 ? kHost : "elsewhere");
   hello.set_process_id(worker.process);
   hello.set_threads(1 + static_cast<uint32_t>(draw(3)));
   hello.set_credit(hello.threads() + 1);
+  options.orphan_timeout = faults_.orphan_timeout;
+  options.result_bytes = faults_.result_bytes;
   worker.session = std::make_unique<WorkerSession>(options, now_);
   say(fmt::format("worker {} joins", worker.process));
   perform(worker);
@@ -74,7 +83,8 @@ void Simulation::something_happens() {
   auto it = workers_.begin();
   std::advance(it, static_cast<ptrdiff_t>(draw(workers_.size())));
   Worker& worker = it->second;
-  switch (draw(6)) {
+  constexpr uint64_t kCutOff = 4;
+  switch (faults_.orphan_timeout != Time::max() && draw() < 0.5 ? kCutOff : draw(6)) {
     case 0:
       return crash(worker.process, draw() < 0.5, false);
     case 1:
@@ -96,7 +106,7 @@ void Simulation::something_happens() {
     case 3:
       worker.frozen_until = now_ + (draw() < 0.3 ? Time(seconds(10000)) : draw_time(seconds(15)));
       return say(fmt::format("worker {} is stopped", worker.process));
-    case 4:
+    case kCutOff:
       worker.cut_until = now_ + draw_time(seconds(15));
       worker.cut_to = draw() < 0.7;
       worker.cut_from = !worker.cut_to || draw() < 0.5;
@@ -183,8 +193,21 @@ TraceOutcome Simulation::outcome_of(Worker& worker, const std::shared_ptr<TraceR
   return outcome;
 }
 
+void Simulation::hand_in(Worker& worker) {
+  const bool welcome = worker.session->is_welcome();
+  if (welcome == std::exchange(worker.was_welcome, welcome) || !welcome || !worker.spool) return;
+  handed_in_ += hand_in_spooled(*worker.session, *worker.spool);
+}
+
+void Simulation::leave_results(Worker& worker) {
+  if (!worker.spool) return;
+  const SpooledResults left = spool_unsent(*worker.session, *worker.spool);
+  if (left.kept > 0) say(fmt::format("worker {} leaves {} results", worker.process, left.kept));
+}
+
 void Simulation::perform(Worker& worker) {
   const uint32_t process = worker.process;
+  hand_in(worker);
   for (SessionAction& action : worker.session->take_actions()) {
     if (auto* send = std::get_if<SendMessage>(&action)) {
       if (now_ < worker.cut_until && worker.cut_to) continue;
@@ -212,8 +235,17 @@ void Simulation::perform(Worker& worker) {
       });
     } else if (auto* trace_action = std::get_if<StartTrace>(&action)) {
       worker.queue.push_back(std::move(trace_action->run));
+    } else if (auto* spooled = std::get_if<SpoolResult>(&action)) {
+      if (worker.spool) {
+        worker.spool->keep(worker.session->hello(), worker.session->farm(), spooled->result);
+      }
     } else if (auto* quit = std::get_if<Quit>(&action)) {
       say(fmt::format("worker {} quits: {}", process, quit->reason));
+      if (worker.spool && quit->refused) worker.spool->clear();
+      leave_results(worker);
+      if (!quit->refused && faults_.orphan_timeout != Time::max()) {
+        at(now_ + draw_time(seconds(3)), [this] { join(); });
+      }
       return at(now_, [this, process] { crash(process, true, false); });
     }
   }
@@ -231,6 +263,7 @@ void Simulation::end_drain(uint32_t process) {
   }
   worker->drains = false;
   say(fmt::format("worker {} has drained", process));
+  leave_results(*worker);
   worker->session->leave("simulated");
   perform(*worker);
   workers_.erase(process);

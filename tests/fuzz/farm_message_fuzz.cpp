@@ -3,6 +3,8 @@
 // byte's highest bit says where it begins: at the door, or behind it, with a coordinator that was
 // started anew on its store, two workers that it has welcomed, and messages of theirs that are
 // given the numbers of jobs and leases that there are.
+#include <google/protobuf/stubs/logging.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -12,7 +14,7 @@
 #include "base/log.h"
 #include "client/job_client.h"
 #include "coordinator/coordinator.h"
-#include "coordinator/memory_job_store.h"
+#include "coordinator/jobs/memory_job_store.h"
 #include "proto/wire/frame.h"
 #include "proto/wire/pixels.h"
 #include "tests/farm/fake_renderer.h"
@@ -185,6 +187,7 @@ void fuzz_behind_the_door(std::span<const std::byte> input) {
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   spdlog::set_level(spdlog::level::off);
+  google::protobuf::SetLogHandler(nullptr);
   return 0;
 }
 

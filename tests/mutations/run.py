@@ -5,6 +5,7 @@
   tests/mutations/run.py --quick         those that CI runs
   tests/mutations/run.py --only torus    those with "torus" in their names
   tests/mutations/run.py --list          what there is
+  tests/mutations/run.py --check         whether each finds its place in the source
 
 The copy and its build stay in build/mutations, for the next run. The exit code is 1 where a bug
 was not caught. Nothing of this is ever in the program itself.
@@ -99,6 +100,7 @@ def main():
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--only", default="")
     parser.add_argument("--list", action="store_true")
+    parser.add_argument("--check", action="store_true")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     options = parser.parse_args()
     chosen = [m for m in MUTATIONS
@@ -107,6 +109,11 @@ def main():
         for m in chosen:
             print(f"{m.name:60} {m.file}")
         return 0
+    if options.check:
+        lost = [m for m in chosen if (ROOT / m.file).read_text().count(m.old) != 1]
+        for m in lost:
+            print(f"{m.file}: '{m.old}' is not there once; bring '{m.name}' in mutations.py up to date")
+        return 1 if lost else 0
     HOME.mkdir(parents=True, exist_ok=True)
     log = HOME / "log.txt"
     log.write_text("")

@@ -5,7 +5,7 @@ import { drawGraph } from "/graphs.js";
 import { Picture, tilesOfTrace } from "/picture.js";
 
 const byId = (id) => document.getElementById(id);
-const EVERY = 1000, HIDDEN_EVERY = 10000, LONGEST_PAUSE = 5000, LOG_LINES = 300;
+const EVERY = 1000, SHORTEST_PAUSE = 50, HIDDEN_EVERY = 10000, LONGEST_PAUSE = 5000, LOG_LINES = 300;
 const picture = new Picture(byId("picture"));
 picture.showInFlight = true;
 
@@ -50,6 +50,22 @@ async function ask() {
 function later() {
   const pause = failures ? Math.min(LONGEST_PAUSE, 500 * 2 ** Math.min(failures, 5)) : EVERY;
   timer = setTimeout(ask, document.hidden ? HIDDEN_EVERY : pause);
+}
+
+// What is new at once: a job that has come, the first tile of a frame.
+async function listen() {
+  let known = "";
+  while (!document.hidden && !failures) {
+    try {
+      const { news } = await get(`news${known}`);
+      if (known !== `?after=${news}` && known) ask();
+      known = `?after=${news}`;
+      await new Promise((done) => setTimeout(done, SHORTEST_PAUSE));
+    } catch {
+      break;
+    }
+  }
+  setTimeout(listen, EVERY);
 }
 
 function startAnew() {
@@ -316,3 +332,4 @@ byId("trace").addEventListener("click", (event) => {
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => picture.draw());
 
 ask();
+listen();

@@ -1,5 +1,5 @@
 // What clients and the coordinator say to each other.
-#include "coordinator/memory_job_store.h"
+#include "coordinator/jobs/memory_job_store.h"
 #include "coordinator/submission.h"
 #include "proto/wire/blob_transfer.h"
 #include "proto/wire/scene_codec.h"

@@ -52,11 +52,13 @@ TEST_F(CoordinatorTest, CountsWorkersOfEachJob) {
   say("gone before", hello(1));
   coordinator.on_peer_gone("gone before", {});
   say("lost", hello(2));
+  say("read late", hello(5));
   say("stays", hello(3));
   coordinator.submit(job(), {});
   coordinator.on_peer_gone("lost", {});
+  coordinator.on_peer_gone("read late", {}, false);
   JobReport report = end("stays");
-  EXPECT_EQ(report.workers_seen, 2u);
+  EXPECT_EQ(report.workers_seen, 3u);
   EXPECT_EQ(report.workers_lost, 1u);
 
   coordinator.submit(job(), {});
@@ -65,7 +67,7 @@ TEST_F(CoordinatorTest, CountsWorkersOfEachJob) {
   EXPECT_EQ(report.workers_lost, 0u);
 
   coordinator.submit(job(), {});
-  for (int i = 0; i < 2; ++i) say("back", hello(2, static_cast<uint64_t>(2 + i)));
+  for (const uint64_t session : {2, 3}) say("back", hello(2, session));
   say("new", hello(4));
   report = end("stays");
   EXPECT_EQ(report.workers_seen, 3u);

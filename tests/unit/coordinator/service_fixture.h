@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/log.h"
-#include "coordinator/memory_job_store.h"
+#include "coordinator/jobs/memory_job_store.h"
 #include "proto/wire/blob_transfer.h"
 #include "proto/wire/scene_codec.h"
 #include "tests/unit/coordinator/coordinator_fixture.h"

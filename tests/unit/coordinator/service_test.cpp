@@ -61,6 +61,35 @@ TEST_F(ServiceTest, OfAJobThatCameLaterNobodyGaveLeasesBefore) {
   EXPECT_EQ(ask(id).tiles_done(), 1u);
 }
 
+TEST_F(ServiceTest, ANameHasABound) {
+  BlobStore blobs;
+  v1::Envelope message = submission(5, job(32), blobs);
+  message.mutable_submit_job()->set_name(std::string(kMostName + 1, 'x'));
+  submit_with(message, blobs);
+  const v1::JobStatus status = heard(v1::Envelope::kJobStatus).back().job_status();
+  EXPECT_EQ(status.state(), v1::JobStatus::ENDED);
+  EXPECT_NE(status.failure().find("a name of 1001 bytes"), std::string::npos) << status.failure();
+  message.mutable_submit_job()->set_submission(6);
+  message.mutable_submit_job()->set_name(std::string(kMostName, 'x'));
+  submit_with(message, blobs);
+  EXPECT_NE(heard(v1::Envelope::kJobStatus).back().job_status().job(), 0u);
+}
+
+TEST_F(ServiceTest, OneClientDoesNotKeepOthersOut) {
+  const auto state = [this](const std::string& peer, uint64_t number) {
+    BlobStore blobs;
+    v1::Envelope message = submission(number, job(32), blobs);
+    // Each is of a scene that never comes.
+    v1::JobFrame& frame = *message.mutable_submit_job()->mutable_frames(0);
+    frame.set_scene_digest(Digest::of(std::to_string(number)).hex());
+    say(peer, message, {});
+    return heard(v1::Envelope::kJobStatus).back().job_status().state();
+  };
+  for (uint64_t i = 1; i <= 8; ++i) EXPECT_EQ(state("greedy", i), v1::JobStatus::FETCHING);
+  for (uint64_t i = 9; i <= 100; ++i) EXPECT_EQ(state("greedy", i), v1::JobStatus::ENDED);
+  EXPECT_EQ(state("other", 200), v1::JobStatus::FETCHING);
+}
+
 TEST_F(ServiceTest, HigherPriorityComesFirst) {
   const uint64_t low = submit(1, 0, 64), high = submit(2, 5);
   come(1, 4);

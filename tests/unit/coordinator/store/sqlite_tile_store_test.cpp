@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "tests/file_size_limit.h"
 #include "tests/temporary_folder.h"
 
 namespace tessera {
@@ -68,6 +69,11 @@ TEST_F(TileStoreTest, LeavesNothingOnceRemoved) {
 TEST_F(TileStoreTest, IsForOneProcessAtATime) {
   const SqliteTileStore store(file_);
   EXPECT_EQ(code_of_opening(file_), ExitCode::bad_usage);
+}
+
+TEST_F(TileStoreTest, WhereTheDiskTakesNothingTheCommandLineIsNotWrong) {
+  const FileSizeLimit small(100);
+  EXPECT_EQ(code_of_opening(file_), ExitCode::render_failed);
 }
 
 TEST_F(TileStoreTest, TouchesNoFileOfOthers) {

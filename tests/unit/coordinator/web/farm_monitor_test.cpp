@@ -42,6 +42,51 @@ TEST_F(FarmMonitorTest, ShowsTheFarmFourTimesASecond) {
   EXPECT_EQ(monitor.last_look(), seconds(20));
 }
 
+TEST_F(FarmMonitorTest, AJobThatComesAndItsFirstTileShowInTheNextLook) {
+  Time now = seconds(1);
+  const auto soon = [&now] { return now += milliseconds(20); };
+  look(now);
+  EXPECT_TRUE(monitor.farm()->snapshot.jobs.empty());
+  const uint64_t id = submit(1);
+  // Each look is paid for by a pause, of little more than nothing.
+  for (int i = 0; i < 3; ++i) look(soon());
+  ASSERT_EQ(monitor.farm()->snapshot.jobs.size(), 1u);
+  come(1, 4);
+  EXPECT_EQ(watch(id, soon())->preview, nullptr) << "there is no picture";
+  EXPECT_EQ(monitor.work().previews, 0u);
+  say("w1", band(assigned().at(0), 1), now);
+  now += milliseconds(40);
+  const auto shown = watch(id, now);
+  ASSERT_TRUE(shown->preview);
+  EXPECT_EQ(shown->preview->tiles_done, 1u);
+  EXPECT_EQ(monitor.farm()->snapshot.jobs.at(0).tiles_done, 1u);
+  say("w1", band(assigned().at(1), 1), now);
+  EXPECT_EQ(watch(id, soon())->preview, shown->preview) << "the second waits for its turn";
+}
+
+TEST_F(FarmMonitorTest, NewsAreToldWhenTheyComeOrAfterSomeSeconds) {
+  std::vector<uint64_t> told;
+  const auto ask_news = [&](uint64_t known) {
+    return monitor.ask_news(known, [&](uint64_t news) { told.push_back(news); });
+  };
+  EXPECT_TRUE(ask_news(UINT64_MAX));
+  look(seconds(1));
+  ASSERT_EQ(told.size(), 1u) << "who knows nothing is told at once";
+  EXPECT_TRUE(ask_news(told[0]));
+  look(seconds(2));
+  EXPECT_EQ(told.size(), 1u);
+  const uint64_t id = submit(1);
+  look(seconds(3));
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_NE(told[1], told[0]);
+  EXPECT_EQ(monitor.farm()->snapshot.jobs.at(0).id, id) << "what is told is shown";
+  EXPECT_TRUE(ask_news(told[1]));
+  for (int i = 10; i <= 13; ++i) look(seconds(i));
+  EXPECT_EQ(told.size(), 3u);
+  for (int i = 0; i < 256; ++i) EXPECT_TRUE(ask_news(told[2]));
+  EXPECT_FALSE(ask_news(told[2])) << "more wait than may";
+}
+
 TEST_F(FarmMonitorTest, KeepsTenMinutesOfSamples) {
   submit(1);
   come(1, 2);

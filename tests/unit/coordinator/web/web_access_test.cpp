@@ -40,7 +40,7 @@ std::filesystem::path token_file(const std::string& text, mode_t mode = 0600) {
 TEST(WebAccess, WithoutTokensAnswersByNamesOfThisMachineAlone) {
   const WebAccess access;
   for (const char* host :
-       {"127.0.0.1", "127.0.0.1:80", "127.1.2.3:9", "localhost:8080", "[::1]:80"}) {
+       {"127.0.0.1", "127.0.0.1:80", "127.1.2.3:9", "localhost:8080", "LocalHost", "[::1]:80"}) {
     EXPECT_EQ(status(access, request({{"host", host}}), Role::viewer), 200) << host;
   }
   for (const char* host : {"", "evil.example", "127.0.0.1.evil.example",

@@ -47,6 +47,14 @@ class WebApiTest : public ServiceTest {
   WebApi api{{monitor, nullptr, {}, &stopping}};
 };
 
+TEST_F(WebApiTest, TellsNews) {
+  look(clock);
+  const uint64_t news = json("/api/v1/news").at("news");
+  submit(1);
+  EXPECT_NE(json("/api/v1/news?after=" + std::to_string(news)).at("news"), news);
+  EXPECT_EQ(get("/api/v1/news?after=x").status, 400);
+}
+
 TEST_F(WebApiTest, IsReadyFromTheFirstLookUntilItIsToEnd) {
   EXPECT_EQ(get("/healthz").status, 200);
   EXPECT_EQ(get("/readyz").status, 503);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <memory>
 #include <mutex>
 #include <vector>
 
@@ -73,6 +74,16 @@ TEST(WebServer, EndsWhoAsksForTooMuch) {
   client.send("GET / HTTP/1.1\r\n");
   for (int i = 0; i < 2000; ++i) client.send("A" + std::to_string(i) + ": b\r\n");
   EXPECT_THAT(client.receive_all(), StartsWith("HTTP/1.1 413"));
+}
+
+TEST(WebServer, TakesNoRequestThatNamesTwoHosts) {
+  const WebServer server("127.0.0.1:0", echo);
+  WebClient client(server.address());
+  client.send("GET / HTTP/1.1\r\nHost: localhost\r\nHost: elsewhere\r\n\r\n");
+  EXPECT_THAT(client.receive_all(), StartsWith("HTTP/1.1 400"));
+  WebClient other(server.address());
+  other.send(get_request("/", "Origin: http://a\r\nOrigin: http://b\r\n"));
+  EXPECT_THAT(other.receive_all(), StartsWith("HTTP/1.1 400"));
 }
 
 TEST(WebServer, ClosesOnWhatIsNoRequest) {
@@ -148,17 +159,46 @@ TEST(WebServer, ServesOnWhileSomeStall) {
   EXPECT_LE(shared.use_count(), 30) << "all are sent the same bytes";
 }
 
+TEST(WebServer, ThoseThatAskNothingMakeRoomForOthers) {
+  WebLimits limits;
+  limits.connections = 3;
+  const WebServer server("127.0.0.1:0", echo, limits);
+  WebClient half(server.address());
+  half.send("GET /half HTTP/1.1\r\n");
+  std::vector<std::unique_ptr<WebClient>> idle;
+  for (int i = 0; i < 20; ++i) {
+    idle.push_back(std::make_unique<WebClient>(server.address()));
+    EXPECT_THAT(fetch(server.address(), "/in"), HasSubstr("/in"));
+  }
+  EXPECT_EQ(half.receive_all(), "");
+}
+
 TEST(WebServer, TakesNoMoreThanItsConnections) {
   WebLimits limits;
   limits.connections = 2;
-  const WebServer server("127.0.0.1:0", echo, limits);
+  std::mutex mutex;
+  std::vector<HttpReply> asked;
+  const WebServer server(
+      "127.0.0.1:0",
+      [&](const HttpRequest& request, const HttpReply& reply) {
+        if (request.path == "/four") return reply([] { return text("four"); });
+        const std::lock_guard lock(mutex);
+        asked.push_back(reply);
+      },
+      limits);
   {
     WebClient one(server.address()), two(server.address());
     one.send(get_request("/one"));
     two.send(get_request("/two"));
-    EXPECT_THAT(one.receive_one(), HasSubstr("/one"));
-    EXPECT_THAT(two.receive_one(), HasSubstr("/two"));
+    const auto both_ask = [&] {
+      const std::lock_guard lock(mutex);
+      return asked.size() == 2;
+    };
+    while (!both_ask()) usleep(1000);
     EXPECT_EQ(fetch(server.address(), "/three"), "");
+    for (const HttpReply& reply : asked) reply([] { return text("well"); });
+    EXPECT_THAT(one.receive_one(), HasSubstr("well"));
+    EXPECT_THAT(two.receive_one(), HasSubstr("well"));
   }
   // Those that have gone make room, once the server has seen it.
   while (fetch(server.address(), "/four").empty()) usleep(1000);

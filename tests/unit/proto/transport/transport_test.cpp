@@ -1,6 +1,7 @@
 // What both transports promise.
 #include "proto/transport/transport.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
@@ -10,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <span>
 #include <thread>
 
@@ -83,9 +85,21 @@ TEST(ZmqTransport, CarriesBothChannelsBothWays) {
   converse(*server, *one, *two);
 }
 
+/// An address that nobody serves. Below the ports that connections are given, which would keep a
+/// server from it for a minute after their end.
+std::string free_endpoint() {
+  std::random_device random;
+  while (true) {
+    const std::string endpoint = fmt::format("tcp://127.0.0.1:{}", 20000 + 2 * (random() % 6000));
+    try {
+      return bind_server(endpoint)->endpoint();
+    } catch (const Error&) {  // it is taken
+    }
+  }
+}
+
 TEST(ZmqTransport, KeepsWhatIsSentBeforeTheServerIsThere) {
-  std::string endpoint;
-  { endpoint = bind_server("tcp://127.0.0.1:*")->endpoint(); }
+  const std::string endpoint = free_endpoint();
   const auto client = connect_client(endpoint);
   client->send(Channel::control, bytes_of("early"));
   const auto server = bind_server(endpoint);
@@ -99,24 +113,11 @@ TEST(ZmqTransport, KeepsWhatIsSentBeforeTheServerIsThere) {
   EXPECT_EQ(text_of(*message), "early");
 }
 
-/// Somebody else may have the port, or the next one for bulk, for a moment.
-std::unique_ptr<ServerTransport> bind_again(const std::string& endpoint) {
-  for (int attempt = 0;; ++attempt) {
-    try {
-      return bind_server(endpoint);
-    } catch (const Error&) {
-      if (attempt == 100) throw;
-      std::this_thread::sleep_for(milliseconds(50));
-    }
-  }
-}
-
 TEST(ZmqTransport, KeepsNoMoreThanItsBound) {
-  std::string endpoint;
-  { endpoint = bind_server("tcp://127.0.0.1:*")->endpoint(); }
+  const std::string endpoint = free_endpoint();
   const auto client = connect_client(endpoint);
   for (int i = 0; i < 3000; ++i) client->send(Channel::control, bytes_of("early"));
-  const auto server = bind_again(endpoint);
+  const auto server = bind_server(endpoint);
   int count = 0, silent = 0;
   while (silent < 40) {
     client->wait(milliseconds(5));
@@ -157,6 +158,20 @@ TEST(ZmqTransport, ReconnectingMakesANewPeer) {
   ASSERT_TRUE(first && second);
   EXPECT_EQ(text_of(*second), "two");
   EXPECT_NE(first->peer, second->peer);
+}
+
+// Whatever the I/O thread was about to tell of the connection that is given up.
+TEST(ZmqTransport, ReconnectsAtAnyMomentOfAHandshake) {
+  const auto server = bind_server("tcp://127.0.0.1:*");
+  const auto client = connect_client(server->endpoint());
+  for (int i = 0; i < 250; ++i) {
+    std::this_thread::sleep_for(std::chrono::microseconds(i));
+    client->reconnect();
+  }
+  client->send(Channel::control, bytes_of("still here"));
+  const auto asked = next(*server, *client);
+  ASSERT_TRUE(asked);
+  EXPECT_EQ(text_of(*asked), "still here");
 }
 
 TEST(ZmqTransport, AMessageThatIsTooLongIsNotTaken) {

@@ -1,0 +1,391 @@
+#include "coordinator/jobs/active_job.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "coordinator/tiles/tile_store.h"
+#include "job/job_messages.h"
+#include "job/scene_motion.h"
+#include "job/tile_grid.h"
+#include "proto/wire/scene_codec.h"
+#include "proto/wire/shared_memory.h"
+#include "proto/wire/version.h"
+
+namespace tessera {
+namespace {
+
+std::vector<std::byte> as_bytes(std::string_view text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+int tile_size_of(const JobSpec& spec, const std::vector<FinishedTile>& kept,
+                 const JobRules& rules) {
+  if (spec.tile_size > 0) return spec.tile_size;
+  const int64_t side = kept.empty() ? 0 : int64_t{kept.front().kept.tile_size()};
+  if (side >= 1 && side <= kMaxFrameSide) return static_cast<int>(side);
+  return choose_tile_size(spec.crop, rules.expected_workers);
+}
+
+v1::JobStart start_of(uint64_t id, const JobSpec& spec, const Digest& scene, uint64_t scene_size) {
+  v1::JobStart start;
+  start.set_job(id);
+  start.set_scene_digest(scene.hex());
+  start.set_scene_size(scene_size);
+  // In the order of their names: the message is the same each time.
+  std::vector<std::pair<Digest, uint64_t>> blobs;
+  for (const auto& [digest, data] : spec.blobs.all()) blobs.emplace_back(digest, data->size());
+  std::sort(blobs.begin(), blobs.end());
+  for (const auto& [digest, size] : blobs) {
+    start.add_blobs(digest.hex());
+    start.add_blob_sizes(size);
+  }
+  *start.mutable_frame() = spec.frame;
+  return start;
+}
+
+Digest key_of(const JobSpec& spec) {
+  return tile_key(Digest::of(serialize_scene(spec.scene)), settled(spec.frame, moves(spec.scene)),
+                  spec.crop);
+}
+
+}  // namespace
+
+Digest tile_key(const Digest& scene, const v1::FrameSettings& frame, const PixelRect& crop) {
+  return Digest::of(fmt::format("{} {} {},{},{},{} {}", scene.hex(), frame.SerializeAsString(),
+                                crop.x0, crop.y0, crop.x1, crop.y1, kNumericsId));
+}
+
+ActiveJob::ActiveJob(uint64_t id, JobSpec spec, const TileKeeping& keeping, const JobRules& rules,
+                     Time now)
+    : ActiveJob(id, spec, keeping,
+                keeping.store ? keeping.store->find(key_of(spec)) : std::vector<FinishedTile>(),
+                rules, now) {}
+
+ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const TileKeeping& keeping,
+                     const std::vector<FinishedTile>& kept, const JobRules& rules, Time now)
+    : id_(id),
+      keeping_(keeping),
+      tile_size_(tile_size_of(spec, kept, rules)),
+      samples_(spec.frame.samples_per_pixel()),
+      assembler_(spec.crop, cut_tiles(spec.crop, tile_size_), AovSet(spec.frame.aovs())),
+      scheduler_(assembler_.tiles(), tile_size_, rules),
+      verifier_(assembler_.tiles().size(), rules.verify, rules.verify_key ^ id),
+      submitted_(now) {
+  if (keeping_.store) key_ = key_of(spec);
+  std::vector<std::byte> scene = as_bytes(serialize_scene(spec.scene));
+  const uint64_t scene_size = scene.size();
+  start_ = start_of(id, spec, Digest::of(scene), scene_size);
+  blobs_ = std::move(spec.blobs);
+  if (rules.shared_by_process != 0) share_large_blobs(blobs_);
+  blobs_.put(std::move(scene));
+  report_.tiles_total = assembler_.tiles().size();
+  for (uint32_t tile = 0; tile < report_.tiles_total && rules.verify > 0; ++tile) {
+    if (verifier_.selects(tile)) scheduler_.keep_whole(tile);
+  }
+  restore(kept);
+}
+
+void ActiveJob::restore(const std::vector<FinishedTile>& kept) {
+  const std::vector<uint32_t> restored = assembler_.restore(kept);
+  scheduler_.restore(restored);
+  for (const uint32_t tile : restored) {
+    verifier_.note_rows(tile, kFromStore);
+    if (verifier_.selects(tile)) scheduler_.want_check(tile, {kFromStore});
+  }
+  report_.tiles_restored = restored.size();
+}
+
+void ActiveJob::keep(uint32_t tile) {
+  if (!keeping_.store) return;
+  unkept_.push_back(tile);
+  keep_rest();
+}
+
+void ActiveJob::keep_rest() {
+  try {
+    for (; !undropped_.empty(); undropped_.pop_back()) {
+      keeping_.store->drop(key_, assembler_.tiles()[undropped_.back()]);
+    }
+    while (!unkept_.empty()) {
+      const uint32_t next = unkept_.back();
+      FinishedTile finished{assembler_.tiles()[next], {}};
+      for (v1::TileBand& band : assembler_.bands_of(next)) {
+        *finished.kept.add_bands() = std::move(band);
+      }
+      finished.kept.set_tile_size(static_cast<uint32_t>(tile_size_));
+      keeping_.store->keep(key_, finished);
+      unkept_.pop_back();
+    }
+    store_trouble_.clear();
+  } catch (const Error& error) {
+    if (store_trouble_.empty() && !keeping_.must) {
+      spdlog::warn("{}; it will be tried again", error.what());
+    }
+    store_trouble_ = error.what();
+  }
+}
+
+void ActiveJob::reopen(uint32_t tile) {
+  assembler_.reopen(tile);
+  verifier_.forget(tile);
+  filled_.erase(tile);
+  std::erase(unkept_, tile);
+  if (!keeping_.store) return;
+  undropped_.push_back(tile);
+  keep_rest();
+}
+
+SchedulerEvents ActiveJob::note_band(const v1::TileBand& band, WorkerId from, bool was_complete) {
+  if (!was_complete) {
+    verifier_.note_rows(band.tile(), from);
+    note_cost(band);
+    const bool part_done = !TilePiece::of(band.lease()).whole() &&
+                           !assembler_.complete(band.tile()) && assembler_.has_piece(band.lease());
+    return part_done ? scheduler_.complete_part(band.lease()) : SchedulerEvents{};
+  }
+  const PixelRect& rect = assembler_.tiles()[band.tile()];
+  if (!verifier_.note_same_rows(band.tile(), from, rect, band.first_row(), band.rows())) return {};
+  return scheduler_.check_done(band.tile(), band.lease());
+}
+
+ActiveJob::Completion ActiveJob::complete(uint32_t tile, LeaseId lease, WorkerId from, Time now) {
+  keep(tile);
+  Completion result{scheduler_.complete(tile, lease, now), {}, {}};
+  if (const Mismatch* const found = verifier_.dispute(tile)) {
+    const Mismatch about = *found;
+    verifier_.settle(tile);
+    const auto wrong = TileVerifier::judge(about, assembler_.row(tile, about.row));
+    if (wrong) {
+      result.conviction = Conviction{*wrong, about, from};
+    } else {
+      result.undecided = about;
+    }
+  } else if (verifier_.wants_second(tile)) {
+    scheduler_.want_check(tile, verifier_.traced_by(tile));
+  }
+  return result;
+}
+
+void ActiveJob::note_cost(const v1::TileBand& band) {
+  if (!band.last() || band.trace_microseconds() == 0) return;
+  const double seconds = static_cast<double>(band.trace_microseconds()) * 1e-6;
+  // A part tells of the whole.
+  scheduler_.costs().note(band.tile(), seconds * TilePiece::of(band.lease()).parts);
+}
+
+void ActiveJob::fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from) {
+  const std::vector<float> value(unseen.value().begin(), unseen.value().end());
+  const auto finite = [](float channel) { return std::isfinite(channel); };
+  const auto channels = static_cast<size_t>(assembler_.film().channels());
+  if (value.size() != channels || !std::all_of(value.begin(), value.end(), finite)) return;
+  if (unseen_distrusted_) return;
+  const PixelRect seen = rect_of(unseen.seen());
+  if (!unseen_) unseen_ = UnseenWord{from, seen, value};
+  const auto& tiles = assembler_.tiles();
+  std::vector<uint32_t> filled;
+  for (uint32_t tile = 0; tile < tiles.size(); ++tile) {
+    const PixelRect& t = tiles[tile];
+    const bool apart =
+        seen.empty() || t.x1 <= seen.x0 || t.x0 >= seen.x1 || t.y1 <= seen.y0 || t.y0 >= seen.y1;
+    // What somebody holds, or what is in dispute, is traced.
+    if (!apart || !scheduler_.untouched(tile)) continue;
+    if (assembler_.fill(tile, value, unseen.counters(), from)) filled.push_back(tile);
+  }
+  scheduler_.restore(filled);
+  report_.filled += filled.size();
+  filled_.insert(filled.begin(), filled.end());
+  for (const uint32_t tile : filled) {
+    keep(tile);
+    verifier_.note_rows(tile, from);
+    if (verifier_.selects(tile)) scheduler_.want_check(tile, {from});
+  }
+}
+
+std::optional<WorkerId> ActiveJob::contradicted(const v1::SceneReady::Unseen& unseen) const {
+  if (!unseen_ || unseen_distrusted_) return std::nullopt;
+  // As bits: neither a zero's sign nor what is no number may hide a difference.
+  const auto same = [](float a, float b) {
+    return std::bit_cast<uint32_t>(a) == std::bit_cast<uint32_t>(b);
+  };
+  if (rect_of(unseen.seen()) == unseen_->seen &&
+      std::equal(unseen_->value.begin(), unseen_->value.end(), unseen.value().begin(),
+                 unseen.value().end(), same)) {
+    return std::nullopt;
+  }
+  return unseen_->from;
+}
+
+SchedulerEvents ActiveJob::distrust_unseen(WorkerId one, WorkerId other) {
+  unseen_distrusted_ = true;
+  SchedulerEvents events;
+  for (const uint32_t tile : std::exchange(filled_, {})) {
+    reopen(tile);
+    --report_.filled;
+    const SchedulerEvents more = scheduler_.requeue(tile);
+    events.cancelled.insert(events.cancelled.end(), more.cancelled.begin(), more.cancelled.end());
+  }
+  for (const WorkerId worker : {one, other}) {
+    verifier_.suspect(worker);
+    for (const uint32_t tile : verifier_.tiles_of(worker)) {
+      if (assembler_.complete(tile)) scheduler_.want_check(tile, verifier_.traced_by(tile));
+    }
+  }
+  return events;
+}
+
+SchedulerEvents ActiveJob::dispute(Mismatch mismatch, Time now) {
+  const uint32_t tile = mismatch.tile;
+  reopen(tile);
+  SchedulerEvents events = scheduler_.dispute(tile, mismatch.first, mismatch.second, now);
+  verifier_.note_dispute(std::move(mismatch));
+  return events;
+}
+
+SchedulerEvents ActiveJob::redo_tiles_of(WorkerId worker) {
+  SchedulerEvents events;
+  for (const uint32_t tile : verifier_.tiles_of(worker)) {
+    reopen(tile);
+    ++report_.retraced;
+    const SchedulerEvents more = scheduler_.requeue(tile);
+    events.cancelled.insert(events.cancelled.end(), more.cancelled.begin(), more.cancelled.end());
+  }
+  // What it disputes with others needs no third.
+  for (const uint32_t tile : verifier_.disputes_of(worker)) {
+    verifier_.settle(tile);
+    scheduler_.forget_dispute(tile);
+  }
+  return events;
+}
+
+v1::Assign ActiveJob::assignment(const Lease& lease) const {
+  v1::Assign assign;
+  assign.set_job(id_);
+  assign.set_lease(lease.id);
+  assign.set_tile(lease.tile);
+  *assign.mutable_rect() = to_message(lease.piece().rect(assembler_.tiles()[lease.tile]));
+  assign.set_sample_count(samples_);
+  return assign;
+}
+
+void ActiveJob::note_assignment(Time now) {
+  if (!first_assignment_) first_assignment_ = now;
+}
+
+void ActiveJob::note_tile_seconds(uint32_t tile, double seconds) {
+  tile_seconds_.resize(assembler_.tiles().size());
+  tile_seconds_[tile] = static_cast<float>(seconds);
+}
+
+void ActiveJob::note_span(FrameTrace::Kind kind, WorkerId worker, const std::string& name,
+                          uint32_t tile, Time begin, Time now) {
+  constexpr size_t kMostSpans = 1 << 18;  // 16 MiB
+  if (trace_.spans.size() >= kMostSpans) {
+    ++trace_.left_out;
+    return;
+  }
+  trace_.workers.try_emplace(worker, name);
+  const bool of_tile = kind != FrameTrace::Kind::scene;
+  trace_.spans.push_back({worker, kind, tile, of_tile ? assembler_.tiles()[tile] : PixelRect{},
+                          to_seconds(begin - submitted_), to_seconds(now - submitted_)});
+}
+
+std::vector<TileSnapshot> ActiveJob::tiles(Time now) const {
+  std::vector<TileSnapshot> result;
+  const auto& rects = assembler_.tiles();
+  for (uint32_t tile = 0; tile < rects.size(); ++tile) {
+    const TileScheduler::TileView view = scheduler_.view(tile);
+    TileSnapshot& shown = result.emplace_back();
+    shown.rect = rects[tile];
+    shown.copies = view.copies;
+    if (view.done) {
+      shown.state = TileSnapshot::State::done;
+      const WorkerId by = assembler_.done_by(tile);
+      shown.worker = by == kFromStore ? 0 : by;
+      if (!tile_seconds_.empty()) shown.seconds = tile_seconds_[tile];
+    } else if (view.given_up) {
+      shown.state = TileSnapshot::State::given_up;
+    } else if (view.copies > 0) {
+      shown.state = TileSnapshot::State::assigned;
+      shown.worker = view.worker;
+      shown.seconds = static_cast<float>(to_seconds(now - view.issued));
+    }
+  }
+  return result;
+}
+
+JobProgress ActiveJob::progress(Time now) const {
+  JobProgress progress;
+  progress.tiles_done = assembler_.tiles_done();
+  progress.tiles_total = assembler_.tiles().size();
+  progress.elapsed_seconds = to_seconds(now - submitted_);
+  progress.remaining_seconds = -1;
+  const uint64_t untraced = report_.tiles_restored + report_.filled;
+  if (first_assignment_ && progress.tiles_done > untraced) {
+    progress.remaining_seconds = to_seconds(now - *first_assignment_) *
+                                 static_cast<double>(progress.tiles_total - progress.tiles_done) /
+                                 static_cast<double>(progress.tiles_done - untraced);
+  }
+  return progress;
+}
+
+void ActiveJob::fail(ExitCode code, std::string why) {
+  if (ended_) return;
+  ended_ = true;
+  report_.end = JobReport::End::failed;
+  report_.exit_code = code;
+  report_.failure = std::move(why);
+}
+
+void ActiveJob::note_scene_failure(WorkerId worker, ExitCode code, const std::string& why,
+                                   const std::vector<WorkerId>& present) {
+  scene_failures_[worker] = code;
+  const auto bad = std::count_if(scene_failures_.begin(), scene_failures_.end(),
+                                 [](const auto& f) { return f.second == ExitCode::bad_scene; });
+  const bool all = std::all_of(present.begin(), present.end(),
+                               [this](WorkerId id) { return scene_failures_.contains(id); });
+  constexpr int kWitnesses = 2;
+  if (all || bad >= kWitnesses) fail(bad > 0 ? ExitCode::bad_scene : ExitCode::render_failed, why);
+}
+
+void ActiveJob::interrupt() {
+  if (ended_) return;
+  ended_ = true;
+  report_.end = JobReport::End::interrupted;
+  report_.exit_code = ExitCode::interrupted;
+}
+
+JobResult ActiveJob::finish() {
+  const auto& tiles = assembler_.tiles();
+  report_.holes = assembler_.mark_holes();
+  if (!ended_ && !report_.holes.empty()) {
+    const PixelRect& hole = report_.holes.front();
+    fail(ExitCode::render_failed,
+         fmt::format("{} of {} tiles were given up, first that at {},{} of {}x{} pixels{}{}",
+                     report_.holes.size(), tiles.size(), hole.x0, hole.y0, hole.width(),
+                     hole.height(), report_.failure.empty() ? "" : ": ", report_.failure));
+  }
+  report_.workers_seen = workers_seen_.size();
+  report_.counters = assembler_.counters();
+  report_.build_counters = assembler_.build_counters();
+  report_.tiles_done = assembler_.tiles_done();
+  report_.retries = scheduler_.retries();
+  report_.speculative = scheduler_.speculative();
+  report_.verified = scheduler_.verified();
+  report_.unverified = scheduler_.unverified();
+  report_.split = scheduler_.split_tiles();
+  report_.moved = scheduler_.moved();
+  if (first_assignment_ && last_result_) {
+    report_.trace_seconds = to_seconds(*last_result_ - *first_assignment_);
+  }
+  report_.trace = std::make_shared<const FrameTrace>(std::move(trace_));
+  return {std::move(report_), std::move(assembler_.film())};
+}
+
+}  // namespace tessera

@@ -1,0 +1,123 @@
+#include "coordinator/jobs/farm_job.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "job/job_messages.h"
+#include "job/tile_grid.h"
+
+namespace tessera {
+namespace {
+
+/// A guess of what a tile takes, until some are done.
+constexpr double kTileSeconds = 0.1;
+
+uint64_t total(const v1::JobEnd& end, const char* name) {
+  const auto it = end.totals().values().find(name);
+  return it == end.totals().values().end() ? 0 : it->second;
+}
+
+}  // namespace
+
+FarmJob::FarmJob(v1::KeptJob kept, std::optional<Time> now)
+    : kept_(std::move(kept)), accepted_(now) {
+  const v1::SubmitJob& request = kept_.request();
+  ends_.resize(static_cast<size_t>(request.frames_size()));
+  tiles_per_frame_ =
+      cut_tiles(rect_of(request.crop()), static_cast<int>(request.tile_size())).size();
+  for (const v1::KeptJob::End& end : kept_.ends()) {
+    if (end.frame() < ends_.size()) this->end(end.frame(), end.end());
+  }
+  kept_.clear_ends();
+}
+
+FarmJob::FarmJob(uint64_t id, JobSpec spec, std::shared_ptr<TileStore> tiles, Time now)
+    : local_(std::move(spec)), local_tiles_(std::move(tiles)), ends_(1), accepted_(now) {
+  kept_.set_job(id);
+}
+
+bool FarmJob::ended() const {
+  return frames_ended_ == ends_.size() || (kept_.cancelled() && running_.empty());
+}
+
+std::optional<uint32_t> FarmJob::next_frame() const {
+  if (kept_.cancelled()) return std::nullopt;
+  for (uint32_t frame = next_frame_; frame < ends_.size(); ++frame) {
+    if (!ends_[frame]) return frame;
+  }
+  return std::nullopt;
+}
+
+void FarmJob::begin(uint32_t frame, std::unique_ptr<ActiveJob> active, Time now) {
+  next_frame_ = frame + 1;
+  tiles_per_frame_ = active->assembler().tiles().size();
+  running_.push_back({frame, std::move(active)});
+  if (begun_) return;
+  begun_ = now;
+  done_when_begun_ = progress(now).tiles_done;
+}
+
+void FarmJob::end(uint32_t frame, v1::JobEnd end) {
+  if (!ends_[frame]) {
+    ++frames_ended_;
+    if (end.how() == v1::JobEnd::DONE) ++frames_done_;
+  }
+  ends_[frame] = std::move(end);
+  std::erase_if(running_, [frame](const Running& running) { return running.frame == frame; });
+}
+
+size_t FarmJob::leases() const {
+  size_t count = 0;
+  for (const Running& running : running_) count += running.active->scheduler().live_count();
+  return count;
+}
+
+void FarmJob::account(Time now) {
+  const double seconds = to_seconds(now - std::exchange(counted_until_, now));
+  worker_seconds_ += static_cast<double>(leases()) * seconds;
+}
+
+double FarmJob::share(Time now) {
+  account(now);
+  const auto held = static_cast<double>(leases());
+  const auto mean =
+      running_.empty() ? std::nullopt : running_.front().active->scheduler().mean_seconds();
+  const double weight = std::max<uint32_t>(1, kept_.request().weight());
+  return head_start_ + (worker_seconds_ + held * mean.value_or(kTileSeconds)) / weight;
+}
+
+void FarmJob::catch_up(double share) {
+  const double weight = std::max<uint32_t>(1, kept_.request().weight());
+  head_start_ = std::max(head_start_, share - worker_seconds_ / weight);
+}
+
+uint64_t FarmJob::tiles_restored() const {
+  uint64_t count = 0;
+  for (const auto& end : ends_) {
+    if (end) count += total(*end, "tiles_restored");
+  }
+  for (const Running& running : running_) count += running.active->report().tiles_restored;
+  return count;
+}
+
+JobProgress FarmJob::progress(Time now) const {
+  JobProgress progress;
+  for (const auto& end : ends_) {
+    if (end) progress.tiles_done += total(*end, "tiles_done");
+  }
+  for (const Running& running : running_) {
+    progress.tiles_done += running.active->assembler().tiles_done();
+  }
+  progress.tiles_total = tiles_per_frame_ * ends_.size();
+  const auto since = accepted_ ? accepted_ : begun_;
+  progress.elapsed_seconds = since ? to_seconds(now - *since) : 0;
+  progress.remaining_seconds = -1;
+  if (begun_ && progress.tiles_done > done_when_begun_) {
+    progress.remaining_seconds = to_seconds(now - *begun_) *
+                                 static_cast<double>(progress.tiles_total - progress.tiles_done) /
+                                 static_cast<double>(progress.tiles_done - done_when_begun_);
+  }
+  return progress;
+}
+
+}  // namespace tessera

@@ -1,0 +1,59 @@
+#include "coordinator/jobs/film_shelf.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <span>
+
+#include "base/error.h"
+#include "coordinator/tiles/assembler.h"
+#include "job/tile_grid.h"
+
+namespace tessera {
+BlobData FilmShelf::keep_at_hand(const Digest& digest, const Film& film) {
+  const auto pixels = std::as_bytes(film.values());
+  at_hand_.emplace_front(
+      digest, std::make_shared<const Blob>(std::vector<std::byte>(pixels.begin(), pixels.end())));
+  uint64_t bytes = 0;
+  for (const auto& [film_digest, data] : at_hand_) bytes += data->size();
+  for (; at_hand_.size() > 1 && bytes > most_bytes_; at_hand_.pop_back()) {
+    bytes -= at_hand_.back().second->size();
+  }
+  return at_hand_.front().second;
+}
+
+Digest FilmShelf::put(const Film& film, const Recipe& recipe) {
+  const Digest digest = Digest::of(std::as_bytes(film.values()));
+  note(digest, recipe);
+  keep_at_hand(digest, film);
+  return digest;
+}
+
+void FilmShelf::forget(const Digest& film) {
+  recipes_.erase(film);
+  std::erase_if(at_hand_, [&](const auto& entry) { return entry.first == film; });
+}
+
+BlobData FilmShelf::find(const Digest& digest) {
+  const auto there = std::find_if(at_hand_.begin(), at_hand_.end(),
+                                  [&](const auto& entry) { return entry.first == digest; });
+  if (there != at_hand_.end()) {
+    std::rotate(at_hand_.begin(), there, there + 1);
+    return at_hand_.front().second;
+  }
+  const auto recipe = recipes_.find(digest);
+  if (recipe == recipes_.end()) return nullptr;
+  const auto& [key, crop, tile_size, aovs] = recipe->second;
+  Assembler assembler(crop, cut_tiles(crop, tile_size), aovs);
+  try {
+    assembler.restore(store_->find(key));
+  } catch (const Error& error) {
+    spdlog::warn("{}; a picture cannot be shown now", error.what());
+    return nullptr;
+  }
+  assembler.mark_holes();
+  if (Digest::of(std::as_bytes(assembler.film().values())) != digest) return nullptr;
+  return keep_at_hand(digest, assembler.film());
+}
+
+}  // namespace tessera

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <unordered_map>
+#include <utility>
+
+#include "base/digest.h"
+#include "coordinator/tiles/tile_store.h"
+#include "proto/wire/blob_store.h"
+#include "renderer/film/film.h"
+
+namespace tessera {
+
+/// The films of frames that have ended, as blobs: those asked for last at hand, others put together
+/// again from their tiles.
+class FilmShelf {
+ public:
+  /// Films at hand take so many bytes together, or one takes more.
+  static constexpr uint64_t kAtHandBytes = uint64_t{1} << 30;
+  explicit FilmShelf(std::shared_ptr<TileStore> store, uint64_t at_hand_bytes = kAtHandBytes)
+      : store_(std::move(store)), most_bytes_(at_hand_bytes) {}
+
+  /// How to make the film of that digest again.
+  struct Recipe {
+    Digest tile_key;
+    PixelRect crop;
+    int tile_size = 1;
+    AovSet aovs{};
+  };
+  /// Names the film, and keeps it at hand for now.
+  Digest put(const Film& film, const Recipe& recipe);
+  void note(const Digest& film, const Recipe& recipe) { recipes_.emplace(film, recipe); }
+  void forget(const Digest& film);
+  /// Null where there is no such film, or its tiles are no longer what they were.
+  BlobData find(const Digest& film);
+
+ private:
+  BlobData keep_at_hand(const Digest& digest, const Film& film);
+
+  std::shared_ptr<TileStore> store_;
+  std::unordered_map<Digest, Recipe> recipes_;
+  uint64_t most_bytes_;
+  std::deque<std::pair<Digest, BlobData>> at_hand_;  ///< the one asked for last first
+};
+
+}  // namespace tessera

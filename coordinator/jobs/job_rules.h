@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+
+#include "coordinator/tiles/tile_rules.h"
+
+namespace tessera {
+
+/// How jobs are taken on; the defaults are for a farm.
+struct JobRules : TileRules {
+  int expected_workers = 4;  ///< threads that trace, for the choice of a tile size; above 0
+  /// The share of tiles that a second worker traces too, from 0 to 1, and what chooses them.
+  double verify = 0;
+  uint64_t verify_key = 0;
+  /// Where workers can map the memory of this process; 0: they cannot. RenderLoop fills it in.
+  uint32_t shared_by_process = 0;
+};
+
+}  // namespace tessera

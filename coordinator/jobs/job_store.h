@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_set>
+#include <vector>
+
+#include "base/digest.h"
+#include "coordinator/jobs/seconds_histogram.h"
+#include "coordinator/tiles/tile_store.h"
+#include "proto/tessera/v1/farm.pb.h"
+#include "proto/wire/blob_store.h"
+
+namespace tessera {
+
+/// Keeps jobs, the blobs of their scenes and their finished tiles. Used by one thread, and by one
+/// coordinator at a time. What cannot be written throws render_error, and may be tried again.
+class JobStore : public TileStore {
+ public:
+  /// Another for each store; 0: this one does not outlive its process.
+  virtual uint64_t farm() const = 0;
+  /// Another each time that the store is opened, and larger; 0: it does not count.
+  virtual uint64_t epoch() const = 0;
+
+  /// How long writing took, each time since it was opened.
+  virtual SecondsHistogram commit_seconds() const { return {}; }
+
+  /// All of them, by number. Made by save(), so that they are to be trusted.
+  virtual std::vector<v1::KeptJob> jobs() = 0;
+  /// The largest number that a job ever had.
+  virtual uint64_t last_job() = 0;
+  /// Keeps it, or what it has become, without its ends: from when this returns it outlives a power
+  /// cut.
+  virtual void save(const v1::KeptJob& job) = 0;
+  virtual void save_end(uint64_t job, const v1::KeptJob::End& end) = 0;
+  /// Forgets the job, and tiles and blobs that no other job needs.
+  virtual void remove(uint64_t job, const std::vector<Digest>& tile_keys,
+                      const std::vector<Digest>& blobs) = 0;
+
+  virtual bool has_blob(const Digest& digest) = 0;
+  /// Keeps verified bytes; they are there whole or not at all.
+  virtual void put_blob(const Digest& digest, const BlobData& data) = 0;
+  /// Null where it is not there, or damaged.
+  virtual BlobData find_blob(const Digest& digest) = 0;
+  /// Forgets blobs of submissions that never became jobs.
+  virtual void keep_only_blobs(const std::unordered_set<Digest>& digests) = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,306 @@
+#include "coordinator/jobs/job_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <unordered_set>
+#include <utility>
+
+#include "base/log.h"
+#include "coordinator/jobs/job_status.h"
+#include "coordinator/jobs/preview.h"
+#include "job/check_job.h"
+#include "job/job_messages.h"
+#include "job/scene_motion.h"
+#include "job/tile_grid.h"
+#include "proto/wire/printable.h"
+#include "proto/wire/scene_codec.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kFrameBits = 20;
+constexpr size_t kMaxJobs = 4096;
+AovSet aovs_of(const v1::SubmitJob& request, uint32_t frame) {
+  return AovSet(request.frames(static_cast<int>(frame)).settings().aovs());
+}
+
+}  // namespace
+
+FilmShelf::Recipe JobTable::recipe_of(const v1::KeptJob& kept, uint32_t frame) {
+  const v1::SubmitJob& request = kept.request();
+  return {Digest::from_hex(kept.tile_keys(static_cast<int>(frame))), rect_of(request.crop()),
+          static_cast<int>(request.tile_size()), aovs_of(request, frame)};
+}
+
+JobTable::JobTable(const JobRules& rules, std::shared_ptr<JobStore> store)
+    : rules_(rules), store_(std::move(store)), films_(store_) {
+  last_job_ = last_job_before_ = store_->last_job();
+  std::unordered_set<Digest> blobs;
+  for (v1::KeptJob& kept : store_->jobs()) {
+    for (const std::string& hex : kept.blobs()) blobs.insert(Digest::from_hex(hex));
+    for (const v1::KeptJob::End& end : kept.ends()) {
+      const auto film = Digest::parse(end.end().film_digest());
+      if (film) films_.note(*film, recipe_of(kept, end.frame()));
+    }
+    auto job = std::make_unique<FarmJob>(std::move(kept));
+    by_submission_[job->request().submission()] = job->id();
+    add(std::move(job));
+  }
+  store_->keep_only_blobs(blobs);
+}
+
+JobRules JobTable::rules_for(uint64_t job) const {
+  JobRules rules = rules_;
+  // Of what came to us alone, nobody before us has given leases.
+  if (job > last_job_before_) rules.farm = 0;
+  return rules;
+}
+
+void JobTable::add(std::unique_ptr<FarmJob> job) {
+  const uint64_t id = job->id();
+  if (!job->ended()) open_.emplace(id, job.get());
+  jobs_.emplace(id, std::move(job));
+}
+
+v1::JobStatus JobTable::status(const FarmJob& job, uint32_t frame, Time now) const {
+  v1::JobStatus status = status_of(job, frame, store_trouble(), now);
+  const bool unsaved = std::any_of(unsaved_.begin(), unsaved_.end(),
+                                   [&job](const auto& end) { return end.first == job.id(); });
+  // Nobody is told of an end that a coordinator after this one would not know of.
+  if (!unsaved || !job.request().detached() || job.kept().cancelled()) return status;
+  if (status.state() == v1::JobStatus::ENDED) status.set_state(v1::JobStatus::RUNNING);
+  status.clear_end();
+  status.clear_how();
+  status.clear_exit_code();
+  status.set_failure(store_trouble());
+  return status;
+}
+
+void JobTable::describe(FarmSnapshot& snapshot, Time now) const {
+  snapshot.store_trouble = store_trouble();
+  snapshot.counters.tiles_restored = tiles_restored_;
+  snapshot.counters.jobs_accepted = jobs_accepted_;
+  snapshot.counters.commit_seconds = store_->commit_seconds();
+  for (const auto& [id, job] : jobs_) {
+    if (!job->local()) snapshot.jobs.push_back(tessera::describe(*job, now));
+  }
+}
+
+std::vector<std::pair<uint64_t, uint32_t>> JobTable::running_frames() const {
+  std::vector<std::pair<uint64_t, uint32_t>> result;
+  for (const auto& [id, job] : open_) {
+    for (const FarmJob::Running& running : job->running()) result.emplace_back(id, running.frame);
+  }
+  return result;
+}
+
+const ActiveJob* JobTable::running(uint64_t job, uint32_t frame) const {
+  const auto it = open_.find(job);
+  if (it == open_.end()) return nullptr;
+  for (const FarmJob::Running& running : it->second->running()) {
+    if (running.frame == frame) return running.active.get();
+  }
+  return nullptr;
+}
+
+std::optional<FilmView> JobTable::film(uint64_t id, uint32_t frame) {
+  if (const ActiveJob* active = running(id, frame)) {
+    const Film& film = active->assembler().film();
+    return FilmView{film.rect(), film.channels(), film.values(), nullptr};
+  }
+  const FarmJob* const job = find(id);
+  const auto end = job && frame < job->frame_count() ? job->end_of(frame) : std::nullopt;
+  const BlobData pixels = end ? films_.find(Digest::from_hex(end->film_digest())) : nullptr;
+  const PixelRect rect = job ? rect_of(job->request().crop()) : PixelRect{};
+  const int channels = job ? aovs_of(job->request(), frame).channels() : kFilmChannels;
+  const size_t count = static_cast<size_t>(rect.area()) * static_cast<size_t>(channels);
+  if (!pixels || pixels->size() != count * sizeof(float)) return std::nullopt;
+  return FilmView{rect, channels, {reinterpret_cast<const float*>(pixels->data()), count}, pixels};
+}
+
+std::optional<PreviewImage> JobTable::preview(uint64_t id, uint32_t frame, int most_side) {
+  FarmJob* const job = find(id);
+  if (!job || frame >= job->frame_count()) return std::nullopt;
+  const v1::Output& output = job->request().frames(static_cast<int>(frame)).output();
+  if (const ActiveJob* active = running(id, frame)) {
+    if (active->assembler().tiles_done() == 0) return std::nullopt;
+    return make_preview(active->assembler().film(), output, active->assembler().tiles_done(),
+                        most_side);
+  }
+  const auto& end = job->end_of(frame);
+  const BlobData pixels = end ? films_.find(Digest::from_hex(end->film_digest())) : nullptr;
+  if (!pixels) return std::nullopt;
+  Film film(rect_of(job->request().crop()), aovs_of(job->request(), frame));
+  std::memcpy(film.values().data(), pixels->data(),
+              std::min(pixels->size(), film.values().size_bytes()));
+  return make_preview(film, output, from_message(*end).tiles_done, most_side);
+}
+
+std::shared_ptr<const FrameTrace> JobTable::trace(uint64_t job, uint32_t frame) const {
+  if (const ActiveJob* active = running(job, frame)) {
+    return std::make_shared<const FrameTrace>(active->trace());
+  }
+  const uint64_t id = frame_id(job, frame);
+  for (const auto& [ended, trace] : traces_) {
+    if (ended == id) return trace;
+  }
+  return nullptr;
+}
+
+uint64_t JobTable::frame_id(uint64_t job, uint32_t frame) const {
+  // Numbers of jobs that do not outlive us must differ from those of the coordinator before us.
+  const uint64_t base = store_->farm() != 0 ? 0 : rules_.epoch;
+  return ((base + job) << kFrameBits) + frame + 1;
+}
+
+// ------------------------------------------------------------------------- jobs of this process
+
+uint64_t JobTable::submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles) {
+  check_job(spec);
+  const uint64_t id = ++last_job_;
+  add(std::make_unique<FarmJob>(id, std::move(spec), std::move(tiles), now));
+  return frame_id(id, 0);
+}
+
+void JobTable::interrupt(uint64_t frame, Time now) {
+  for (const auto& [id, job] : open_) {
+    if (!job->local() || frame_id(id, 0) != frame) continue;
+    if (job->running().empty()) {
+      job->begin(0,
+                 std::make_unique<ActiveJob>(frame, job->take_local_spec(), keeping_of(*job),
+                                             rules_for(id), now),
+                 now);
+    }
+    job->running().front().active->interrupt();
+  }
+}
+
+std::optional<JobResult> JobTable::take_result(uint64_t frame) {
+  const auto it = results_.find(frame);
+  if (it == results_.end()) return std::nullopt;
+  std::optional<JobResult> result = std::move(it->second);
+  results_.erase(it);
+  return result;
+}
+
+// ------------------------------------------------------------------------------ jobs of clients
+
+void JobTable::accept(v1::SubmitJob request, const std::vector<Digest>& blobs, Time now) {
+  if (jobs_.size() >= kMaxJobs) {
+    throw render_error(
+        fmt::format("the coordinator has {} jobs; expected fewer: forget some", jobs_.size()));
+  }
+  v1::KeptJob kept;
+  JobSpec probe;
+  probe.crop = rect_of(request.crop());
+  probe.tile_size = static_cast<int>(std::min<uint32_t>(request.tile_size(), kMaxFrameSide));
+  std::map<std::string, bool> scene_moves;
+  for (const v1::JobFrame& frame : request.frames()) {
+    probe.frame = frame.settings();
+    check_job(probe);
+    const auto [moving, fresh] = scene_moves.try_emplace(frame.scene_digest(), true);
+    if (fresh) moving->second = moves(load_scene(frame.scene_digest()));
+    kept.add_tile_keys(tile_key(Digest::from_hex(frame.scene_digest()),
+                                settled(frame.settings(), moving->second), probe.crop)
+                           .hex());
+  }
+  if (request.frames().empty()) throw usage_error("a job without frames; expected at least one");
+  if (probe.tile_size == 0) {
+    const int threads = threads_ > 0 ? static_cast<int>(threads_) : rules_.expected_workers;
+    probe.tile_size = choose_tile_size(probe.crop, threads);
+  }
+  request.set_tile_size(static_cast<uint32_t>(probe.tile_size));
+  for (const Digest& blob : blobs) kept.add_blobs(blob.hex());
+  kept.set_job(last_job_ + 1);
+  *kept.mutable_request() = std::move(request);
+  store_->save(kept);
+  ++last_job_;
+  auto job = std::make_unique<FarmJob>(std::move(kept), now);
+  by_submission_[job->request().submission()] = job->id();
+  add(std::move(job));
+  ++jobs_accepted_;
+}
+
+FarmJob* JobTable::find(uint64_t id) {
+  const auto it = jobs_.find(id);
+  return it == jobs_.end() || it->second->local() ? nullptr : it->second.get();
+}
+
+FarmJob* JobTable::find_submission(uint64_t submission) {
+  const auto it = by_submission_.find(submission);
+  return it == by_submission_.end() ? nullptr : find(it->second);
+}
+
+void JobTable::pause(FarmJob& job, bool paused) {
+  if (job.ended() || job.kept().paused() == paused) return;
+  v1::KeptJob changed = job.kept();
+  changed.set_paused(paused);
+  store_->save(changed);
+  job.kept() = std::move(changed);
+}
+
+void JobTable::set_priority(FarmJob& job, int32_t priority) {
+  if (priority < -kMostPriority || priority > kMostPriority) {
+    throw usage_error(fmt::format("priority {}; expected a number from {} to {}", priority,
+                                  -kMostPriority, kMostPriority));
+  }
+  v1::KeptJob changed = job.kept();
+  changed.mutable_request()->set_priority(priority);
+  store_->save(changed);
+  job.kept() = std::move(changed);
+}
+
+void JobTable::cancel(FarmJob& job) {
+  if (job.ended() || job.kept().cancelled()) return;
+  v1::KeptJob changed = job.kept();
+  changed.set_cancelled(true);
+  store_->save(changed);
+  job.kept() = std::move(changed);
+  while (!job.running().empty()) {
+    job.running().front().active->interrupt();
+    finish(job, job.running().front(), changes_);
+  }
+}
+
+void JobTable::forget(FarmJob& job) {
+  if (!job.ended()) return;
+  std::unordered_set<std::string> others;
+  for (const auto& [id, other] : jobs_) {
+    if (id == job.id()) continue;
+    for (const std::string& blob : other->kept().blobs()) others.insert(blob);
+    for (const std::string& key : other->kept().tile_keys()) others.insert(key);
+  }
+  const auto only_here = [&others](const auto& names) {
+    std::vector<Digest> result;
+    for (const std::string& hex : names) {
+      if (!others.contains(hex)) result.push_back(Digest::from_hex(hex));
+    }
+    return result;
+  };
+  const std::vector<Digest> keys = only_here(job.kept().tile_keys());
+  store_->remove(job.id(), keys, only_here(job.kept().blobs()));
+  std::unordered_set<std::string> films;
+  for (uint32_t frame = 0; frame < job.frame_count(); ++frame) {
+    if (const auto& end = job.end_of(frame)) films.insert(end->film_digest());
+  }
+  for (const std::string& film : films) films_.forget(Digest::from_hex(film));
+  // Other tiles may make up the same pictures.
+  for (const auto& [other_id, other] : jobs_) {
+    if (other_id == job.id()) continue;
+    for (uint32_t frame = 0; frame < other->frame_count(); ++frame) {
+      const auto& end = other->end_of(frame);
+      if (!end || !films.contains(end->film_digest())) continue;
+      films_.note(Digest::from_hex(end->film_digest()), recipe_of(other->kept(), frame));
+    }
+  }
+  std::erase_if(unsaved_, [&](const auto& end) { return end.first == job.id(); });
+  by_submission_.erase(job.request().submission());
+  const uint64_t id = job.id();
+  open_.erase(id);
+  jobs_.erase(id);
+}
+
+}  // namespace tessera

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/monotonic.h"
+#include "coordinator/jobs/active_job.h"
+#include "coordinator/jobs/farm_job.h"
+#include "coordinator/jobs/farm_snapshot.h"
+#include "coordinator/jobs/film_shelf.h"
+#include "coordinator/jobs/job_rules.h"
+#include "coordinator/jobs/job_store.h"
+#include "job/job.h"
+
+namespace tessera {
+
+/// All jobs, of this process and of clients: which of them run, in which order workers are to serve
+/// them, and how each ended. What clients' jobs are and become is in the store before it is told.
+class JobTable {
+ public:
+  /// Takes up the jobs of the store. Throws render_error where it cannot be read.
+  JobTable(const JobRules& rules, std::shared_ptr<JobStore> store);
+
+  // Jobs of this process.
+  /// Throws usage_error if its frame, crop or tile size cannot be.
+  uint64_t submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles);
+  /// Ends it now, as interrupted, with what there is; also where it was not begun.
+  void interrupt(uint64_t frame, Time now);
+  /// The result of a job from submit() once it has ended; told once.
+  std::optional<JobResult> take_result(uint64_t job);
+
+  // Jobs of clients.
+  /// Takes a submission whose blobs are in the store. Throws Error where it cannot be rendered or
+  /// kept.
+  void accept(v1::SubmitJob request, const std::vector<Digest>& blobs, Time now);
+  FarmJob* find(uint64_t job);
+  FarmJob* find_submission(uint64_t submission);
+  const std::map<uint64_t, std::unique_ptr<FarmJob>>& all() const { return jobs_; }
+  uint64_t last_job() const { return last_job_; }
+  /// Each throws render_error where the store cannot keep it; then nothing has changed.
+  void pause(FarmJob& job, bool paused);
+  void set_priority(FarmJob& job, int32_t priority);
+  void cancel(FarmJob& job);
+  /// An ended one.
+  void forget(FarmJob& job);
+  v1::JobStatus status(const FarmJob& job, uint32_t frame, Time now) const;
+
+  // For people.
+  /// Jobs of clients, and the counters of jobs.
+  void describe(FarmSnapshot& snapshot, Time now) const;
+  /// Of jobs that clients submitted to this coordinator.
+  uint64_t accepted_count() const { return jobs_accepted_; }
+  std::vector<std::pair<uint64_t, uint32_t>> running_frames() const;
+  /// Null where that frame is not being traced.
+  const ActiveJob* running(uint64_t job, uint32_t frame) const;
+  std::optional<FilmView> film(uint64_t job, uint32_t frame);
+  /// Nothing where there is no such frame, or nothing of it yet.
+  std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
+  /// Of a frame that is being traced, or of the last ones that were; else null.
+  std::shared_ptr<const FrameTrace> trace(uint64_t job, uint32_t frame) const;
+
+  /// How many threads trace now, for the choice of tile sizes; 0: not known.
+  void set_threads(uint32_t threads) { threads_ = threads; }
+
+  // Frames that run.
+  /// Counts what workers hold until now; to be called before that changes.
+  void account(Time now);
+  /// By the number that workers know.
+  ActiveJob* running(uint64_t frame);
+  /// Those of which tiles may be assigned, the neediest job's first: by priority, then by the share
+  /// that each has had.
+  std::vector<ActiveJob*> by_need(Time now);
+  std::vector<ActiveJob*> running();
+  struct Changes {
+    std::vector<uint64_t> ended;  ///< frames, by the number that workers know
+    std::vector<ActiveJob*> begun;
+  };
+  /// Files what has ended, and begins what there is room for.
+  Changes advance(Time now);
+  /// Why no tile is assigned: the store takes nothing; empty: it does.
+  std::string store_trouble() const;
+  /// Tries again to keep what the store did not take.
+  void keep_rest();
+
+  /// What workers or clients may fetch; `of`: the frame that it is for, null for a film.
+  struct FoundBlob {
+    BlobData data;
+    ActiveJob* of = nullptr;
+  };
+  FoundBlob find_blob(const Digest& digest);
+
+ private:
+  static FilmShelf::Recipe recipe_of(const v1::KeptJob& kept, uint32_t frame);
+  void add(std::unique_ptr<FarmJob> job);
+  uint64_t frame_id(uint64_t job, uint32_t frame) const;
+  std::vector<FarmJob*> startable();
+  bool has_room_for(const FarmJob& job) const;
+  void begin(FarmJob& job, uint32_t frame, Time now, Changes& changes);
+  void finish(FarmJob& job, FarmJob::Running& running, Changes& changes);
+  void file_end(FarmJob& job, uint32_t frame, v1::JobEnd end);
+  /// For a frame of that job.
+  JobRules rules_for(uint64_t job) const;
+  TileKeeping keeping_of(const FarmJob& job) const;
+  JobSpec spec_of(FarmJob& job, uint32_t frame);
+  // Of the store; each throws where they are not there, or not what they should be.
+  BlobData load_blob(const std::string& hex);
+  v1::Scene load_scene(const std::string& hex);
+  /// What the tiles of the frame before took; null: there is none.
+  const TileCosts* earlier_costs(const FarmJob& job) const;
+
+  JobRules rules_;
+  std::shared_ptr<JobStore> store_;
+  std::map<uint64_t, std::unique_ptr<FarmJob>> jobs_;
+  std::map<uint64_t, FarmJob*> open_;  ///< those of them that have not ended
+  std::map<uint64_t, uint64_t> by_submission_;
+  std::map<uint64_t, JobResult> results_;        ///< of jobs of this process
+  std::optional<TileCosts> local_costs_;         ///< of the last of those
+  uint64_t last_job_ = 0, last_job_before_ = 0;  ///< ever; of a coordinator before us
+  uint32_t threads_ = 0;
+  Changes changes_;                                             ///< that advance() has not told yet
+  std::vector<std::pair<uint64_t, v1::KeptJob::End>> unsaved_;  ///< ends that the store must take
+  std::string trouble_;                                         ///< with those
+  FilmShelf films_;
+  /// Of the last frames that ended, by the number that workers know.
+  std::deque<std::pair<uint64_t, std::shared_ptr<const FrameTrace>>> traces_;
+  uint64_t tiles_restored_ = 0, jobs_accepted_ = 0;
+};
+
+}  // namespace tessera

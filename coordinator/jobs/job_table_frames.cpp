@@ -1,0 +1,283 @@
+// Which frames of jobs run, and how they begin and end: the other half of JobTable.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "base/log.h"
+#include "coordinator/jobs/job_table.h"
+#include "job/check_job.h"
+#include "job/job_messages.h"
+#include "proto/wire/printable.h"
+#include "proto/wire/scene_codec.h"
+
+namespace tessera {
+namespace {
+
+// So many jobs have their scenes and films in memory; more only where they are more urgent.
+constexpr size_t kMaxRunning = 8;
+constexpr size_t kMaxRunningUrgent = 64;
+/// Frames of one job at a time: the next begins when all tiles of the one before are given out.
+constexpr size_t kMaxFramesOfJob = 2;
+constexpr size_t kKeptTraces = 16;
+
+void log_end(const FarmJob& job, uint32_t frame, const v1::JobEnd& end) {
+  const std::string of_it =
+      job.frame_count() > 1 ? fmt::format(" frame {} of {}", frame + 1, job.frame_count()) : "";
+  const std::string what = fmt::format("job {}{}", job.id(), of_it);
+  switch (end.how()) {
+    case v1::JobEnd::FAILED:
+      return spdlog::warn("{} failed: {}", what, printable(end.failure()));
+    case v1::JobEnd::INTERRUPTED:
+      return spdlog::info("{} was cancelled, or its client is gone", what);
+    default:
+      return spdlog::info("{} is done, traced in {:.2f} s", what, end.trace_seconds());
+  }
+}
+
+}  // namespace
+
+std::vector<ActiveJob*> JobTable::running() {
+  std::vector<ActiveJob*> result;
+  for (const auto& [id, job] : open_) {
+    for (FarmJob::Running& running : job->running()) result.push_back(running.active.get());
+  }
+  return result;
+}
+
+ActiveJob* JobTable::running(uint64_t frame) {
+  for (ActiveJob* active : running()) {
+    if (active->id() == frame) return active;
+  }
+  return nullptr;
+}
+
+std::vector<ActiveJob*> JobTable::by_need(Time now) {
+  struct Need {
+    int32_t priority;
+    double share;
+    FarmJob* job;
+  };
+  std::vector<Need> needs;
+  for (const auto& [id, job] : open_) {
+    if (job->running().empty()) continue;
+    const double share = job->share(now);
+    if (!job->kept().paused()) needs.push_back({job->request().priority(), share, job});
+  }
+  std::stable_sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) {
+    return std::pair(-int64_t{a.priority}, a.share) < std::pair(-int64_t{b.priority}, b.share);
+  });
+  std::vector<ActiveJob*> result;
+  for (const Need& need : needs) {
+    for (FarmJob::Running& running : need.job->running()) result.push_back(running.active.get());
+  }
+  return result;
+}
+
+void JobTable::account(Time now) {
+  for (const auto& [id, job] : open_) {
+    if (!job->running().empty()) job->account(now);
+  }
+}
+
+std::vector<FarmJob*> JobTable::startable() {
+  std::vector<FarmJob*> result;
+  for (const auto& [id, job] : open_) {
+    if (!job->kept().paused() && job->next_frame()) result.push_back(job);
+  }
+  std::stable_sort(result.begin(), result.end(), [](const FarmJob* a, const FarmJob* b) {
+    return a->request().priority() > b->request().priority();
+  });
+  return result;
+}
+
+bool JobTable::has_room_for(const FarmJob& job) const {
+  if (!job.running().empty()) {
+    const auto given_out = [](const FarmJob::Running& running) {
+      return !running.active->scheduler().has_pending();
+    };
+    // What it would trace is being traced.
+    const auto key_of = [&job](uint32_t frame) {
+      return job.kept().tile_keys_size() > static_cast<int>(frame)
+                 ? job.kept().tile_keys(static_cast<int>(frame))
+                 : std::string();
+    };
+    const std::string key = key_of(*job.next_frame());
+    const bool same =
+        std::any_of(job.running().begin(), job.running().end(),
+                    [&](const FarmJob::Running& running) { return key_of(running.frame) == key; });
+    return !same && job.running().size() < kMaxFramesOfJob &&
+           std::all_of(job.running().begin(), job.running().end(), given_out);
+  }
+  size_t running = 0;
+  int32_t least = std::numeric_limits<int32_t>::max();
+  for (const auto& [id, other] : open_) {
+    if (other->running().empty() || other->kept().paused()) continue;
+    ++running;
+    least = std::min(least, other->request().priority());
+  }
+  return running < kMaxRunning || (running < kMaxRunningUrgent && job.request().priority() > least);
+}
+
+JobTable::Changes JobTable::advance(Time now) {
+  Changes changes = std::exchange(changes_, {});
+  for (auto it = open_.begin(); it != open_.end();) {
+    FarmJob& job = *it->second;
+    for (size_t i = 0; i < job.running().size();) {
+      if (job.running()[i].active->ended()) {
+        finish(job, job.running()[i], changes);
+      } else {
+        ++i;
+      }
+    }
+    if (!job.ended()) {
+      ++it;
+      continue;
+    }
+    it = open_.erase(it);
+    if (job.local()) jobs_.erase(job.id());
+  }
+  for (FarmJob* job : startable()) {
+    if (has_room_for(*job)) begin(*job, *job->next_frame(), now, changes);
+  }
+  return changes;
+}
+
+BlobData JobTable::load_blob(const std::string& hex) {
+  BlobData data = store_->find_blob(Digest::from_hex(hex));
+  if (!data) {
+    throw render_error(
+        fmt::format("blob {} is gone from the store, or damaged; submit the job again", hex));
+  }
+  return data;
+}
+
+v1::Scene JobTable::load_scene(const std::string& hex) {
+  const BlobData bytes = load_blob(hex);
+  auto scene = parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+  if (!scene) throw scene_error("the submitted bytes are no scene");
+  return std::move(*scene);
+}
+
+const TileCosts* JobTable::earlier_costs(const FarmJob& job) const {
+  if (job.local()) return local_costs_ ? &*local_costs_ : nullptr;
+  if (!job.running().empty()) return &job.running().back().active->scheduler().costs();
+  return job.last_costs() ? &*job.last_costs() : nullptr;
+}
+
+TileKeeping JobTable::keeping_of(const FarmJob& job) const {
+  return job.local() ? TileKeeping{job.local_tiles(), false} : TileKeeping{store_, true};
+}
+
+JobSpec JobTable::spec_of(FarmJob& job, uint32_t frame) {
+  if (job.local()) return job.take_local_spec();
+  const v1::SubmitJob& request = job.request();
+  const v1::JobFrame& wanted = request.frames(static_cast<int>(frame));
+  JobSpec spec;
+  spec.scene = load_scene(wanted.scene_digest());
+  const auto refs = referenced_blobs(spec.scene);
+  for (const v1::BlobRef& ref : refs.value_or(std::vector<v1::BlobRef>())) {
+    spec.blobs.put(Digest::from_hex(ref.digest()), load_blob(ref.digest()));
+  }
+  spec.frame = wanted.settings();
+  spec.crop = rect_of(request.crop());
+  spec.tile_size = static_cast<int>(request.tile_size());
+  check_job(spec);
+  return spec;
+}
+
+void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
+  // One that comes, or comes back, owes nothing to those that have been there.
+  if (job.running().empty()) {
+    std::optional<double> least;
+    for (const auto& [id, other] : open_) {
+      const bool peer = !other->running().empty() && !other->kept().paused() &&
+                        other->request().priority() == job.request().priority();
+      if (peer) least = std::min(least.value_or(1e300), other->share(now));
+    }
+    job.share(now);
+    if (least) job.catch_up(*least);
+  }
+  try {
+    auto active = std::make_unique<ActiveJob>(frame_id(job.id(), frame), spec_of(job, frame),
+                                              keeping_of(job), rules_for(job.id()), now);
+    tiles_restored_ += active->report().tiles_restored;
+    if (const TileCosts* earlier = earlier_costs(job)) {
+      active->scheduler().costs().learn_from(*earlier);
+    }
+    changes.begun.push_back(active.get());
+    job.begin(frame, std::move(active), now);
+  } catch (const Error& error) {
+    JobReport report;
+    report.end = JobReport::End::failed;
+    report.exit_code = error.code();
+    report.failure = error.what();
+    file_end(job, frame, to_message(report));
+  }
+}
+
+void JobTable::finish(FarmJob& job, FarmJob::Running& running, Changes& changes) {
+  const uint64_t id = running.active->id();
+  const uint32_t frame = running.frame;
+  changes.ended.push_back(id);
+  TileCosts costs = running.active->scheduler().costs();
+  JobResult result = running.active->finish();
+  v1::JobEnd end = to_message(result.report);
+  if (job.local()) {
+    local_costs_ = std::move(costs);
+    job.end(frame, std::move(end));
+    results_.emplace(id, std::move(result));
+    return;
+  }
+  traces_.emplace_back(id, std::move(result.report.trace));
+  if (traces_.size() > kKeptTraces) traces_.pop_front();
+  job.last_costs() = std::move(costs);
+  end.set_film_digest(films_.put(result.film, recipe_of(job.kept(), frame)).hex());
+  end.set_film_size(result.film.values().size_bytes());
+  file_end(job, frame, std::move(end));
+}
+
+void JobTable::file_end(FarmJob& job, uint32_t frame, v1::JobEnd end) {
+  log_end(job, frame, end);
+  v1::KeptJob::End kept;
+  kept.set_frame(frame);
+  *kept.mutable_end() = end;
+  job.end(frame, std::move(end));
+  unsaved_.emplace_back(job.id(), std::move(kept));
+  keep_rest();
+}
+
+void JobTable::keep_rest() {
+  for (ActiveJob* active : running()) {
+    if (active->waits_for_store()) active->keep_rest();
+  }
+  try {
+    while (!unsaved_.empty()) {
+      store_->save_end(unsaved_.back().first, unsaved_.back().second);
+      unsaved_.pop_back();
+    }
+    trouble_.clear();
+  } catch (const Error& error) {
+    trouble_ = error.what();
+  }
+}
+
+std::string JobTable::store_trouble() const {
+  if (!trouble_.empty()) return trouble_;
+  for (const auto& [id, job] : open_) {
+    for (const FarmJob::Running& running : job->running()) {
+      if (running.active->waits_for_store()) return running.active->store_trouble();
+    }
+  }
+  return "";
+}
+
+JobTable::FoundBlob JobTable::find_blob(const Digest& digest) {
+  for (ActiveJob* active : running()) {
+    if (BlobData data = active->find_blob(digest)) return {std::move(data), active};
+  }
+  return {films_.find(digest), nullptr};
+}
+
+}  // namespace tessera

@@ -1,0 +1,116 @@
+#include "coordinator/tiles/tile_costs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tessera {
+namespace {
+
+// Fewer tiles than this are traced in the order of their grid: there is little to learn.
+constexpr size_t kFewTiles = 64;
+// One tile in so many rows and columns is traced first.
+constexpr int kProbes = 4;
+constexpr int kNeighbours = 2;  // rows and columns on each side that tell of a tile
+constexpr float kUnknown = -1;
+/// Halvings and doublings of the mean that are told apart: finer ones would tear neighbours apart,
+/// which see the same part of the scene.
+constexpr int kLeastRank = -2, kMostRank = 4;
+
+}  // namespace
+
+TileCosts::TileCosts(const std::vector<PixelRect>& tiles, int tile_size)
+    : tiles_(tiles), seconds_(tiles.size(), kUnknown) {
+  int first_x = 1 << 30, first_y = 1 << 30, last_x = 0, last_y = 0;
+  for (const PixelRect& tile : tiles) {
+    first_x = std::min(first_x, tile.x0 / tile_size);
+    first_y = std::min(first_y, tile.y0 / tile_size);
+    last_x = std::max(last_x, tile.x0 / tile_size);
+    last_y = std::max(last_y, tile.y0 / tile_size);
+  }
+  if (tiles.empty()) return;
+  columns_ = static_cast<uint32_t>(last_x - first_x + 1);
+  rows_ = static_cast<uint32_t>(last_y - first_y + 1);
+  tile_in_.resize(static_cast<size_t>(columns_) * rows_);
+  cell_of_.reserve(tiles.size());
+  for (uint32_t i = 0; i < tiles.size(); ++i) {
+    const auto x = static_cast<uint32_t>(tiles[i].x0 / tile_size - first_x);
+    const auto y = static_cast<uint32_t>(tiles[i].y0 / tile_size - first_y);
+    cell_of_.push_back(y * columns_ + x);
+    tile_in_[cell_of_.back()] = i;
+  }
+}
+
+void TileCosts::learn_from(const TileCosts& earlier) {
+  if (earlier.tiles_ != tiles_) return;
+  earlier_ = earlier.seconds_;
+  for (size_t i = 0; i < earlier_.size() && !earlier.earlier_.empty(); ++i) {
+    if (earlier_[i] < 0) earlier_[i] = earlier.earlier_[i];
+  }
+  const bool knows = std::any_of(earlier_.begin(), earlier_.end(), [](float s) { return s >= 0; });
+  if (!knows) earlier_.clear();
+}
+
+void TileCosts::note(uint32_t tile, double seconds) {
+  // What is not a number is left out, and nobody has traced a tile for years.
+  if (!(seconds >= 0 && seconds < 1e8)) return;
+  if (seconds_[tile] < 0) {
+    ++known_;
+  } else {
+    sum_ -= static_cast<double>(seconds_[tile]);
+  }
+  seconds_[tile] = static_cast<float>(seconds);
+  sum_ += static_cast<double>(seconds_[tile]);
+}
+
+std::optional<double> TileCosts::predict(uint32_t tile) const {
+  if (seconds_[tile] >= 0) return seconds_[tile];
+  if (!earlier_.empty() && earlier_[tile] >= 0) return earlier_[tile];
+  if (known_ == 0) return std::nullopt;
+  double sum = 0;
+  int count = 0;
+  const int columns = static_cast<int>(columns_), rows = static_cast<int>(rows_);
+  for (int y = std::max(0, cell_y(tile) - kNeighbours);
+       y <= std::min(rows - 1, cell_y(tile) + kNeighbours); ++y) {
+    for (int x = std::max(0, cell_x(tile) - kNeighbours);
+         x <= std::min(columns - 1, cell_x(tile) + kNeighbours); ++x) {
+      const size_t cell = static_cast<size_t>(y) * columns_ + static_cast<size_t>(x);
+      const float seconds = seconds_[tile_in_[cell]];
+      if (seconds < 0) continue;
+      sum += static_cast<double>(seconds);
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : sum_ / static_cast<double>(known_);
+}
+
+double TileCosts::mean() const {
+  if (known_ > 0) return sum_ / static_cast<double>(known_);
+  double sum = 0;
+  for (const float seconds : earlier_) sum += static_cast<double>(std::max(0.f, seconds));
+  return earlier_.empty() ? 0 : sum / static_cast<double>(earlier_.size());
+}
+
+int TileCosts::rank(uint32_t tile, double mean) const {
+  const auto cost = predict(tile);
+  if (!cost) return cell_x(tile) % kProbes == 1 && cell_y(tile) % kProbes == 1 ? 1 : 0;
+  if (!(*cost > 0)) return kLeastRank;
+  return std::clamp(std::ilogb(*cost / mean), kLeastRank, kMostRank);
+}
+
+void TileCosts::put_in_order(std::deque<uint32_t>& tiles) {
+  const size_t count = tiles_.size();
+  // After the probes, and then each time that twice as much is known.
+  next_order_ = known_ == 0 ? std::max<size_t>(1, count / (kProbes * kProbes)) : 2 * known_;
+  if (next_order_ > count / 2 || !earlier_.empty()) next_order_ = ~size_t{0};
+  if (count < kFewTiles) return;
+  const double mean_cost = mean();
+  std::vector<std::pair<int, uint32_t>> order;
+  order.reserve(tiles.size());
+  for (const uint32_t tile : tiles) order.emplace_back(-rank(tile, mean_cost), tile);
+  std::sort(order.begin(), order.end());
+  std::transform(order.begin(), order.end(), tiles.begin(),
+                 [](const auto& entry) { return entry.second; });
+}
+
+}  // namespace tessera

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "coordinator/tiles/tile_piece.h"
+#include "renderer/film/tile.h"
+
+namespace tessera {
+
+/// What the tiles of a frame will take, in seconds of one thread: what they took in an earlier
+/// frame of the same grid or else, in the mean, what their finished neighbours took. Plain values;
+/// no clock.
+class TileCosts {
+ public:
+  /// The tiles of a grid of that size, as cut_tiles() orders them.
+  TileCosts(const std::vector<PixelRect>& tiles, int tile_size);
+
+  /// An earlier frame tells, if its tiles are the same.
+  void learn_from(const TileCosts& earlier);
+  /// That tile, or so large a share of it, has taken so long.
+  void note(uint32_t tile, double seconds);
+  /// Nothing while nothing is known.
+  std::optional<double> predict(uint32_t tile) const;
+
+  /// Whether tiles should be put in order again: so much more is known.
+  bool order_is_due() const { return known_ >= next_order_; }
+  /// Puts tiles that are yet to be traced in order: costly ones first; of much the same costs those
+  /// next to each other. Where nothing is known, one of sixteen first, from which the others' costs
+  /// are learned.
+  void put_in_order(std::deque<uint32_t>& tiles);
+
+ private:
+  int cell_x(uint32_t tile) const { return static_cast<int>(cell_of_[tile] % columns_); }
+  int cell_y(uint32_t tile) const { return static_cast<int>(cell_of_[tile] / columns_); }
+  double mean() const;
+  /// By which power of two the tile differs from the mean.
+  int rank(uint32_t tile, double mean) const;
+
+  std::vector<PixelRect> tiles_;
+  uint32_t columns_ = 0, rows_ = 0;
+  std::vector<uint32_t> cell_of_, tile_in_;  ///< of tiles, of cells
+  std::vector<float> seconds_, earlier_;     ///< by tile; below 0: not known
+  double sum_ = 0;
+  size_t known_ = 0, next_order_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,258 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "base/monotonic.h"
+#include "coordinator/tiles/tile_costs.h"
+#include "coordinator/tiles/tile_piece.h"
+#include "coordinator/tiles/tile_rules.h"
+
+namespace tessera {
+
+/// The right, for a time, to trace one tile, or a part of it.
+struct Lease {
+  LeaseId id = 0;
+  uint32_t tile = 0;
+  WorkerId worker = 0;
+  Time issued{}, deadline{};
+  uint64_t work_done = 0;
+  bool started = false;  ///< as the worker said last
+  bool speculative = false;
+  bool check = false;  ///< of a tile whose pixels are there
+  bool again = false;  ///< replaces one that came to nothing
+
+  TilePiece piece() const { return TilePiece::of(id); }
+};
+
+/// One lease as its worker reports it.
+struct LeaseProgress {
+  LeaseId lease = 0;
+  uint64_t work_done = 0;
+  bool started = false;
+};
+
+/// How a worker ceased to be there.
+enum class LossCause {
+  left,      ///< it said so, or came anew
+  vanished,  ///< nobody knows why
+  crashed,   ///< its process failed by its own doing
+};
+
+/// What else follows from a call.
+struct SchedulerEvents {
+  std::vector<Lease> cancelled;  ///< dropped, and wanted no longer: tell their workers
+  std::vector<LeaseId>
+      unwanted{};  ///< that the worker which reports has, and that are none of ours
+  std::optional<Lease> recalled{};  ///< given to another, unless its worker has begun with it
+  std::vector<uint32_t> given_up;   ///< tiles that failed too often
+  std::vector<WorkerId> blamed;     ///< workers that failed a tile, once for each
+  std::vector<Lease> stalled;       ///< ended before their worker had begun with them
+  std::optional<Time> took{};       ///< what completed, from its assignment on
+};
+
+/// Which tile of a job goes to whom. A tile is pending, leased (by one worker or two), done or
+/// given up. Its lease is renewed by progress alone; a tile whose lease ends goes back to the front
+/// of the queue. A tile that failed is tried by other workers as long as there are any, and only by
+/// workers that hold nothing else, so that the next failure blames the right one.
+///
+/// Costly tiles come first (TileCosts). At the end of the queue, what waits in one worker's queue
+/// is given to another that has nothing to do, and large tiles are split into strips for several:
+/// each is leased by itself, and the tile is done when all its rows are there, whoever traced them.
+/// A tile that fails is whole again. Plain values; no clock.
+class TileScheduler {
+ public:
+  /// Tiles of the grid of that size, as cut_tiles() orders them.
+  TileScheduler(std::vector<PixelRect> tiles, int tile_size, const TileRules& rules);
+  /// So many tiles of one pixel each.
+  TileScheduler(size_t tiles, const TileRules& rules);
+
+  /// These are done though nobody was given them: before the job was taken up again, say.
+  void restore(const std::vector<uint32_t>& tiles);
+  /// The tile is never split: another worker than that of each part would be wanted to check it.
+  void keep_whole(uint32_t tile) { tiles_[tile].kept_whole = true; }
+  /// From now on the worker may hold tiles, of which it traces `threads` at a time in the order in
+  /// which it got them. If it had vanished, no tile was the cause of it.
+  void join(WorkerId worker, uint32_t threads = 1);
+  /// It may no more; what it held is pending again.
+  SchedulerEvents leave(WorkerId worker, LossCause cause, Time now);
+  /// What it holds, in the order in which it was given that.
+  std::vector<Lease> leases_of(WorkerId worker) const;
+  /// A suspect gets no work, and others get copies of what it holds, before all else.
+  void set_suspect(WorkerId worker, bool suspect);
+
+  /// A tile for this worker: a copy of a suspect's, or the next pending one. `busy`: it holds tiles
+  /// of other jobs.
+  std::optional<Lease> assign(WorkerId worker, Time now, bool busy = false);
+  /// How many tiles a worker of that many threads should hold: one for each, and some that wait,
+  /// so that no thread waits for the network. While tiles come back at once and many are left, more
+  /// wait, and go back several at a time: each trip costs the machine as much as tracing some
+  /// pixels.
+  size_t depth(uint32_t threads) const;
+  /// Where no tile is pending in any job: what another worker has not begun, if this one is `idle`,
+  /// or a second copy of one that takes long elsewhere.
+  std::optional<Lease> assign_at_end(WorkerId worker, Time now, bool busy, bool idle,
+                                     SchedulerEvents& events);
+  /// Whether the worker holds a tile that failed before: beside that, nothing else runs.
+  bool isolates(WorkerId worker) const;
+  /// All leases that the worker holds, as of now. Returns how many of them are not ours any more
+  /// yet still take up the worker; those of tiles that are finished, or that there are none of, are
+  /// unwanted.
+  /// `leaves`: it gives back all that it does not list.
+  size_t report(WorkerId worker, const std::vector<LeaseProgress>& held, Time now,
+                SchedulerEvents& events, bool leaves = false);
+  /// All pixels of the tile are there, the last of them by `lease`, which may be none of ours.
+  SchedulerEvents complete(uint32_t tile, LeaseId lease, Time now);
+  /// All pixels of that part of a tile are there, the last of them by `lease`.
+  SchedulerEvents complete_part(LeaseId lease);
+  /// The worker could not trace the tile of this lease.
+  SchedulerEvents fail(LeaseId lease, WorkerId worker, Time now);
+  /// Two workers traced the tile and got different pixels: neither counts, and neither gets the
+  /// tile again. One that is given up stays so.
+  SchedulerEvents dispute(uint32_t tile, WorkerId one, WorkerId other, Time now);
+  /// The workers of earlier calls of dispute() for the tile.
+  const std::vector<WorkerId>& disputed_by(uint32_t tile) const { return tiles_[tile].disputed_by; }
+  /// One of the two is known to be wrong: the other may trace it again.
+  void forget_dispute(uint32_t tile);
+  /// A disputed tile that no other worker has taken for a whole lease.
+  std::optional<uint32_t> undecided(Time now) const;
+  /// The tile is done, and is not finished before a worker that is none of these has traced it too.
+  void want_check(uint32_t tile, std::vector<WorkerId> traced_by);
+  /// One has, under `lease`, with the same pixels.
+  SchedulerEvents check_done(uint32_t tile, LeaseId lease);
+  /// The pixels of the tile do not count any more.
+  SchedulerEvents requeue(uint32_t tile);
+  /// Gives up the checks that nobody has taken for TileRules::settle in which there was
+  /// nothing else to do. Returns how many.
+  size_t abandon_checks(Time now);
+  /// Ends the leases that had no progress for too long.
+  SchedulerEvents expire(Time now);
+  /// One of expire()'s `stalled`, whose worker did nothing else either: it is blamed, the tile is
+  /// not. A check that stalls too often is given up.
+  SchedulerEvents stall(const Lease& lease, Time now);
+
+  /// Whether this worker was ever given that lease.
+  bool issued(LeaseId lease, WorkerId worker) const;
+  /// Takes a lease of a whole tile for issued that a coordinator before us gave, on the same store:
+  /// what was traced under it is as good. Whether this worker got it nobody knows any more. False
+  /// where it cannot be one.
+  bool adopt(LeaseId lease, WorkerId worker);
+  /// Nobody has it or ever had it.
+  bool untouched(uint32_t tile) const {
+    return tiles_[tile].state == State::pending && tiles_[tile].attempts == 0 &&
+           tiles_[tile].disputed_by.empty();
+  }
+  bool finished() const { return open_tiles_ == 0 && checks_.empty(); }
+  size_t held_by(WorkerId worker) const;
+  bool has_pending() const { return !pending_.empty() || !waiting_checks_.empty(); }
+  struct TileView {
+    bool done = false, given_up = false;
+    uint8_t copies = 0;   ///< live leases
+    WorkerId worker = 0;  ///< of the first of these
+    Time issued{};
+  };
+  TileView view(uint32_t tile) const;
+  /// Leases now, and how long completed ones took, in the mean.
+  size_t live_count() const { return live_.size(); }
+  std::optional<double> mean_seconds() const;
+  uint64_t retries() const { return retries_; }
+  uint64_t speculative() const { return speculative_; }
+  /// Checks that were done, and those that nobody could do.
+  uint64_t verified() const { return verified_; }
+  uint64_t unverified() const { return unverified_; }
+
+  /// The tile that a lease, live or not, was for.
+  static uint32_t tile_of(LeaseId lease) { return TilePiece::of(lease).tile; }
+  TileCosts& costs() { return costs_; }
+  const TileCosts& costs() const { return costs_; }
+  /// Tiles that were split at the end of the queue, and what moved to an idle worker before another
+  /// had begun with it.
+  uint64_t split_tiles() const { return split_tiles_; }
+  uint64_t moved() const { return moved_; }
+
+ private:
+  enum class State : uint8_t { pending, leased, done, given_up };
+  struct Tile {
+    State state = State::pending;
+    uint32_t attempts = 0;
+    std::vector<LeaseId> leases;  ///< live ones
+    uint8_t vanished = 0;         ///< workers that did so with it, and did not come back
+    std::vector<WorkerId> failed_by;
+    Time failed_at{};
+    std::vector<WorkerId> disputed_by;
+    Time disputed_at{};
+    bool kept_whole = false;
+    uint32_t parts = 1;       ///< that it is split into
+    uint64_t parts_done = 0;  ///< bits
+    bool split() const { return parts > 1; }
+  };
+  struct Holder {
+    uint32_t threads = 1;
+    bool suspect = false;
+    std::vector<LeaseId> leases;  ///< in the order in which they were given
+  };
+
+  bool may_trace(const Tile& tile, WorkerId worker, Time now, bool busy) const;
+  // Each finds the packed TilePiece that is next.
+  std::optional<uint32_t> next_pending(WorkerId worker, Time now, bool busy);
+  std::optional<uint32_t> next_check(WorkerId worker, Time now, bool busy);
+  std::optional<uint32_t> next_of_suspect(WorkerId worker, Time now, bool busy) const;
+  std::optional<uint32_t> next_straggler(WorkerId worker, Time now, bool busy) const;
+  /// A tile that waits in another's queue, or a part of it; the rest is pending then.
+  std::optional<uint32_t> take_waiting(WorkerId worker, Time now, bool busy,
+                                       SchedulerEvents& events);
+  enum class Why { next, copy, moved };
+  Lease give(uint32_t piece, Why why, WorkerId worker, Time now);
+  void hold(const Lease& lease);
+  /// Takes the tile, or what of it is pending, out of the queue.
+  void forget_pending(uint32_t tile);
+  size_t copies_of(uint32_t piece) const;
+  /// How many parts a tile that is whole should be split into; 1: none.
+  uint32_t useful_parts(uint32_t tile, size_t most) const;
+  /// Splits a tile that nobody holds and that is not pending; but for the first part, which is
+  /// returned, all are pending.
+  uint32_t split(uint32_t tile, uint32_t parts);
+  /// The tile is whole again, and pending if it is not done.
+  void merge(uint32_t tile, SchedulerEvents& events);
+  void order_pending();
+  void forget_check(uint32_t tile);
+  /// The worker goes on with a tile of adopt().
+  void go_on(const LeaseProgress& progress, WorkerId worker, Time now);
+  uint64_t epoch_tag() const;
+  Time straggler_age() const;
+  Time lease_length(const Tile& tile) const;
+  /// Forgets a live lease; the tile is pending if that was its last.
+  Lease drop(LeaseId lease);
+  void blame(uint32_t tile, WorkerId worker, Time now, SchedulerEvents& events);
+  void give_up(uint32_t tile, SchedulerEvents& events);
+
+  TileRules rules_;
+  std::vector<PixelRect> rects_;
+  std::vector<Tile> tiles_;
+  TileCosts costs_;
+  std::deque<uint32_t> pending_;  ///< packed pieces
+  std::map<LeaseId, Lease> live_;
+  std::unordered_map<LeaseId, WorkerId> issued_;      ///< all there ever were
+  std::vector<uint32_t> disputed_;                    ///< tiles
+  std::map<uint32_t, std::vector<WorkerId>> checks_;  ///< by tile: who cannot do it
+  std::deque<uint32_t> waiting_checks_;               ///< those that no lease is for
+  std::optional<Time> uncheckable_since_;
+  std::map<WorkerId, Holder> holders_;
+  std::set<WorkerId> suspects_;  ///< of holders_
+  std::set<LeaseId> waiting_;    ///< live ones beyond the threads of their holders
+  size_t threads_ = 0;           ///< of holders_
+  std::map<WorkerId, std::vector<uint32_t>> vanished_with_;
+  std::vector<Time> durations_;  ///< of completed leases, the first ones
+  std::optional<Time> lately_;   ///< how long these take now
+  size_t open_tiles_, adopted_ = 0;
+  uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0, late_copies_ = 0, verified_ = 0,
+           unverified_ = 0, split_tiles_ = 0, moved_ = 0;
+};
+
+}  // namespace tessera
