@@ -154,6 +154,22 @@ LoadedScene short_lamps() {
   return scene_of(text);
 }
 
+/// A floor under leaning poles, under a roof that all shadow rays end at or would.
+LoadedScene poles_under_a_roof() {
+  std::string text = settings(320, 240) + camera(0, 1, .5) + kGround +
+                     "nodes { shape { rectangle { corner { x: -9 y: 4 z: -9 } edge_u { x: 18 } "
+                     "edge_v { z: 18 } } } }\n";
+  for (int i = 0; i < 4; ++i) text += lamp(i - 1.5, 6, 0, "intensity: .3");
+  for (int z = 0; z < 20; ++z)
+    for (int x = 0; x < 20; ++x)
+      text += fmt::format(
+          "nodes {{ transform {{ steps {{ translate {{ x: {} y: 2.5 z: {} }} }} steps {{ rotate {{ "
+          "axis {{ x: {} z: 1 }} angle: .7 }} }} }} shape {{ cylinder {{ radius: .02 height: 3 }} "
+          "}} }}\n",
+          -3 + .3 * x, -3 + .3 * z, (x * 7 + z * 5) % 16 - 8);
+  return scene_of(text);
+}
+
 LoadedScene thousand_lamps() {
   std::string text = settings(160, 120) + camera(2, 1.5, 3) + kGround + many_spheres();
   for (int z = 0; z < 32; ++z)
@@ -279,6 +295,12 @@ const std::vector<SkipCase>& skip_cases() {
        short_lamps,
        {"shadow_rays_skipped"},
        {"shadow_rays_skipped", "rays_shadow"}},
+      {"last-occluder",
+       "a floor under 400 poles and a roof",
+       &Skips::last_occluder,
+       poles_under_a_roof,
+       {"occluders_met_again"},
+       {"rays_shadow"}},
       {"unread-numbers",
        "path traced: what only shines",
        &Skips::unread_numbers,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -27,6 +28,7 @@ struct AcceleratorStatistics {
 
 /// Bounded by the arrays that a leaf or node reference can number; more is refused by a check.
 inline constexpr size_t kMaxPrimitives = size_t{1} << 28;
+inline constexpr uint32_t kNoInstance = 0xFFFFFFFF;
 
 /// Finds hits among many primitives. Every kind returns the same bits, those of a linear scan.
 /// Immutable after construction; all calls may run on many threads and none allocates.
@@ -38,6 +40,13 @@ class Accelerator {
   virtual bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const = 0;
   /// As Shape::any_hit.
   virtual bool any_hit(const Ray& ray, TraversalCounters& counters) const = 0;
+  /// any_hit(), with the same result, that asks `instance` first, if that is not kNoInstance; sets
+  /// it to one that was hit, or to kNoInstance. Only where takes_guesses().
+  virtual bool any_hit_by(const Ray& ray, uint32_t& instance, TraversalCounters& counters) const {
+    instance = kNoInstance;
+    return any_hit(ray, counters);
+  }
+  virtual bool takes_guesses() const { return false; }
   /// closest_hit for each ray, with the same results; faster where neighbours in the list go much
   /// the same way. As many hits as rays.
   virtual void closest_hits(std::span<const Ray> rays, std::span<Hit> hits,

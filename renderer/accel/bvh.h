@@ -48,8 +48,13 @@ class InstanceBvh final : public Accelerator {
     return closest_(tree_, ray, hit, counters);
   }
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override {
-    return any_(tree_, ray, counters);
+    uint32_t first = kNoInstance;
+    return any_(tree_, ray, first, counters);
   }
+  bool any_hit_by(const Ray& ray, uint32_t& instance, TraversalCounters& counters) const override {
+    return any_(tree_, ray, instance, counters);
+  }
+  bool takes_guesses() const override { return true; }
   AcceleratorStatistics statistics() const override { return statistics_; }
 
  private:

@@ -237,20 +237,29 @@ bool instance_closest(const InstanceTree& scene, const Ray& ray, Hit& hit,
   return found || in_tree;
 }
 
-bool instance_any(const InstanceTree& scene, const Ray& ray, TraversalCounters& counters) {
+bool instance_any(const InstanceTree& scene, const Ray& ray, uint32_t& first,
+                  TraversalCounters& counters) {
+  if (first != kNoInstance) {
+    if (any_hit_of(scene.instances[first], ray, counters)) return true;
+    first = kNoInstance;
+  }
   RayFrame frame;
   BoxRay<float> box_ray;
   const Setup setup = set_up<true>(ray, ray.t_max, scene.tree_bounds, scene.tree, frame, box_ray);
   if (setup != Setup::ready && !can_hit(ray)) return false;
+  const auto is_hit = [&](uint32_t number) HWY_ATTR {
+    if (!any_hit_of(scene.instances[number], ray, counters)) return false;
+    first = number;
+    return true;
+  };
   for (const uint32_t i : scene.endless)
-    if (any_hit_of(scene.instances[i], ray, counters)) return true;
+    if (is_hit(i)) return true;
   Mailbox mailbox;
   const auto test = [&](uint32_t leaf) HWY_ATTR {
     const NodeReference run{leaf};
     for (uint32_t i = 0; i < run.blocks(); ++i) {
       const uint32_t number = scene.slots[run.first_block() + i];
-      if (mailbox.tested(number)) continue;
-      if (any_hit_of(scene.instances[number], ray, counters)) return true;
+      if (!mailbox.tested(number) && is_hit(number)) return true;
     }
     return false;
   };

@@ -57,7 +57,8 @@ struct BvhKernels {
                        TraversalCounters&);
   bool (*leaf_any)(const MeshTree&, uint32_t leaf, const TriangleRay&, TraversalCounters&);
   bool (*instance_closest)(const InstanceTree&, const Ray&, Hit&, TraversalCounters&);
-  bool (*instance_any)(const InstanceTree&, const Ray&, TraversalCounters&);
+  /// As Accelerator::any_hit_by().
+  bool (*instance_any)(const InstanceTree&, const Ray&, uint32_t& first, TraversalCounters&);
   /// Which boxes of the row the ray may hit something in before `t_max`, a bit each, and lower
   /// bounds of t there, as many as row.count. For a ray that can_hit().
   uint32_t (*boxes_entered)(const BoxRow& row, const Ray& ray, double t_max, double* entered);

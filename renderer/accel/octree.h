@@ -52,8 +52,13 @@ class InstanceOctree final : public Accelerator {
     return code_->instance_closest(tree_, ray, hit, counters);
   }
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override {
-    return code_->instance_any(tree_, ray, counters);
+    uint32_t first = kNoInstance;
+    return code_->instance_any(tree_, ray, first, counters);
   }
+  bool any_hit_by(const Ray& ray, uint32_t& instance, TraversalCounters& counters) const override {
+    return code_->instance_any(tree_, ray, instance, counters);
+  }
+  bool takes_guesses() const override { return true; }
   AcceleratorStatistics statistics() const override { return statistics_; }
   const InstanceTree& tree() const { return tree_; }
 

@@ -41,17 +41,17 @@ Color through_medium(const Color& medium, double metres) {
 /// the point outwards. Light goes straight through them: there are no caustics here.
 template <bool kRich, bool kThroughGlass = true>
 Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ray, Color medium,
-                          [[maybe_unused]] double width, TraceCounters& counters) {
+                          [[maybe_unused]] double width, TraceState& state) {
   Color left = kWhite;
   const double metres = length(ray.direction);
   for (uint32_t pass = 0; pass < kMaxPasses && !is_black(left); ++pass) {
     Hit hit;
-    if (!occluders.clear->closest_hit(ray, hit, counters.traversal)) {
+    if (!occluders.clear->closest_hit(ray, hit, state.counters.traversal)) {
       // The light is in that medium too; one without a place is beyond all of it.
       return std::isfinite(ray.t_max) ? left * through_medium(medium, ray.t_max * metres) : left;
     }
     SurfacePoint point(scene, occluders.clear_instances[hit.instance], ray, hit);
-    if constexpr (kRich) look_up_textures(scene, ray, width, point, counters);
+    if constexpr (kRich) look_up_textures(scene, ray, width, point, state.counters);
     const Coverage coverage = straight_coverage(point);
     const Material& material = *point.material;
     Color through = kWhite * coverage.through;
@@ -65,8 +65,23 @@ Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ra
     ray = spawn_ray(point.surface, ray.direction);
     ray.t_max = t_max;
   }
-  if (!is_black(left)) ++counters.paths_cut;
+  if (!is_black(left)) ++state.counters.paths_cut;
   return left;
+}
+
+/// Whether what lets nothing through does; what stopped the last ray to this light is asked first.
+[[gnu::always_inline]] inline bool is_stopped(const Scene& scene, const Light& light,
+                                              const Ray& ray, TraceState& state) {
+  const Occluders& occluders = scene.occluders;
+  TraceCounters& counters = state.counters;
+  if (!occluders.opaque) return false;
+  if (!occluders.takes_guesses) return occluders.opaque->any_hit(ray, counters.traversal);
+  uint32_t& last = state.last_occluders.of_light(static_cast<size_t>(&light - scene.lights.data()));
+  if (!scene.skips.last_occluder) last = kNoInstance;
+  const uint32_t before = last;
+  if (!occluders.opaque->any_hit_by(ray, last, counters.traversal)) return false;
+  if (last == before) ++counters.occluders_met_again;
+  return true;
 }
 
 /// light_visibility(), compiled where it stands. `buffers` are Occluders::buffers_at() the point.
@@ -75,9 +90,9 @@ template <bool kRich, bool kPlain = false>
                                                   RayOrigins& origins, const LightBuffer* buffers,
                                                   const Color& medium, const Light& light,
                                                   const LightSample& sample, double width,
-                                                  TraceCounters& counters) {
+                                                  TraceState& state) {
   const Occluders& occluders = scene.occluders;
-  ++counters.rays_shadow;
+  ++state.counters.rays_shadow;
   uint32_t boxes = 0;
   if (buffers) {
     const LightBuffer& buffer = buffers[&light - scene.lights.data()];
@@ -85,16 +100,14 @@ template <bool kRich, bool kPlain = false>
     if ((kPlain || !occluders.clear) && !occluders.few->holds_any(boxes)) return kWhite;
   }
   const Ray ray = shadow_ray<kPlain>(point, origins, light, sample);
-  const bool is_stopped =
-      buffers ? occluders.few->any_hit_among(boxes, ray, counters.traversal)
-              : occluders.opaque && occluders.opaque->any_hit(ray, counters.traversal);
-  if (is_stopped) return kPlain ? kBlack : kWhite * (1 - light.shadow_intensity);
+  if (buffers ? occluders.few->any_hit_among(boxes, ray, state.counters.traversal)
+              : is_stopped(scene, light, ray, state))
+    return kPlain ? kBlack : kWhite * (1 - light.shadow_intensity);
   if (kPlain || !occluders.clear) return kWhite;
   const bool begins_beyond =
       dot(point.geometric_normal, ray.direction) < 0 && !sees_over_facet(point, sample.wi);
   const Color visible = clear_transmittance<kRich>(
-      scene, occluders, ray, begins_beyond ? medium_beyond(medium, point) : medium, width,
-      counters);
+      scene, occluders, ray, begins_beyond ? medium_beyond(medium, point) : medium, width, state);
   return kWhite - light.shadow_intensity * (kWhite - visible);
 }
 
@@ -103,23 +116,23 @@ template <bool kRich, bool kPlain = false>
 template <bool kRich>
 Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Color& medium, const Light& light, const LightSample& sample,
-                       double width, TraceCounters& counters) {
+                       double width, TraceState& state) {
   return visibility_of<kRich>(scene, point, origins, scene.occluders.buffers_at(point.surface),
-                              medium, light, sample, width, counters);
+                              medium, light, sample, width, state);
 }
 
 template <bool kRich>
 Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& ray,
-                     const Color& medium, double width, TraceCounters& counters) {
+                     const Color& medium, double width, TraceState& state) {
   const Occluders& occluders = scene.path_occluders;
-  ++counters.rays_shadow;
-  if (occluders.opaque && occluders.opaque->any_hit(ray, counters.traversal)) {
+  ++state.counters.rays_shadow;
+  if (occluders.opaque && occluders.opaque->any_hit(ray, state.counters.traversal)) {
     return kBlack;
   }
   const bool begins_beyond = dot(point.geometric_normal, ray.direction) < 0;
   const Color inside = begins_beyond ? medium_beyond(medium, point) : medium;
   if (occluders.clear) {
-    return clear_transmittance<kRich, false>(scene, occluders, ray, inside, width, counters);
+    return clear_transmittance<kRich, false>(scene, occluders, ray, inside, width, state);
   }
   // What comes from beyond all surfaces has no way through a medium.
   return std::isfinite(ray.t_max) ? through_medium(inside, ray.t_max * length(ray.direction))
@@ -129,7 +142,7 @@ Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& r
 template <bool kRich>
 Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Color& medium, const SurfaceSample& there, double width,
-                       TraceCounters& counters) {
+                       TraceState& state) {
   // The stretch ends before the light's own surface, as it begins after that of the point.
   const Vec3 back = point.surface.point - there.point;
   const Vec3 side = dot(back, there.normal) < 0 ? -there.normal : there.normal;
@@ -138,23 +151,22 @@ Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins
   Ray ray = origins.spawn(-back);
   ray.direction = there.point + side * lift - ray.origin;
   ray.t_max = 1;
-  return ray_visibility<kRich>(scene, point, ray, medium, width, counters);
+  return ray_visibility<kRich>(scene, point, ray, medium, width, state);
 }
 
 template <bool kRich>
 [[gnu::cold, gnu::noinline]] void trace_for_nothing(const Scene& scene, const SurfacePoint& point,
                                                     const Color& medium, const Light& light,
                                                     const LightSample& sample, double width,
-                                                    TraceCounters& counters) {
+                                                    TraceState& state) {
   if (!light.casts_shadow || !(sample.distance > 0)) return;
   RayOrigins origins(point.surface);
-  light_visibility<kRich>(scene, point, origins, medium, light, sample, width, counters);
+  light_visibility<kRich>(scene, point, origins, medium, light, sample, width, state);
 }
 
 template <bool kShadows, bool kRich, bool kPlain>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
-                     const Vec3& wo, const Color& medium, double path_length,
-                     TraceCounters& counters) {
+                     const Vec3& wo, const Color& medium, double path_length, TraceState& state) {
   const Material& material = *point.material;
   if (!kPlain && material.model == MaterialModel::unlit) {
     return emission(point);
@@ -170,9 +182,9 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
   const LightBuffer* const buffers = kShadows ? scene.occluders.buffers_at(point.surface) : nullptr;
   const auto leave_out = [&](bool skips, const Light& light, const LightSample& sample) {
     if (kPlain || skips) {
-      ++counters.shadow_rays_skipped;
+      ++state.counters.shadow_rays_skipped;
     } else if constexpr (kShadows) {
-      trace_for_nothing<kRich>(scene, point, medium, light, sample, width, counters);
+      trace_for_nothing<kRich>(scene, point, medium, light, sample, width, state);
     }
   };
   const auto add_light = [&](uint32_t index) __attribute__((always_inline)) {
@@ -207,11 +219,11 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
       }
       if (kPlain || light.casts_shadow)
         arriving = arriving * visibility_of<kRich, kPlain>(scene, point, origins, buffers, medium,
-                                                           light, sample, width, counters);
+                                                           light, sample, width, state);
     }
     sum += arriving * share;
   };
-  counters.lights_culled +=
+  state.counters.lights_culled +=
       scene.for_each_light(point.surface.instance, point.surface.point, add_light);
   if (kRich && material.model != MaterialModel::classic) {
     return sum + ambient * ambient_share(material, diffuse) * kept;
@@ -221,35 +233,34 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
 }
 
 template Color local_radiance<false, false>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                            const Vec3&, const Color&, double, TraceCounters&);
+                                            const Vec3&, const Color&, double, TraceState&);
 template Color local_radiance<false, true>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                           const Vec3&, const Color&, double, TraceCounters&);
+                                           const Vec3&, const Color&, double, TraceState&);
 template Color local_radiance<true, false>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                           const Vec3&, const Color&, double, TraceCounters&);
+                                           const Vec3&, const Color&, double, TraceState&);
 template Color local_radiance<true, true>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                          const Vec3&, const Color&, double, TraceCounters&);
+                                          const Vec3&, const Color&, double, TraceState&);
 
 template Color local_radiance<false, false, true>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                                  const Vec3&, const Color&, double,
-                                                  TraceCounters&);
+                                                  const Vec3&, const Color&, double, TraceState&);
 template Color local_radiance<true, false, true>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                                 const Vec3&, const Color&, double, TraceCounters&);
+                                                 const Vec3&, const Color&, double, TraceState&);
 
 template Color light_visibility<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
-                                       const Light&, const LightSample&, double, TraceCounters&);
+                                       const Light&, const LightSample&, double, TraceState&);
 template Color light_visibility<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
-                                      const Light&, const LightSample&, double, TraceCounters&);
+                                      const Light&, const LightSample&, double, TraceState&);
 template void trace_for_nothing<false>(const Scene&, const SurfacePoint&, const Color&,
-                                       const Light&, const LightSample&, double, TraceCounters&);
+                                       const Light&, const LightSample&, double, TraceState&);
 template void trace_for_nothing<true>(const Scene&, const SurfacePoint&, const Color&, const Light&,
-                                      const LightSample&, double, TraceCounters&);
+                                      const LightSample&, double, TraceState&);
 template Color ray_visibility<false>(const Scene&, const SurfacePoint&, const Ray&, const Color&,
-                                     double, TraceCounters&);
+                                     double, TraceState&);
 template Color ray_visibility<true>(const Scene&, const SurfacePoint&, const Ray&, const Color&,
-                                    double, TraceCounters&);
+                                    double, TraceState&);
 template Color point_visibility<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
-                                       const SurfaceSample&, double, TraceCounters&);
+                                       const SurfaceSample&, double, TraceState&);
 template Color point_visibility<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
-                                      const SurfaceSample&, double, TraceCounters&);
+                                      const SurfaceSample&, double, TraceState&);
 
 }  // namespace tessera

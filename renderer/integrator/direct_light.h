@@ -10,29 +10,28 @@ namespace tessera {
 /// the point. Without kRich the scene must have no rich materials, with kPlain only plain features.
 template <bool kShadows, bool kRich, bool kPlain = false>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
-                     const Vec3& wo, const Color& medium, double path_length,
-                     TraceCounters& counters);
+                     const Vec3& wo, const Color& medium, double path_length, TraceState& state);
 
 /// The share of the light of `light`, one of the scene's, that shadows leave.
 template <bool kRich>
 Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Color& medium, const Light& light, const LightSample& sample,
-                       double width, TraceCounters& counters);
+                       double width, TraceState& state);
 /// The shadow ray to a light that adds nothing, to measure what leaving it out saves.
 template <bool kRich>
 void trace_for_nothing(const Scene& scene, const SurfacePoint& point, const Color& medium,
                        const Light& light, const LightSample& sample, double width,
-                       TraceCounters& counters);
+                       TraceState& state);
 /// The share of light from a point of a surface that arrives. What refracts lets nothing through.
 template <bool kRich>
 Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Color& medium, const SurfaceSample& there, double width,
-                       TraceCounters& counters);
+                       TraceState& state);
 
 /// The same of light from the background along `ray`, which leaves the point.
 template <bool kRich>
 Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& ray,
-                     const Color& medium, double width, TraceCounters& counters);
+                     const Color& medium, double width, TraceState& state);
 
 /// The width, in metres, of what one sample stands for at the end of a path.
 inline double cone_width(const Scene& scene, double path_length) {

@@ -18,6 +18,7 @@ void TraceCounters::add_to(CounterMap& map) const {
   const auto add_if_any = [&](const char* name, uint64_t n) {
     if (n > 0) map[name] += n;
   };
+  add_if_any("occluders_met_again", occluders_met_again);
   add_if_any("lights_culled", lights_culled);
   add_if_any("branches_skipped", branches_skipped);
   add_if_any("texture_points_skipped", texture_points_skipped);

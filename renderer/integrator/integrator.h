@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -15,11 +17,13 @@ inline constexpr uint32_t kMaxSegments = 1u << 18;
 /// Surfaces that a ray passes unbent on one way.
 inline constexpr uint32_t kMaxPasses = 1u << 16;
 
-/// Work done, by kind of ray; totals over pixels do not depend on how the frame is cut.
+/// Work done, by kind of ray. Totals over pixels do not depend on how the frame is cut, but those
+/// of traversal and `occluders_met_again`, which LastOccluders change.
 struct TraceCounters {
   TraversalCounters traversal;
   uint64_t rays_primary = 0, rays_shadow = 0, rays_reflection = 0, rays_refraction = 0;
   uint64_t hits = 0;                    ///< of all but shadow rays
+  uint64_t occluders_met_again = 0;     ///< shadow rays that end where their light's last one did
   uint64_t shadow_rays_skipped = 0;     ///< lights whose share is zero whatever is in the way
   uint64_t lights_culled = 0;           ///< by their place, before they were asked
   uint64_t branches_skipped = 0;        ///< of a weight that no pixel shows
@@ -51,9 +55,23 @@ struct SampleKey {
   uint32_t sample = 0;
 };
 
+/// The opaque instance that the last shadow ray to a light ended in: the next ray to it is likely
+/// to.
+class LastOccluders {
+ public:
+  LastOccluders() { instances_.fill(kNoInstance); }
+  /// Of the scene's light of that number. Where there are more than kLights, some share a place.
+  uint32_t& of_light(size_t light) { return instances_[light % kLights]; }
+
+ private:
+  static constexpr size_t kLights = 16;
+  std::array<uint32_t, kLights> instances_;
+};
+
 /// What one thread needs while it traces; made once a tile, so that no ray allocates.
 struct TraceState {
   TraceCounters counters;
+  LastOccluders last_occluders;
   std::vector<PathSegment> stack;
 };
 

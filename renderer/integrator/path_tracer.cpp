@@ -220,8 +220,7 @@ class PathTracer final : public Integrator {
         if (skips) {
           ++state.counters.shadow_rays_skipped;
         } else {
-          trace_for_nothing<kRich>(*scene_, point, path.medium, light, sample, width,
-                                   state.counters);
+          trace_for_nothing<kRich>(*scene_, point, path.medium, light, sample, width, state);
         }
       };
       if (!sample_light(light, point.surface.point, path.path_length, sample)) {
@@ -237,7 +236,7 @@ class PathTracer final : public Integrator {
       Color visible = kWhite;
       if (light.casts_shadow) {
         visible = light_visibility<kRich>(*scene_, point, origins, path.medium, light, sample,
-                                          width, state.counters);
+                                          width, state);
       }
       sum += arriving * visible;
     };
@@ -257,8 +256,7 @@ class PathTracer final : public Integrator {
       return kBlack;
     }
     const Ray ray = origins.spawn(there.wi);
-    const Color visible =
-        ray_visibility<kRich>(*scene_, point, ray, path.medium, width, state.counters);
+    const Color visible = ray_visibility<kRich>(*scene_, point, ray, path.medium, width, state);
     if (is_black(visible) || is_dark) return kBlack;
     return background(ray) * value.share * visible *
            (power_heuristic(there.density, value.density) / there.density);
@@ -280,7 +278,7 @@ class PathTracer final : public Integrator {
       return kBlack;
     }
     const Color visible =
-        point_visibility<kRich>(*scene_, point, origins, path.medium, there, width, state.counters);
+        point_visibility<kRich>(*scene_, point, origins, path.medium, there, width, state);
     if (is_black(visible) || is_dark) return kBlack;
     const double weight = power_heuristic(density, value.density);
     return shine * value.share * visible * (weight / density);

@@ -84,6 +84,7 @@ class CostView final : public Integrator {
   Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const override {
     const TraversalCounters& counters = state.counters.traversal;
     const uint64_t before = counters.node_visits + counters.primitive_tests;
+    state.last_occluders = {};  // lest the picture depend on what was traced before
     inner_->radiance(ray, key, state);
     return kWhite * static_cast<double>(counters.node_visits + counters.primitive_tests - before);
   }

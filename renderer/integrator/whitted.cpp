@@ -78,7 +78,7 @@ class WhittedIntegrator final : public Integrator {
     Color result = kBlack;
     if (coverage.covered > 0) {
       Color seen = local_radiance<kShadows, kRich, kPlain>(*scene_, point, origins, -ray.direction,
-                                                           medium, path_length, state.counters);
+                                                           medium, path_length, state);
       if (!kPlain && point.material->grain > 0)
         seen = seen - kWhite * grain(*point.material, segment, key);
       if (foggy) seen = seen * clearness + scene_->fog.color * (1 - clearness);

@@ -68,6 +68,7 @@ Occluders make_occluders(std::span<const Instance> instances, const std::vector<
     result.opaque = make(std::move(opaque));
   }
   result.clear = make(std::move(clear));
+  result.takes_guesses = result.opaque && result.opaque->takes_guesses();
   if (looks_up) result.few = dynamic_cast<const FewInstances*>(result.opaque.get());
   if (result.few && !result.few->is_all_in_boxes()) result.few = nullptr;
   for (size_t i = 0; result.few && i < lights.size(); ++i)

@@ -17,6 +17,7 @@ namespace tessera {
 struct Occluders {
   std::shared_ptr<const Accelerator> opaque;  ///< lets nothing through; null: there is none
   std::shared_ptr<const Accelerator> clear;   ///< may let light through; null: there is none
+  bool takes_guesses = false;                 ///< `opaque` does
   std::vector<uint32_t> clear_instances;      ///< Scene::instances by Hit::instance of `clear`
 
   /// One for each light, where there are a few lights and a few opaque instances, which are `few`.

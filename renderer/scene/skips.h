@@ -24,6 +24,8 @@ struct Skips {
   // nothing.
   bool dark_shadow_rays = true;  ///< to lights of which the surface would send nothing on
   bool unreached_lights = true;  ///< shadow rays to lights that do not reach so far
+  bool last_occluder = true;     ///< the search for what stops a shadow ray, where the last one to
+                                 ///< the same light was stopped by it too
   bool unread_numbers = true;    ///< random numbers that no decision reads
   bool texture_points = true;    ///< the patch of surface that a texture is looked up on
   bool faint_branches = true;    ///< mirrors and glass of a whole weight below 1e-9

@@ -57,6 +57,34 @@ TEST(Instances, ShadowlessOnesDoNotOcclude) {
   }
 }
 
+// A guess, right or wrong, spares a search or costs a test, and changes no answer.
+TEST(Instances, WhatIsAskedFirstChangesNoAnswer) {
+  std::vector<Instance> scene;
+  for (int i = 0; i < 40; ++i)
+    scene.push_back({square(), Transform(translation({3.0 * i, 0, 0.5 * (i % 3)}))});
+  for (const AcceleratorKind kind : {AcceleratorKind::bvh, AcceleratorKind::octree}) {
+    const auto all = make_instance_accelerator(scene, kind, 1);
+    ASSERT_TRUE(all->takes_guesses());
+    for (int i = 0; i < 40; ++i) {
+      for (const double x : {3.0 * i + .2, 3.0 * i + 1.5}) {  // of which the second passes between
+        const Ray ray{{x, 0.1, 9}, {0, 0, -1}};
+        TraversalCounters counters;
+        const bool is_hit = all->any_hit(ray, counters);
+        EXPECT_EQ(is_hit, x < 3.0 * i + 1);
+        for (const uint32_t guess : {kNoInstance, 0u, static_cast<uint32_t>(i), 39u}) {
+          uint32_t instance = guess;
+          EXPECT_EQ(all->any_hit_by(ray, instance, counters), is_hit);
+          EXPECT_EQ(instance, is_hit ? static_cast<uint32_t>(i) : kNoInstance);
+        }
+        uint32_t instance = static_cast<uint32_t>(i);
+        TraversalCounters spared;
+        all->any_hit_by(ray, instance, spared);
+        EXPECT_EQ(spared.node_visits == 0, is_hit);
+      }
+    }
+  }
+}
+
 TEST(Instances, TheFrontStaysTheFrontUnderMirroring) {
   for (const Vec3& scale : {Vec3{1, 1, 1}, Vec3{-1, 1, 1}, Vec3{2, -3, 1}}) {
     for (const bool flip : {false, true}) {

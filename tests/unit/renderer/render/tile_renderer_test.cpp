@@ -105,6 +105,27 @@ TEST(TileRenderer, pixels_do_not_depend_on_how_the_frame_is_cut) {
   }
 }
 
+// What stopped a light's last shadow ray is asked first, which must not show in a picture of the
+// work.
+TEST(TileRenderer, cost_does_not_depend_on_how_the_frame_is_cut) {
+  std::string text = R"(cameras { world_from_camera { steps { look_at { eye { y: 3 z: 12 } } } } }
+    nodes { light { directional { direction { x: -1 y: -2 z: -1 } } } } nodes { shape { plane { offset: -2 } } } )";
+  for (int i = 0; i < 40; ++i)
+    text += fmt::format("nodes {{ shape {{ sphere {{ center {{ x: {} z: {} }} radius: .6 }} }} }} ",
+                        i % 8 - 3.5, i / 8 - 2);
+  v1::FrameSettings frame = frame_of(24, 16);
+  frame.set_accelerator("bvh");
+  const auto picture = make_tile_renderer(parse_scene(text), {}, frame, 1);
+  EXPECT_GT(render_rect(*picture, {0, 0, 24, 16}).counters.at("occluders_met_again"), 0u);
+  frame.set_integrator("cost");
+  const auto cost = make_tile_renderer(parse_scene(text), {}, frame, 1);
+  const TilePixels whole = render_rect(*cost, {0, 0, 24, 16});
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 24; ++x)
+      EXPECT_EQ(render_rect(*cost, {x, y, x + 1, y + 1}).values[0],
+                whole.values[static_cast<size_t>(3 * (24 * y + x))]);
+}
+
 TEST(TileRenderer, a_sample_alone_is_the_sample_among_others) {
   v1::FrameSettings frame = frame_of(4, 4);
   frame.set_samples_per_pixel(2);
