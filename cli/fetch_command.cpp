@@ -19,6 +19,7 @@
 #include "cli/render_options.h"
 #include "cli/say.h"
 #include "client/farm_client.h"
+#include "client/job_client.h"
 #include "job/job_messages.h"
 #include "proto/wire/printable.h"
 #include "renderer/denoise/denoiser.h"
@@ -98,21 +99,6 @@ class Fetch {
   }
 
  private:
-  static JobProgress progress_of(const v1::JobStatus& status) {
-    JobProgress progress;
-    progress.tiles_done = status.tiles_done();
-    progress.tiles_total = status.tiles_total();
-    progress.workers = static_cast<int>(status.workers());
-    progress.elapsed_seconds = status.elapsed_seconds();
-    progress.remaining_seconds = status.remaining_seconds();
-    if (status.state() == v1::JobStatus::PAUSED) progress.waiting_for = "somebody to resume it";
-    if (status.state() == v1::JobStatus::QUEUED) progress.waiting_for = "the jobs before this one";
-    if (status.state() == v1::JobStatus::RUNNING && status.workers() == 0) {
-      progress.waiting_for = "workers";
-    }
-    return progress;
-  }
-
   /// The first failure counts; whatever else there is of pictures is written.
   void write(const v1::JobStatus& status) {
     const JobReport report = from_message(status.end());

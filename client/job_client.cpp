@@ -6,6 +6,27 @@
 #include "job/job_messages.h"
 
 namespace tessera {
+
+namespace {
+
+std::string waiting_for(const v1::JobStatus& status) {
+  switch (status.state()) {
+    case v1::JobStatus::UNKNOWN:
+      return JobClient::kForCoordinator;
+    case v1::JobStatus::FETCHING:
+      return "the scene to be sent";
+    case v1::JobStatus::PAUSED:
+      return "somebody to resume it";
+    case v1::JobStatus::QUEUED:
+      return status.workers() == 0 ? "workers" : "the jobs before this one";
+    case v1::JobStatus::RUNNING:
+      return status.workers() == 0 ? "workers" : "";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
 namespace {
 
 constexpr Time kAskEvery = std::chrono::milliseconds(100);
@@ -131,31 +152,15 @@ void JobClient::finish(JobReport report) {
   result_ = std::move(result);
 }
 
-JobProgress JobClient::progress() const {
+JobProgress progress_of(const v1::JobStatus& status) {
   JobProgress progress;
-  progress.tiles_done = status_.tiles_done();
-  progress.tiles_total = status_.tiles_total();
-  progress.workers = static_cast<int>(status_.workers());
-  progress.elapsed_seconds = status_.elapsed_seconds();
-  progress.remaining_seconds = status_.tiles_done() > 0 ? status_.remaining_seconds() : -1;
-  progress.waiting_for = waiting_for();
+  progress.tiles_done = status.tiles_done();
+  progress.tiles_total = status.tiles_total();
+  progress.workers = static_cast<int>(status.workers());
+  progress.elapsed_seconds = status.elapsed_seconds();
+  progress.remaining_seconds = status.tiles_done() > 0 ? status.remaining_seconds() : -1;
+  progress.waiting_for = waiting_for(status);
   return progress;
-}
-
-std::string JobClient::waiting_for() const {
-  switch (status_.state()) {
-    case v1::JobStatus::UNKNOWN:
-      return kForCoordinator;
-    case v1::JobStatus::FETCHING:
-      return "the scene to be sent";
-    case v1::JobStatus::QUEUED:
-    case v1::JobStatus::PAUSED:
-      return "the jobs before this one";
-    case v1::JobStatus::RUNNING:
-      return status_.workers() == 0 ? "workers" : "";
-    default:
-      return "";
-  }
 }
 
 std::optional<JobResult> JobClient::take_result() { return std::exchange(result_, std::nullopt); }

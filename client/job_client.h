@@ -14,6 +14,9 @@
 
 namespace tessera {
 
+/// What a coordinator's answer tells of a job.
+JobProgress progress_of(const v1::JobStatus& status);
+
 /// The client's side of the protocol: submits a job, serves the blobs that the coordinator lacks,
 /// asks how it goes, and fetches the picture. Has no socket, thread or clock.
 class JobClient {
@@ -35,7 +38,7 @@ class JobClient {
   /// or soon.
   void cancel(Time now);
 
-  JobProgress progress() const;
+  JobProgress progress() const { return progress_of(status_); }
   /// JobProgress::waiting_for while the coordinator has not answered.
   static constexpr char kForCoordinator[] = "the coordinator";
   /// When the coordinator was last heard.
@@ -44,7 +47,6 @@ class JobClient {
   std::optional<JobResult> take_result();
 
  private:
-  std::string waiting_for() const;
   void on_status(const v1::JobStatus& status, Time now);
   void fetch_film(Time now);
   void finish(JobReport report);

@@ -42,7 +42,12 @@ class ZmqServer final : public ServerTransport {
       if (has_file(each)) SocketFile::check_free(each.path);
     }
     endpoint_ = bind(control_, endpoint, control_file_);
-    bulk = parse_endpoint(bind(bulk_, bulk, bulk_file_));
+    try {
+      bulk = parse_endpoint(bind(bulk_, bulk, bulk_file_));
+    } catch (const Error& error) {
+      throw usage_error(fmt::format("{} (scenes and pictures go there, beside '{}')", error.what(),
+                                    endpoint.str()));
+    }
     bulk_endpoint_ = bulk.tcp ? fmt::format("tcp://:{}", bulk.port) : bulk.str();
   }
 

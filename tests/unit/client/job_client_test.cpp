@@ -21,6 +21,20 @@ JobResult end_of_job(const v1::JobEnd& end) {
   return result ? std::move(*result) : JobResult{{}, Film(spec.crop)};
 }
 
+TEST(JobProgress, SaysWhatIsWaitedFor) {
+  const auto waiting_for = [](v1::JobStatus::State state, uint32_t workers) {
+    v1::JobStatus status;
+    status.set_state(state);
+    status.set_workers(workers);
+    return progress_of(status).waiting_for;
+  };
+  EXPECT_EQ(waiting_for(v1::JobStatus::QUEUED, 0), "workers");
+  EXPECT_EQ(waiting_for(v1::JobStatus::QUEUED, 1), "the jobs before this one");
+  EXPECT_EQ(waiting_for(v1::JobStatus::RUNNING, 0), "workers");
+  EXPECT_EQ(waiting_for(v1::JobStatus::RUNNING, 1), "");
+  EXPECT_EQ(waiting_for(v1::JobStatus::PAUSED, 1), "somebody to resume it");
+}
+
 TEST(JobClient, ARefusedJobHasNoTiles) {
   v1::JobEnd end;
   end.set_how(v1::JobEnd::FAILED);
