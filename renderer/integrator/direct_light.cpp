@@ -178,7 +178,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
   const Color kept_diffuse = diffuse * kept;
   Color ambient = scene.settings.ambient;
   Color sum = material.emission;
-  const double width = cone_width(scene, path_length);
+  const double width = cone_width(state.cone, path_length);
   const LightBuffer* const buffers = kShadows ? scene.occluders.buffers_at(point.surface) : nullptr;
   const auto leave_out = [&](bool skips, const Light& light, const LightSample& sample) {
     if (kPlain || skips) {

@@ -34,8 +34,8 @@ Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& r
                      const Color& medium, double width, TraceState& state);
 
 /// The width, in metres, of what one sample stands for at the end of a path.
-inline double cone_width(const Scene& scene, double path_length) {
-  return scene.cone.at_eye + scene.cone.spread * path_length;
+inline double cone_width(const Camera::PixelCone& cone, double path_length) {
+  return cone.at_eye + cone.spread * path_length;
 }
 
 }  // namespace tessera

@@ -73,6 +73,7 @@ struct TraceState {
   TraceCounters counters;
   LastOccluders last_occluders;
   std::vector<PathSegment> stack;
+  Camera::PixelCone cone;  ///< of the sample that is being traced; its owner sets it
 };
 
 /// Radiance along camera rays. Immutable; may be called from many threads, each with its state.

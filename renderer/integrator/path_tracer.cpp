@@ -106,7 +106,7 @@ class PathTracer final : public Integrator {
     path.view_distance += hit.t;
     SurfacePoint point(*scene_, hit.instance, path.ray, hit);
     if constexpr (kRich) {
-      look_up_textures(*scene_, path.ray, cone_width(*scene_, path.path_length), point,
+      look_up_textures(*scene_, path.ray, cone_width(state.cone, path.path_length), point,
                        state.counters);
     }
     const VertexNumbers numbers(stream, path.vertex++, scene_->skips.unread_numbers,
@@ -186,7 +186,7 @@ class PathTracer final : public Integrator {
                         RayOrigins& origins, const VertexNumbers& numbers,
                         TraceState& state) const {
     Color sum = kBlack;
-    const double width = cone_width(*scene_, path.path_length);
+    const double width = cone_width(state.cone, path.path_length);
     const double to_sky = environment_share(*scene_);
     if (to_sky > 0 || !scene_->area_lights.empty()) {
       // One number picks twice.

@@ -17,7 +17,7 @@ void use_first_surface(const Scene& scene, Ray ray, TraceState& state, const Use
     Hit hit;
     if (!scene.surfaces->closest_hit(ray, hit, state.counters.traversal)) break;
     SurfacePoint point(scene, hit.instance, ray, hit);
-    look_up_textures(scene, ray, cone_width(scene, start + hit.t), point, state.counters);
+    look_up_textures(scene, ray, cone_width(state.cone, start + hit.t), point, state.counters);
     ++state.counters.hits;
     start += hit.t;
     if (!point.is_hidden && point.surface.vertex_alpha * point.material->alpha >= 0.5) {

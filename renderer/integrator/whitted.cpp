@@ -62,7 +62,7 @@ class WhittedIntegrator final : public Integrator {
     const double path_length = segment.path_length + hit.t;
     SurfacePoint point = surface_point(ray, hit);
     if constexpr (kRich) {
-      look_up_textures(*scene_, ray, cone_width(*scene_, path_length), point, state.counters);
+      look_up_textures(*scene_, ray, cone_width(state.cone, path_length), point, state.counters);
     }
     Color throughput = segment.throughput;
     Color medium = kBlack;

@@ -53,6 +53,7 @@ AovTracer::Surfaces AovTracer::surfaces_of(int x, int y, uint32_t first_sample, 
   bool is_first = true;
   for (uint32_t i = 0; i < count; ++i) {
     const SampleKey key{x, y, first_sample + i};
+    state.cone = scene_->cones.of(key.sample);
     const auto [mean, negative] =
         through_camera(*scene_, key, [&](const Ray& ray, const SampleKey&) {
           const auto surface = first_surface(*scene_, ray, state);

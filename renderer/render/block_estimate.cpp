@@ -50,8 +50,14 @@ BlockEstimate::BlockEstimate(int pixels, bool nets, double gain, uint32_t first_
 void BlockEstimate::look(uint32_t samples) {
   samples_ = samples;
   const double n = samples, count = static_cast<double>(count_);
-  double spread = 0;
-  for (size_t i = 0; i < count_; ++i) spread += spread_of(pixels_[i]);
+  double spread = 0, squares = 0;
+  for (size_t i = 0; i < count_; ++i) {
+    const double own = spread_of(pixels_[i]);
+    spread += own;
+    squares += own * own;
+  }
+  // A few pixels of the block may have nearly all of it.
+  if (squares > 0) freedom_ = spread * spread / squares * (n - 1);
   variance_ = taken_off_ = spread / n * gain_squared_ / (count * kChannels);
   if (nets_ && spread > 0) {
     const double edges = edge_part(spread), edge = kEdgeGain / std::sqrt(n);
@@ -115,7 +121,11 @@ double BlockEstimate::spread_of(const Pixel& pixel) const {
 }
 
 double BlockEstimate::standard_error() const { return std::sqrt(variance_ + unseen_); }
-double BlockEstimate::taken_off() const { return std::sqrt(taken_off_ + unseen_); }
+double BlockEstimate::most_taken_off() const {
+  // The root of a variance of f degrees of freedom deviates by 1 / sqrt(2 f) of itself.
+  const double times = 1 + 2 / std::sqrt(2 * freedom_);
+  return std::sqrt(taken_off_ * times * times + unseen_);
+}
 
 double BlockEstimate::standard_error(int pixel) const {
   const double n = samples_, count = static_cast<double>(count_);

@@ -48,9 +48,10 @@ class BlockEstimate {
   /// the three channels; of a pixel brighter than display white in proportion to it.
   double standard_error() const;
   /// The same of what the second half of the samples took off the error of the first: the root of
-  /// the difference of the squares. That of independent samples is standard_error(), that of others
-  /// is more, since theirs falls faster.
-  double taken_off() const;
+  /// the difference of the squares. Were that of independent samples not in doubt it would be
+  /// standard_error(); that of others is more, since theirs falls faster. And two standard
+  /// deviations above what is found, since few samples of few pixels may find too little by chance.
+  double most_taken_off() const;
   /// Of one pixel's mean, over the three channels: the block's, in the ratio of what its samples
   /// vary. Of the pixels that vary at all, 95 % are to lie within 1.96 times this of the truth.
   double standard_error(int pixel) const;
@@ -73,6 +74,7 @@ class BlockEstimate {
   uint32_t samples_ = 0;  ///< of each pixel at the latest look
   uint32_t run_;          ///< samples; at a look from `kRuns` samples on, an eighth of them
   double variance_ = 0, taken_off_ = 0, unseen_ = 0;
+  double freedom_ = 1;  ///< degrees of it that the spread has
   bool nets_;
   double gain_squared_;
 };

@@ -200,7 +200,7 @@ class SceneTileRenderer final : public TileRenderer {
     std::array<BlockPixel, BlockEstimate::kMaxPixels> pixels;
     const size_t count = begin_block(block, task, state, counters, output, pixels);
     const SamplePattern pattern = scene_->settings.sampler.pattern;
-    const uint32_t first_look = std::bit_ceil(std::max(scene_->settings.min_samples, 2u));
+    const uint32_t first_look = scene_->settings.first_look();
     BlockEstimate estimate(static_cast<int>(count), pattern != SamplePattern::independent,
                            scene_->sampler->filter_gain(), first_look);
     uint32_t done = 0;
@@ -222,7 +222,7 @@ class SceneTileRenderer final : public TileRenderer {
       done = next;
       if (done < first_look || !std::has_single_bit(done)) continue;
       estimate.look(done);
-      converged = estimate.taken_off() < error_after(done, task.sample_count);
+      converged = estimate.most_taken_off() < error_after(done, task.sample_count);
     }
     const bool early = count > 0 && done < task.sample_count;
     if (early && contains_pixel(task.rect, block.x0, block.y0)) ++counters.stopped;
@@ -301,6 +301,7 @@ class SceneTileRenderer final : public TileRenderer {
   }
 
   Sample trace(const SampleKey& key, TraceState& state) const {
+    state.cone = scene_->cones.of(key.sample);
     const auto [color, negative] =
         through_camera(*scene_, key, [&](const Ray& ray, const SampleKey& own) {
           return integrator_->radiance(ray, own, state);

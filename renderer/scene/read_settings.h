@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -61,6 +63,8 @@ struct RenderSettings {
   SamplerSettings sampler;
   double target_error = 0;  ///< of adaptive sampling; 0: every pixel has every sample
   uint32_t min_samples = kDefaultMinSamples;
+  /// How many samples adaptive sampling begins with: a power of two.
+  uint32_t first_look() const { return std::bit_ceil(std::max(min_samples, 2u)); }
   AovSet aovs;
 };
 

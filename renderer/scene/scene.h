@@ -15,6 +15,7 @@
 #include "renderer/scene/light_reach.h"
 #include "renderer/scene/occluders.h"
 #include "renderer/scene/read_settings.h"
+#include "renderer/scene/sample_cones.h"
 #include "renderer/scene/skips.h"
 #include "renderer/shading/background.h"
 #include "renderer/shading/environment_sampler.h"
@@ -60,7 +61,7 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<MaterialInputs> inputs;  ///< by Material::inputs
   std::vector<Texture> textures;
-  Camera::PixelCone cone;                ///< of one sample
+  SampleCones cones;
   std::vector<uint32_t> material_slots;  ///< indices into materials
   std::vector<Instance> instances;
   std::vector<InstanceShading> shading;  ///< one an instance

@@ -113,11 +113,10 @@ class SceneBuilder {
       fail_value({.kind = "camera"}, "lens.samples", fmt::format("{} rays a pixel", rays),
                  fmt::format("at most {}, samples per pixel times lens samples", kMostRays));
     }
-    // More samples share the pixel; but few look at exactly their own part of it.
-    const double share =
-        std::max(1 / std::sqrt(static_cast<double>(settings.sampler.samples_per_pixel)), 0.125);
-    scene_->cone = scene_->camera->pixel_cone();
-    scene_->cone = {scene_->cone.at_eye * share, scene_->cone.spread * share};
+    const Camera::PixelCone cone = scene_->camera->pixel_cone();
+    const uint32_t most = settings.sampler.samples_per_pixel;
+    scene_->cones = settings.target_error > 0 ? SampleCones(cone, settings.first_look(), most)
+                                              : SampleCones(cone, most);
   }
 
   /// Of the boxes of all instances that end somewhere.

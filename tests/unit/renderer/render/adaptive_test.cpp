@@ -31,6 +31,15 @@ constexpr char kBall[] = R"(
   background { solid { r: .25 g: .5 b: 1 } }
   nodes { shape { sphere {} } })";
 
+// A checked ground to the horizon, in daylight.
+constexpr char kTiles[] = R"(
+  cameras { world_from_camera { steps { look_at { eye { y: 1 } target { x: .3 y: .8 z: -1 } } } } }
+  background { gradient { sky { r: .2 g: .4 b: 1 } ground { r: .5 g: .5 b: .4 } } }
+  materials { name: 'floor' classic { diffuse { texture: 'tiles' } } }
+  textures { name: 'tiles' checker {} mapping: WORLD }
+  nodes { shape { materials: 'floor' plane {} } }
+  nodes { light { directional { direction { y: -1 } } } })";
+
 v1::FrameSettings adaptive_frame(int width, int height, uint32_t most, double error) {
   v1::FrameSettings frame = frame_of(width, height);
   frame.set_samples_per_pixel(most);
@@ -51,7 +60,7 @@ std::vector<float> part_of(const TilePixels& whole, const PixelRect& part) {
 TEST(Adaptive, pixels_and_counters_do_not_depend_on_how_the_frame_is_cut) {
   constexpr int kWidth = 70, kHeight = 45;
   constexpr uint32_t kMost = 100;
-  for (const char* text : {kScene, kBall}) {
+  for (const char* text : {kScene, kBall, kTiles}) {
     const auto renderer =
         make_tile_renderer(parse_scene(text), {}, adaptive_frame(kWidth, kHeight, kMost, 0.01), 1);
     const TilePixels whole = render_rect(*renderer, {0, 0, kWidth, kHeight}, kMost);
@@ -127,6 +136,20 @@ TEST(Adaptive, without_stopping_it_has_the_bits_of_all_samples) {
     EXPECT_EQ(render_rect(*with, rect, samples).values,
               render_rect(*without, rect, samples).values);
   }
+}
+
+// Where all blocks stop at once, 16 samples are those that the first 16 of 32 everywhere are: they
+// are filtered for twice their number. Those behind them are filtered for more.
+TEST(Adaptive, textures_are_filtered_for_the_samples_that_blocks_have) {
+  const PixelRect rect{0, 0, 24, 16};
+  const v1::Scene scene = parse_scene(kTiles);
+  const auto first_of = [&](uint32_t samples, uint32_t most, double error) {
+    const auto renderer = make_tile_renderer(scene, {}, adaptive_frame(24, 16, most, error), 1);
+    return render_rect(*renderer, rect, samples).values;
+  };
+  EXPECT_EQ(first_of(1024, 1024, 1000), first_of(16, 32, 0));
+  EXPECT_NE(first_of(1024, 1024, 1000), first_of(16, 16, 0));
+  EXPECT_NE(first_of(32, 1024, 1e-9), first_of(32, 32, 0));
 }
 
 // The picture's error against one of 4096 samples keeps what was asked for.

@@ -198,6 +198,30 @@ void expect_honest(const std::string& scene, const std::string& pattern,
   EXPECT_LT(covered, expected.most + chance);
 }
 
+/// A block of 4 samples a pixel, of which those of `varying` pixels are 0 and `most` in turn.
+double most_taken_off(int varying, double most) {
+  BlockEstimate block(kSide * kSide, false, 1, 4);
+  for (int pixel = 0; pixel < kSide * kSide; ++pixel) {
+    for (int sample = 0; sample < 4; ++sample) {
+      const double v = pixel < varying && sample % 2 ? most : 0;
+      block.add(pixel, {v, v, v});
+    }
+  }
+  block.look(4);
+  return block.most_taken_off();
+}
+
+// The same variance of a block is less sure where one pixel has it than where all have: the root
+// of one of f degrees of freedom deviates by 1 / sqrt(2 f).
+TEST(BlockEstimate, doubts_what_few_pixels_say) {
+  const double unseen = 1 / (64.0 * 16 * 4 * 4), variance = 1 / 3.0 / 4 / 16;
+  const auto expected = [&](double freedom) {
+    return std::sqrt(variance * std::pow(1 + 2 / std::sqrt(2 * freedom), 2) + unseen);
+  };
+  EXPECT_NEAR(most_taken_off(1, 1), expected(3), 1e-12);
+  EXPECT_NEAR(most_taken_off(16, 0.25), expected(3 * 16), 1e-12);
+}
+
 TEST(BlockEstimate, is_honest_on_hard_edges) { expect_honest(boxes(""), "owen-sobol"); }
 TEST(BlockEstimate, is_honest_on_blurred_edges) { expect_honest(boxes(kLens), "owen-sobol"); }
 TEST(BlockEstimate, is_honest_on_blurred_edges_of_independent_samples) {
