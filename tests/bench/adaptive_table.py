@@ -50,7 +50,7 @@ class Bench:
     def to_error(self, wanted, samples):
         """At the target error that gives the wanted one."""
         words = ["--spp", str(16 * samples), "--min-spp", str(max(2, int(samples * self.options.least)))]
-        low, high, best = math.log(wanted / 8), math.log(wanted * 16), None
+        low, high, best = math.log(wanted / 8), math.log(wanted * 64), None
         for _ in range(self.options.steps):
             middle = (low + high) / 2
             found = self.measure(*words, "--target-error", f"{math.exp(middle):.6g}")
@@ -86,7 +86,7 @@ def main():
     parser.add_argument("--size", default="96x64")
     parser.add_argument("--least", type=float, default=0.5, help="--min-spp, in counts")
     parser.add_argument("--seeds", type=int, default=4)
-    parser.add_argument("--steps", type=int, default=9, help="halvings of the target error")
+    parser.add_argument("--steps", type=int, default=10, help="halvings of the target error")
     parser.add_argument("--reference", type=int, default=4096)
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(parser.parse_args(), folder)
