@@ -33,14 +33,15 @@ template <bool kPlain>
   return {origin, placed ? light.position - origin : sample.wi, 0, t_max};
 }
 
-Color through_medium(const Color& medium, double metres) {
-  return is_black(medium) ? kWhite : transmittance(medium, metres);
+Color through_media(const Media& media, double metres) {
+  const Color& absorption = media.absorption();
+  return is_black(absorption) ? kWhite : transmittance(absorption, metres);
 }
 
-/// What transparent occluders, and the `medium` that the ray begins in, leave of the light, from
+/// What transparent occluders, and the `media` that the ray begins in, leave of the light, from
 /// the point outwards. Light goes straight through them: there are no caustics here.
 template <bool kRich, bool kThroughGlass = true>
-Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ray, Color medium,
+Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ray, Media media,
                           [[maybe_unused]] double width, TraceState& state) {
   Color left = kWhite;
   const double metres = length(ray.direction);
@@ -48,7 +49,7 @@ Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ra
     Hit hit;
     if (!occluders.clear->closest_hit(ray, hit, state.counters.traversal)) {
       // The light is in that medium too; one without a place is beyond all of it.
-      return std::isfinite(ray.t_max) ? left * through_medium(medium, ray.t_max * metres) : left;
+      return std::isfinite(ray.t_max) ? left * through_media(media, ray.t_max * metres) : left;
     }
     SurfacePoint point(scene, occluders.clear_instances[hit.instance], ray, hit);
     if constexpr (kRich) look_up_textures(scene, ray, width, point, state.counters);
@@ -59,8 +60,9 @@ Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ra
       through += transmission_tint(material) * (coverage.covered * material.transparency);
     }
     left = left * through;
-    left = left * through_medium(medium_before(medium, point), hit.t * metres);
-    medium = medium_beyond(medium, point);
+    note_media_before(media, point);
+    left = left * through_media(media, hit.t * metres);
+    pass_into(media, point);
     const double t_max = ray.t_max - hit.t;
     ray = spawn_ray(point.surface, ray.direction);
     ray.t_max = t_max;
@@ -88,7 +90,7 @@ Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ra
 template <bool kRich, bool kPlain = false>
 [[gnu::always_inline]] inline Color visibility_of(const Scene& scene, const SurfacePoint& point,
                                                   RayOrigins& origins, const LightBuffer* buffers,
-                                                  const Color& medium, const Light& light,
+                                                  const Media& media, const Light& light,
                                                   const LightSample& sample, double width,
                                                   TraceState& state) {
   const Occluders& occluders = scene.occluders;
@@ -107,7 +109,7 @@ template <bool kRich, bool kPlain = false>
   const bool begins_beyond =
       dot(point.geometric_normal, ray.direction) < 0 && !sees_over_facet(point, sample.wi);
   const Color visible = clear_transmittance<kRich>(
-      scene, occluders, ray, begins_beyond ? medium_beyond(medium, point) : medium, width, state);
+      scene, occluders, ray, begins_beyond ? media_beyond(media, point) : media, width, state);
   return kWhite - light.shadow_intensity * (kWhite - visible);
 }
 
@@ -115,33 +117,33 @@ template <bool kRich, bool kPlain = false>
 
 template <bool kRich>
 Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
-                       const Color& medium, const Light& light, const LightSample& sample,
+                       const Media& media, const Light& light, const LightSample& sample,
                        double width, TraceState& state) {
   return visibility_of<kRich>(scene, point, origins, scene.occluders.buffers_at(point.surface),
-                              medium, light, sample, width, state);
+                              media, light, sample, width, state);
 }
 
 template <bool kRich>
 Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& ray,
-                     const Color& medium, double width, TraceState& state) {
+                     const Media& media, double width, TraceState& state) {
   const Occluders& occluders = scene.path_occluders;
   ++state.counters.rays_shadow;
   if (occluders.opaque && occluders.opaque->any_hit(ray, state.counters.traversal)) {
     return kBlack;
   }
   const bool begins_beyond = dot(point.geometric_normal, ray.direction) < 0;
-  const Color inside = begins_beyond ? medium_beyond(medium, point) : medium;
+  const Media inside = begins_beyond ? media_beyond(media, point) : media;
   if (occluders.clear) {
     return clear_transmittance<kRich, false>(scene, occluders, ray, inside, width, state);
   }
   // What comes from beyond all surfaces has no way through a medium.
-  return std::isfinite(ray.t_max) ? through_medium(inside, ray.t_max * length(ray.direction))
+  return std::isfinite(ray.t_max) ? through_media(inside, ray.t_max * length(ray.direction))
                                   : kWhite;
 }
 
 template <bool kRich>
 Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
-                       const Color& medium, const SurfaceSample& there, double width,
+                       const Media& media, const SurfaceSample& there, double width,
                        TraceState& state) {
   // The stretch ends before the light's own surface, as it begins after that of the point.
   const Vec3 back = point.surface.point - there.point;
@@ -151,22 +153,22 @@ Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins
   Ray ray = origins.spawn(-back);
   ray.direction = there.point + side * lift - ray.origin;
   ray.t_max = 1;
-  return ray_visibility<kRich>(scene, point, ray, medium, width, state);
+  return ray_visibility<kRich>(scene, point, ray, media, width, state);
 }
 
 template <bool kRich>
 [[gnu::cold, gnu::noinline]] void trace_for_nothing(const Scene& scene, const SurfacePoint& point,
-                                                    const Color& medium, const Light& light,
+                                                    const Media& media, const Light& light,
                                                     const LightSample& sample, double width,
                                                     TraceState& state) {
   if (!light.casts_shadow || !(sample.distance > 0)) return;
   RayOrigins origins(point.surface);
-  light_visibility<kRich>(scene, point, origins, medium, light, sample, width, state);
+  light_visibility<kRich>(scene, point, origins, media, light, sample, width, state);
 }
 
 template <bool kShadows, bool kRich, bool kPlain>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
-                     const Vec3& wo, const Color& medium, double path_length, TraceState& state) {
+                     const Vec3& wo, const Media& media, double path_length, TraceState& state) {
   const Material& material = *point.material;
   if (!kPlain && material.model == MaterialModel::unlit) {
     return emission(point);
@@ -184,7 +186,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
     if (kPlain || skips) {
       ++state.counters.shadow_rays_skipped;
     } else if constexpr (kShadows) {
-      trace_for_nothing<kRich>(scene, point, medium, light, sample, width, state);
+      trace_for_nothing<kRich>(scene, point, media, light, sample, width, state);
     }
   };
   const auto add_light = [&](uint32_t index) __attribute__((always_inline)) {
@@ -218,7 +220,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
         return;
       }
       if (kPlain || light.casts_shadow)
-        arriving = arriving * visibility_of<kRich, kPlain>(scene, point, origins, buffers, medium,
+        arriving = arriving * visibility_of<kRich, kPlain>(scene, point, origins, buffers, media,
                                                            light, sample, width, state);
     }
     sum += arriving * share;
@@ -233,34 +235,34 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
 }
 
 template Color local_radiance<false, false>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                            const Vec3&, const Color&, double, TraceState&);
+                                            const Vec3&, const Media&, double, TraceState&);
 template Color local_radiance<false, true>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                           const Vec3&, const Color&, double, TraceState&);
+                                           const Vec3&, const Media&, double, TraceState&);
 template Color local_radiance<true, false>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                           const Vec3&, const Color&, double, TraceState&);
+                                           const Vec3&, const Media&, double, TraceState&);
 template Color local_radiance<true, true>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                          const Vec3&, const Color&, double, TraceState&);
+                                          const Vec3&, const Media&, double, TraceState&);
 
 template Color local_radiance<false, false, true>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                                  const Vec3&, const Color&, double, TraceState&);
+                                                  const Vec3&, const Media&, double, TraceState&);
 template Color local_radiance<true, false, true>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                                 const Vec3&, const Color&, double, TraceState&);
+                                                 const Vec3&, const Media&, double, TraceState&);
 
-template Color light_visibility<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
+template Color light_visibility<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Media&,
                                        const Light&, const LightSample&, double, TraceState&);
-template Color light_visibility<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
+template Color light_visibility<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Media&,
                                       const Light&, const LightSample&, double, TraceState&);
-template void trace_for_nothing<false>(const Scene&, const SurfacePoint&, const Color&,
+template void trace_for_nothing<false>(const Scene&, const SurfacePoint&, const Media&,
                                        const Light&, const LightSample&, double, TraceState&);
-template void trace_for_nothing<true>(const Scene&, const SurfacePoint&, const Color&, const Light&,
+template void trace_for_nothing<true>(const Scene&, const SurfacePoint&, const Media&, const Light&,
                                       const LightSample&, double, TraceState&);
-template Color ray_visibility<false>(const Scene&, const SurfacePoint&, const Ray&, const Color&,
+template Color ray_visibility<false>(const Scene&, const SurfacePoint&, const Ray&, const Media&,
                                      double, TraceState&);
-template Color ray_visibility<true>(const Scene&, const SurfacePoint&, const Ray&, const Color&,
+template Color ray_visibility<true>(const Scene&, const SurfacePoint&, const Ray&, const Media&,
                                     double, TraceState&);
-template Color point_visibility<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
+template Color point_visibility<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Media&,
                                        const SurfaceSample&, double, TraceState&);
-template Color point_visibility<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Color&,
+template Color point_visibility<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Media&,
                                       const SurfaceSample&, double, TraceState&);
 
 }  // namespace tessera

@@ -6,32 +6,32 @@
 namespace tessera {
 
 /// Emission, ambient light and the light of every light of the point's set, towards `wo`.
-/// `medium` is the absorption per metre on the viewer's side, `path_length` that from the camera to
+/// `media` are those on the viewer's side, `path_length` that from the camera to
 /// the point. Without kRich the scene must have no rich materials, with kPlain only plain features.
 template <bool kShadows, bool kRich, bool kPlain = false>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
-                     const Vec3& wo, const Color& medium, double path_length, TraceState& state);
+                     const Vec3& wo, const Media& media, double path_length, TraceState& state);
 
 /// The share of the light of `light`, one of the scene's, that shadows leave.
 template <bool kRich>
 Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
-                       const Color& medium, const Light& light, const LightSample& sample,
+                       const Media& media, const Light& light, const LightSample& sample,
                        double width, TraceState& state);
 /// The shadow ray to a light that adds nothing, to measure what leaving it out saves.
 template <bool kRich>
-void trace_for_nothing(const Scene& scene, const SurfacePoint& point, const Color& medium,
+void trace_for_nothing(const Scene& scene, const SurfacePoint& point, const Media& media,
                        const Light& light, const LightSample& sample, double width,
                        TraceState& state);
 /// The share of light from a point of a surface that arrives. What refracts lets nothing through.
 template <bool kRich>
 Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
-                       const Color& medium, const SurfaceSample& there, double width,
+                       const Media& media, const SurfaceSample& there, double width,
                        TraceState& state);
 
 /// The same of light from the background along `ray`, which leaves the point.
 template <bool kRich>
 Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& ray,
-                     const Color& medium, double width, TraceState& state);
+                     const Media& media, double width, TraceState& state);
 
 /// The width, in metres, of what one sample stands for at the end of a path.
 inline double cone_width(const Camera::PixelCone& cone, double path_length) {

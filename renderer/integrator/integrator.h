@@ -8,6 +8,7 @@
 
 #include "renderer/math/color.h"
 #include "renderer/scene/scene.h"
+#include "renderer/shading/media.h"
 #include "renderer/shapes/ray.h"
 
 namespace tessera {
@@ -42,7 +43,7 @@ struct TraceCounters {
 struct PathSegment {
   Ray ray;  ///< its direction is of unit length
   Color throughput = kWhite;
-  Color medium = kBlack;     ///< absorption per metre along it
+  Media media;               ///< that it begins in
   double path_length = 0;    ///< metres from the camera to its origin
   double view_distance = 0;  ///< metres back to the viewer or the last bend, for fog
   uint32_t depth = 0;        ///< reflections and refractions so far

@@ -63,7 +63,9 @@ class VertexNumbers {
 template <typename Scatter, bool kRich, bool kPasses>
 class PathTracer final : public Integrator {
  public:
-  explicit PathTracer(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
+  explicit PathTracer(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {
+    if (kPasses) at_camera_ = media_at_camera(*scene_);
+  }
 
   Color background(const Ray& ray) const override {
     return scene_->background.radiance(ray.origin, ray.direction, scene_->lights);
@@ -71,7 +73,7 @@ class PathTracer final : public Integrator {
 
   Color radiance(const Ray& camera_ray, const SampleKey& key, TraceState& state) const override {
     ++state.counters.rays_primary;
-    Path path{.ray = camera_ray};
+    Path path{.ray = camera_ray, .media = at_camera_};
     const SampleStream stream = scene_->sampler->stream(key.x, key.y, key.sample);
     while (follow(path, stream, state)) {
     }
@@ -82,7 +84,7 @@ class PathTracer final : public Integrator {
   struct Path {
     Ray ray;
     Color sum = kBlack, throughput = kWhite;
-    Color medium = kBlack;      ///< absorption per metre along the ray
+    Media media;                ///< that the ray begins in
     double path_length = 0;     ///< metres from the camera to its origin
     double view_distance = 0;   ///< metres back to the camera or the last bounce, for fog
     double density = 0;         ///< of the ray's direction; 0: there was no other way to go
@@ -112,10 +114,9 @@ class PathTracer final : public Integrator {
     const VertexNumbers numbers(stream, path.vertex++, scene_->skips.unread_numbers,
                                 state.counters.numbers_skipped);
     if constexpr (kPasses) {
-      path.medium = medium_before(path.medium, point);
-      if (!is_black(path.medium)) {
-        path.throughput = path.throughput * transmittance(path.medium, hit.t);
-      }
+      note_media_before(path.media, point);
+      if (!is_black(path.media.absorption()))
+        path.throughput = path.throughput * transmittance(path.media.absorption(), hit.t);
       if (passes_straight(path, point, hit.t, numbers, state)) {
         if (path.vertex < kMaxPasses) return true;
         ++state.counters.paths_cut;
@@ -148,7 +149,7 @@ class PathTracer final : public Integrator {
     if (coverage.through <= 0) return false;
     if (coverage.covered > 0 && numbers.pick().y >= coverage.through) return false;
     const double t_max = path.ray.t_max - t;
-    path.medium = medium_beyond(path.medium, point);
+    pass_into(path.media, point);
     path.ray = spawn_ray(point.surface, path.ray.direction);
     path.ray.t_max = t_max;
     ++state.counters.rays_refraction;
@@ -220,7 +221,7 @@ class PathTracer final : public Integrator {
         if (skips) {
           ++state.counters.shadow_rays_skipped;
         } else {
-          trace_for_nothing<kRich>(*scene_, point, path.medium, light, sample, width, state);
+          trace_for_nothing<kRich>(*scene_, point, path.media, light, sample, width, state);
         }
       };
       if (!sample_light(light, point.surface.point, path.path_length, sample)) {
@@ -235,8 +236,8 @@ class PathTracer final : public Integrator {
       }
       Color visible = kWhite;
       if (light.casts_shadow) {
-        visible = light_visibility<kRich>(*scene_, point, origins, path.medium, light, sample,
-                                          width, state);
+        visible = light_visibility<kRich>(*scene_, point, origins, path.media, light, sample, width,
+                                          state);
       }
       sum += arriving * visible;
     };
@@ -256,7 +257,7 @@ class PathTracer final : public Integrator {
       return kBlack;
     }
     const Ray ray = origins.spawn(there.wi);
-    const Color visible = ray_visibility<kRich>(*scene_, point, ray, path.medium, width, state);
+    const Color visible = ray_visibility<kRich>(*scene_, point, ray, path.media, width, state);
     if (is_black(visible) || is_dark) return kBlack;
     return background(ray) * value.share * visible *
            (power_heuristic(there.density, value.density) / there.density);
@@ -278,7 +279,7 @@ class PathTracer final : public Integrator {
       return kBlack;
     }
     const Color visible =
-        point_visibility<kRich>(*scene_, point, origins, path.medium, there, width, state);
+        point_visibility<kRich>(*scene_, point, origins, path.media, there, width, state);
     if (is_black(visible) || is_dark) return kBlack;
     const double weight = power_heuristic(density, value.density);
     return shine * value.share * visible * (weight / density);
@@ -304,7 +305,7 @@ class PathTracer final : public Integrator {
       path.throughput = path.throughput * (1 / survival);
     }
     if constexpr (kPasses) {
-      if (sample.is_beyond) path.medium = medium_beyond(path.medium, point);
+      if (sample.is_beyond) pass_into(path.media, point);
     }
     ++(sample.is_beyond ? state.counters.rays_refraction : state.counters.rays_reflection);
     path.ray = origins.spawn(sample.wi);
@@ -317,6 +318,7 @@ class PathTracer final : public Integrator {
   }
 
   std::shared_ptr<const Scene> scene_;
+  Media at_camera_;
 };
 
 }  // namespace

@@ -71,6 +71,7 @@ SurfacePoint::SurfacePoint(const Scene& scene, uint32_t instance_index, const Ra
     is_hidden = material->sides == Sides::front_only;
     if (!is_hidden) material = &scene.materials[material->back];
   }
+  absorption = &material->absorption;
   geometric_normal = static_cast<Vec3>(surface.geometric_normal);
   normal = material->flat ? geometric_normal : static_cast<Vec3>(surface.shading_normal);
   face_viewer();
@@ -122,6 +123,34 @@ void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfaceP
   point.normal = perturbed_normal(inputs, at, scene.textures, frame, to_object,
                                   std::max({width, least, 1e-100})) *
                  side;
+}
+
+Media media_at_camera(const Scene& scene) {
+  Media around;
+  const auto absorbs = [](const Material& material) { return !is_black(material.absorption); };
+  if (!scene.surfaces || std::none_of(scene.materials.begin(), scene.materials.end(), absorbs))
+    return around;
+  constexpr int kMostSurfaces = 1000;
+  TraversalCounters counters;
+  std::vector<uint32_t> entered;
+  Ray ray{scene.camera->position(), scene.camera->view()};
+  for (int i = 0; i < kMostSurfaces; ++i) {
+    Hit hit;
+    if (!scene.surfaces->closest_hit(ray, hit, counters)) break;
+    const SurfacePoint point(scene, hit.instance, ray, hit);
+    if (!point.is_hidden && fills(*point.material)) {
+      const auto here = std::find(entered.begin(), entered.end(), point.surface.instance);
+      if (!point.is_back) {
+        entered.push_back(point.surface.instance);
+      } else if (here != entered.end()) {
+        entered.erase(here);
+      } else {
+        around.note_inside(point.surface.instance, *point.absorption);
+      }
+    }
+    ray = spawn_ray(point.surface, ray.direction);
+  }
+  return around;
 }
 
 Coverage straight_coverage(const SurfacePoint& point) {

@@ -4,6 +4,7 @@
 
 #include "renderer/integrator/integrator.h"
 #include "renderer/scene/scene.h"
+#include "renderer/shading/media.h"
 #include "renderer/shapes/surface_interaction.h"
 
 namespace tessera {
@@ -23,9 +24,11 @@ struct SurfacePoint {
   const Material* material = nullptr;  ///< the scene's, or `resolved`
   Vec3 geometric_normal;               ///< unit, towards the viewer
   Vec3 normal;                         ///< unit, for shading
-  bool is_back = false;                ///< the ray met the back of the surface: it was inside
-  bool is_hidden = false;              ///< a back face that is not there
-  std::optional<Material> resolved;    ///< the material with its textures looked up
+  /// Per metre, of what the material that is seen would fill a solid with; the scene's.
+  const Color* absorption = nullptr;
+  bool is_back = false;              ///< the ray met the back of the surface: it was inside
+  bool is_hidden = false;            ///< a back face that is not there
+  std::optional<Material> resolved;  ///< the material with its textures looked up
 
  private:
   void face_viewer();
@@ -36,17 +39,27 @@ struct SurfacePoint {
 void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfacePoint& point,
                       TraceCounters& counters);
 
-/// The absorption per metre along a ray up to the point, in front of which it was in `medium`: a
-/// ray that meets a back face came through that material; else through what it last entered.
-inline Color medium_before(const Color& medium, const SurfacePoint& point) {
-  const bool from_inside = point.is_back && !point.is_hidden && !point.material->thin;
-  return from_inside ? point.material->absorption : medium;
+/// What a ray to the point goes through, which was in `media` as far as is known: a ray that meets
+/// a back face came through that solid.
+inline void note_media_before(Media& media, const SurfacePoint& point) {
+  if (point.is_back && !point.is_hidden && fills(*point.material))
+    media.note_inside(point.surface.instance, *point.absorption);
 }
-/// The same behind the point.
-inline Color medium_beyond(const Color& medium, const SurfacePoint& point) {
-  if (point.is_hidden || point.material->thin) return medium;
-  return point.is_back ? kBlack : point.material->absorption;
+/// From before the point to behind it.
+inline void pass_into(Media& media, const SurfacePoint& point) {
+  if (point.is_hidden || !fills(*point.material)) return;
+  if (point.is_back) {
+    media.leave(point.surface.instance);
+  } else {
+    media.enter(point.surface.instance, *point.absorption);
+  }
 }
+inline Media media_beyond(Media media, const SurfacePoint& point) {
+  pass_into(media, point);
+  return media;
+}
+/// What the camera is inside of, told by the surfaces that the middle of the view meets.
+Media media_at_camera(const Scene& scene);
 
 /// How much of what is behind the surface comes straight through, and the rest. For a refracting
 /// material 0 and 1: what it lets through is bent.

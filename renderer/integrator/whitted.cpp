@@ -14,13 +14,14 @@ namespace {
 constexpr double kNegligible = 1e-9;
 
 /// What precedes a camera ray.
-const PathSegment kWholePath{};
 
 /// kPlain: see SceneFeatures; without kSecondary and kRich alone.
 template <bool kShadows, bool kSecondary, bool kRich, bool kPlain = false>
 class WhittedIntegrator final : public Integrator {
  public:
-  explicit WhittedIntegrator(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
+  explicit WhittedIntegrator(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {
+    if (kSecondary) whole_path_.media = media_at_camera(*scene_);
+  }
 
   void make_room(TraceState& state) const override {
     // A level of recursion leaves at most two segments waiting.
@@ -29,7 +30,7 @@ class WhittedIntegrator final : public Integrator {
 
   Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const override {
     ++state.counters.rays_primary;
-    Color sum = follow(ray, kWholePath, key, state);
+    Color sum = follow(ray, whole_path_, key, state);
     if constexpr (kSecondary) {
       for (uint32_t segments = 1; !state.stack.empty(); ++segments) {
         if (segments >= kMaxSegments) {
@@ -65,11 +66,12 @@ class WhittedIntegrator final : public Integrator {
       look_up_textures(*scene_, ray, cone_width(state.cone, path_length), point, state.counters);
     }
     Color throughput = segment.throughput;
-    Color medium = kBlack;
+    Media media = segment.media;
     Coverage coverage;
     if constexpr (kSecondary) {
-      medium = medium_before(segment.medium, point);
-      if (!is_black(medium)) throughput = throughput * transmittance(medium, hit.t);
+      note_media_before(media, point);
+      if (!is_black(media.absorption()))
+        throughput = throughput * transmittance(media.absorption(), hit.t);
       coverage = straight_coverage(point);
     }
     const bool foggy = !kPlain && scene_->fog.kind != FogKind::none;
@@ -78,7 +80,7 @@ class WhittedIntegrator final : public Integrator {
     Color result = kBlack;
     if (coverage.covered > 0) {
       Color seen = local_radiance<kShadows, kRich, kPlain>(*scene_, point, origins, -ray.direction,
-                                                           medium, path_length, state);
+                                                           media, path_length, state);
       if (!kPlain && point.material->grain > 0)
         seen = seen - kWhite * grain(*point.material, segment, key);
       if (foggy) seen = seen * clearness + scene_->fog.color * (1 - clearness);
@@ -88,7 +90,7 @@ class WhittedIntegrator final : public Integrator {
       if (coverage.through <= 0 && !branches(*point.material)) return result;
       const PathSegment end{.ray = ray,
                             .throughput = throughput,
-                            .medium = medium,
+                            .media = media,
                             .path_length = path_length,
                             .view_distance = segment.view_distance + hit.t,
                             .depth = segment.depth,
@@ -137,7 +139,7 @@ class WhittedIntegrator final : public Integrator {
     }
     next.ray = spawn_ray(point.surface, end.ray.direction);
     next.ray.t_max = end.ray.t_max - t;
-    next.medium = medium_beyond(end.medium, point);
+    pass_into(next.media, point);
     ++next.passes;
     ++state.counters.rays_refraction;
     state.stack.push_back(next);
@@ -165,22 +167,22 @@ class WhittedIntegrator final : public Integrator {
       if (fresnel < 1 && (material.thin || refract(d, n, eta, beyond))) {
         const double share = weight * material.transparency * (1 - fresnel);
         const Color tint = kRich ? transmission_tint(material) : kWhite;
-        result += bend(end, origins, beyond, tint * share, medium_beyond(end.medium, point),
+        result += bend(end, origins, beyond, tint * share, media_beyond(end.media, point),
                        state.counters.rays_refraction, state);
       }
     }
     Vec3 r = reflect(d, n);
     // A bent normal may mirror the ray into the surface; there the true one decides.
     if (dot(r, point.geometric_normal) <= 0) r = reflect(d, point.geometric_normal);
-    return result + bend(end, origins, normalize(r), mirrored * weight, end.medium,
+    return result + bend(end, origins, normalize(r), mirrored * weight, end.media,
                          state.counters.rays_reflection, state);
   }
 
   Color bend(const PathSegment& end, RayOrigins& origins, const Vec3& direction, const Color& share,
-             const Color& medium, uint64_t& counter, TraceState& state) const {
+             const Media& media, uint64_t& counter, TraceState& state) const {
     PathSegment next{.ray = origins.spawn(direction),
                      .throughput = end.throughput * share,
-                     .medium = medium,
+                     .media = media,
                      .path_length = end.path_length,
                      .depth = end.depth + 1,
                      .passes = end.passes};
@@ -195,6 +197,7 @@ class WhittedIntegrator final : public Integrator {
   }
 
   std::shared_ptr<const Scene> scene_;
+  PathSegment whole_path_;  ///< what all camera rays begin with
 };
 
 template <bool kShadows, bool kSecondary>

@@ -79,5 +79,45 @@ TEST(Optics, SlabsReflectWhatTheyDoNotLetThroughOrAbsorb) {
   }
 }
 
+// What fills the innermost solid that was entered and not left takes the light, wherever the camera
+// is.
+TEST(Optics, SolidsInsideOfEachOtherAbsorbEachByItself) {
+  const auto seen = [](double eye, const std::string& more, const std::string& integrator) {
+    return render_pixel(
+        "materials { name: 'ink' dielectric { refractive_index: 1 absorption { r: .1 g: .5 b: 1 } "
+        "} } "
+        "materials { name: 'air' dielectric { refractive_index: 1 } } "
+        "materials { name: 'wine' classic { diffuse { value { } } transparency { value: 1 } "
+        "absorption { r: .2 } } } "
+        "materials { name: 'hole' classic { } opacity { value: 0 } } "
+        "materials { name: 'lamp' classic { diffuse { value { } } emission " +
+        grey(1) + " } } cameras { world_from_camera { steps { translate { z: " + number(eye) +
+        " } } } perspective { field_of_view: .02 } } settings { sampling { pattern: CENTER } "
+        "integrator { kind: '" +
+        integrator + "' } } " + node("sphere { radius: 5 }", "ink") +
+        node("disc { center { z: -1 } radius: .3 }", "lamp") + more);
+  };
+  for (const std::string integrator : {"whitted", "path"}) {
+    const auto expect = [&](double eye, const std::string& more, double ink, double wine) {
+      const auto rgb = seen(eye, more, integrator);
+      const double truth[] = {std::exp(-.1 * ink - .2 * wine), std::exp(-.5 * ink), std::exp(-ink)};
+      for (size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(rgb[c], truth[c], 2e-6 * truth[c]) << integrator << eye << more << c;
+    };
+    const std::string bubble = node("sphere { radius: .5 }", "air");
+    const std::string drop = node("sphere { radius: .75 }", "wine");
+    for (const double outside : {0.0, 4.0}) {  // the camera stands in the ink, or beyond it
+      const double eye = 3 + outside, way = outside > 0 ? 6 : 4;
+      expect(eye, "", way, 0);
+      expect(eye, bubble, way - 1, 0);
+      // Beyond three surfaces paths are ended by lot, and the picture is one by chance.
+      if (integrator == "whitted") expect(eye, drop + bubble, way - 1.5, .5);
+      expect(eye, node("disc { center { z: 1 } radius: .5 }", "hole"), way, 0);
+    }
+    expect(.6, drop + bubble, .25, .35);  // in the drop
+    expect(.1, drop + bubble, .25, .25);  // in the bubble
+  }
+}
+
 }  // namespace
 }  // namespace tessera
