@@ -176,8 +176,13 @@ ErrorBenchOptions bench_options(const ErrorCommandOptions& options) {
 void check_options(const ErrorCommandOptions& options) {
   if (!options.json_file.empty()) check_output_file(options.json_file, "--json");
   if (!options.csv_file.empty()) check_output_file(options.csv_file, "--csv");
-  if (!options.svg_folder.empty() && !fs::is_directory(options.svg_folder))
-    throw usage_error(fmt::format("--svg: '{}' is no folder", options.svg_folder));
+  if (!options.svg_folder.empty()) {
+    std::error_code failed;
+    fs::create_directories(options.svg_folder, failed);
+    if (!fs::is_directory(options.svg_folder))
+      throw usage_error(fmt::format("--svg: '{}' is no folder, and cannot be made one: {}",
+                                    options.svg_folder, failed.message()));
+  }
   if (options.scenes.size() != 1 && !(options.references.empty() && options.peers.empty()))
     throw usage_error("--reference and --peer are pictures of one scene; expected one SCENE");
   if (options.references.size() > 2)

@@ -297,6 +297,11 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
   asked.set_samples_per_pixel(options.samples_per_pixel.value_or(0));
   if (options.target_error) asked.set_target_error(*options.target_error);
   asked.set_min_samples(options.min_samples.value_or(0));
+  if (options.min_samples && options.samples_per_pixel &&
+      *options.min_samples > static_cast<uint32_t>(*options.samples_per_pixel)) {
+    throw usage_error(fmt::format("--min-spp: {}; expected at most --spp, {}", *options.min_samples,
+                                  *options.samples_per_pixel));
+  }
   asked.set_pattern(options.pattern.value_or(""));
   asked.set_pixel_filter(options.filter.value_or(""));
   asked.set_filter_radius(options.filter_radius);

@@ -70,7 +70,7 @@ class BenchError(TesseraTest):
                 (("edge", "--methods", "owne"), "did you mean 'owen'?"),
                 (("edge", "--samples", "1-100"), "expected powers of two"),
                 (("edge", "--samples", "8-4"), "--samples"),
-                (("edge", "--svg", "missing"), "is no folder"),
+                (("edge", "--svg", "/dev/null/missing"), "is no folder"),
                 (("edge", "--peer", "x:1:2"), "expected NAME:SECONDS:SAMPLES:FILE"),
                 (("edge", "--peer", "x:0:2:y.exr"), "above 0"),
                 (("--reference", "a.exr"), "expected one SCENE"),
