@@ -36,6 +36,8 @@ class JobStore : public TileStore {
   virtual void remove(uint64_t job, const std::vector<Digest>& tile_keys,
                       const std::vector<Digest>& blobs) = 0;
 
+  /// Whether it is there, sound: its bytes are held against its digest the first time that they
+  /// are asked for. One that is damaged is deleted.
   virtual bool has_blob(const Digest& digest) = 0;
   /// Keeps verified bytes; they are there whole or not at all.
   virtual void put_blob(const Digest& digest, const BlobData& data) = 0;

@@ -21,6 +21,7 @@ using Statement = SqliteDatabase::Statement;
 
 namespace {
 
+constexpr std::streamsize kReadBytes = std::streamsize{1} << 20;
 constexpr int kJobsApplicationId = 0x5445534a;  // "TESJ"
 
 /// The folder, with all that must be in it before the database is opened.
@@ -162,12 +163,27 @@ fs::path SqliteJobStore::blob_path(const Digest& digest) const {
 
 bool SqliteJobStore::has_blob(const Digest& digest) {
   std::error_code ignored;
-  return fs::exists(blob_path(digest), ignored);
+  if (!fs::exists(blob_path(digest), ignored)) return false;
+  if (verified_.contains(digest)) return true;
+  std::ifstream file(blob_path(digest), std::ios::binary);
+  DigestStream stream;
+  std::vector<char> piece(kReadBytes);
+  while (file.read(piece.data(), kReadBytes) || file.gcount() > 0) {
+    stream.add(std::as_bytes(std::span(piece).first(static_cast<size_t>(file.gcount()))));
+  }
+  if (file.eof() && stream.finish() == digest) {
+    verified_.insert(digest);
+    return true;
+  }
+  // So that who submits it is asked for it with all else that is lacking.
+  fs::remove(blob_path(digest), ignored);
+  return false;
 }
 
 void SqliteJobStore::put_blob(const Digest& digest, const BlobData& data) {
   const Timed timed(commit_seconds_);
   if (!has_blob(digest)) write_output_file(blob_path(digest), text_of(*data));
+  verified_.insert(digest);
 }
 
 BlobData SqliteJobStore::find_blob(const Digest& digest) {
@@ -180,8 +196,10 @@ BlobData SqliteJobStore::find_blob(const Digest& digest) {
     // So that whoever has it is asked for it again.
     std::error_code ignored;
     fs::remove(blob_path(digest), ignored);
+    verified_.erase(digest);
     return nullptr;
   }
+  verified_.insert(digest);
   return std::make_shared<const Blob>(std::move(bytes));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <unordered_set>
 
 #include "coordinator/jobs/job_store.h"
 #include "coordinator/store/sqlite_database.h"
@@ -43,6 +44,7 @@ class SqliteJobStore : public JobStore {
   void set_number(const char* name, uint64_t value);
 
   std::filesystem::path folder_;
+  std::unordered_set<Digest> verified_;  ///< blobs, by this process
   SqliteDatabase database_;
   TileTable tiles_;
   uint64_t farm_ = 0, epoch_ = 0;

@@ -6,8 +6,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include "base/error.h"
+#include "coordinator/store/sqlite_job_store.h"
 #include "tests/file_size_limit.h"
 #include "tests/temporary_folder.h"
 
@@ -86,6 +91,31 @@ TEST_F(TileStoreTest, TouchesNoFileOfOthers) {
   sqlite3_exec(database, "CREATE TABLE tiles (job TEXT)", nullptr, nullptr, nullptr);
   sqlite3_close(database);
   EXPECT_EQ(code_of_opening(folder_ / "other"), ExitCode::bad_usage);
+}
+
+TEST(JobStoreBlobs, ThatAreDamagedAreAllFoundBeforeTheyAreCountedOn) {
+  const TemporaryFolder folder;
+  std::vector<Digest> digests;
+  {
+    SqliteJobStore store(folder.path() / "farm");
+    for (const char* text : {"sound", "turned", "short", "gone"}) {
+      const auto bytes = std::as_bytes(std::span(std::string_view(text)));
+      digests.push_back(Digest::of(bytes));
+      store.put_blob(digests.back(),
+                     std::make_shared<const Blob>(std::vector(bytes.begin(), bytes.end())));
+      EXPECT_TRUE(store.has_blob(digests.back()));
+    }
+  }
+  const auto path = [&](size_t i) { return folder.path() / "farm" / "blobs" / digests[i].hex(); };
+  std::ofstream(path(1)) << "turneD";
+  fs::resize_file(path(2), 3);
+  fs::remove(path(3));
+  SqliteJobStore store(folder.path() / "farm");
+  EXPECT_TRUE(store.has_blob(digests[0]));
+  for (const size_t i : {1, 2, 3}) {
+    EXPECT_FALSE(store.has_blob(digests[i])) << i;
+    EXPECT_FALSE(fs::exists(path(i))) << i;
+  }
 }
 
 }  // namespace
