@@ -58,7 +58,7 @@ SqliteJobStore::SqliteJobStore(const fs::path& folder)
     : folder_(made(folder)),
       database_(folder / "farm.db", {.application_id = kJobsApplicationId,
                                      .format = 1,
-                                     .what = "a store that no other coordinator uses",
+                                     .what = "a store",
                                      .fails = "cannot keep jobs and tiles"}),
       tiles_(database_) {
   database_.execute("CREATE TABLE IF NOT EXISTS jobs (job INTEGER PRIMARY KEY, kept BLOB)");
@@ -94,8 +94,10 @@ std::vector<v1::KeptJob> SqliteJobStore::jobs() {
   while (rows.step()) {
     auto kept = parse_kept_job(rows.blob(1));
     if (!kept || kept->job() != static_cast<uint64_t>(rows.integer(0))) {
-      throw render_error(fmt::format("'{}': job {} cannot be read; expected what was written",
-                                     folder_.string(), rows.integer(0)));
+      throw usage_error(
+          fmt::format("'{}' is damaged: job {} cannot be read; expected a store as it was written: "
+                      "move it away, or restore a copy",
+                      (folder_ / "farm.db").string(), rows.integer(0)));
     }
     Statement ends(database_, "SELECT frame, kept FROM ends WHERE job = ? ORDER BY frame");
     ends.bind(rows.integer(0));

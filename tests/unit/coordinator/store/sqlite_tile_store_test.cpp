@@ -93,6 +93,31 @@ TEST_F(TileStoreTest, TouchesNoFileOfOthers) {
   EXPECT_EQ(code_of_opening(folder_ / "other"), ExitCode::bad_usage);
 }
 
+TEST_F(TileStoreTest, OneThatIsDamagedIsRefusedAndSaysWhatToDo) {
+  {
+    SqliteTileStore store(file_);
+    for (int x = 0; x < 64; ++x) store.keep(job_, tile(16 * x, std::string(3000, 'p')));
+  }
+  constexpr int kPage = 4096;
+  const auto size = static_cast<int>(fs::file_size(file_));
+  {
+    // Pages behind the first are those of the tables and what they lead to.
+    std::fstream file(file_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(2 * kPage);
+    file << std::string(static_cast<size_t>(size - 2 * kPage), '\xee');
+  }
+  try {
+    const SqliteTileStore store(file_);
+    ADD_FAILURE() << "it is served as if sound";
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    EXPECT_EQ(error.code(), ExitCode::bad_usage);
+    EXPECT_TRUE(what.starts_with("'" + file_.string() + "' is damaged: ")) << what;
+    EXPECT_NE(what.find("move it away, or restore a copy"), std::string::npos) << what;
+    EXPECT_EQ(what.find(file_.string()), what.rfind(file_.string())) << "the path once: " << what;
+  }
+}
+
 TEST(JobStoreBlobs, ThatAreDamagedAreAllFoundBeforeTheyAreCountedOn) {
   const TemporaryFolder folder;
   std::vector<Digest> digests;
