@@ -20,6 +20,9 @@ class JobStore : public TileStore {
   virtual uint64_t farm() const = 0;
   /// Another each time that the store is opened, and larger; 0: it does not count.
   virtual uint64_t epoch() const = 0;
+  /// To be called until it throws no more, before any lease of this epoch is given: on a full disk
+  /// it could not be kept yet.
+  virtual void keep_epoch() {}
 
   /// How long writing took, each time since it was opened.
   virtual SecondsHistogram commit_seconds() const { return {}; }

@@ -253,6 +253,7 @@ void JobTable::keep_rest() {
     if (active->waits_for_store()) active->keep_rest();
   }
   try {
+    store_->keep_epoch();
     while (!unsaved_.empty()) {
       store_->save_end(unsaved_.back().first, unsaved_.back().second);
       unsaved_.pop_back();

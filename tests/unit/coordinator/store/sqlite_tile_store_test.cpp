@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -116,6 +117,29 @@ TEST_F(TileStoreTest, OneThatIsDamagedIsRefusedAndSaysWhatToDo) {
     EXPECT_NE(what.find("move it away, or restore a copy"), std::string::npos) << what;
     EXPECT_EQ(what.find(file_.string()), what.rfind(file_.string())) << "the path once: " << what;
   }
+}
+
+TEST(JobStoreOnAFullDisk, OpensAndKeepsItsEpochWhenThereIsRoom) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "farm";
+  v1::KeptJob job;
+  job.set_job(1);
+  uint64_t epoch = 0;
+  {
+    SqliteJobStore store(path);
+    store.save(job);
+    epoch = store.epoch();
+  }
+  {
+    std::optional<FileSizeLimit> full(std::in_place, 100);
+    SqliteJobStore store(path);
+    EXPECT_EQ(store.epoch(), epoch + 1);
+    EXPECT_EQ(store.last_job(), 1u) << "what is kept can be read";
+    EXPECT_THROW(store.keep_epoch(), Error);
+    full.reset();
+    store.keep_epoch();
+  }
+  EXPECT_EQ(SqliteJobStore(path).epoch(), epoch + 2);
 }
 
 TEST(JobStoreBlobs, ThatAreDamagedAreAllFoundBeforeTheyAreCountedOn) {
