@@ -73,17 +73,15 @@ class Fetch {
     uint32_t missing = 0;
     for (uint32_t frame = 0; frame < status.frames_total(); ++frame) {
       query_.set_frame(frame);
-      status = client_.ask(query_);
-      while (options_.wait && !status.has_end()) {
-        display.show(progress_of(status));
-        client_.wait(kAskEvery);
-        status = client_.ask(query_);
-      }
-      if (status.has_end()) {
-        write(status);
-      } else {
-        ++missing;
-      }
+      do {
+        status = ask();
+        while (options_.wait && !status.has_end()) {
+          display.show(progress_of(status));
+          client_.wait(kAskEvery);
+          status = ask();
+        }
+      } while (status.has_end() && !write(status));
+      if (!status.has_end()) ++missing;
     }
     if (failure_) throw *failure_;
     if (missing > 0) {
@@ -99,8 +97,20 @@ class Fetch {
   }
 
  private:
-  /// The first failure counts; whatever else there is of pictures is written.
-  void write(const v1::JobStatus& status) {
+  v1::JobStatus ask() {
+    v1::JobStatus status = client_.ask(query_);
+    if (status.state() == v1::JobStatus::UNKNOWN) {
+      throw render_error(
+          fmt::format("job {} was forgotten while it was fetched; expected it to be "
+                      "there until its pictures are",
+                      query_.job()));
+    }
+    return status;
+  }
+
+  /// The first failure counts; whatever else there is of pictures is written. False where the
+  /// coordinator has found the picture damaged, and is to be asked how the job is now.
+  bool write(const v1::JobStatus& status) {
     const JobReport report = from_message(status.end());
     if (report.end != JobReport::End::done && !failure_) {
       const std::string why = report.end == JobReport::End::interrupted
@@ -108,8 +118,16 @@ class Fetch {
                                   : report.failure;
       failure_ = Error(report.exit_code, why);
     }
-    if (report.tiles_done == 0) return;
-    Film film = client_.fetch_film(status);
+    if (report.tiles_done == 0) return true;
+    std::optional<Film> fetched = client_.fetch_film(status);
+    if (!fetched) {
+      if (ask().end().film_digest() != status.end().film_digest()) return false;
+      throw render_error(fmt::format(
+          "job {}: tiles of its picture are damaged in the coordinator's store, or gone; expected "
+          "all that were kept: submit it again",
+          status.job()));
+    }
+    Film film = std::move(*fetched);
     const bool denoised = options_.denoise && report.holes.empty();
     if (denoised) smooth(film);
     const v1::JobFrame& frame = status.frame();
@@ -136,6 +154,7 @@ class Fetch {
           film.height(), report.tiles_done, report.tiles_total, report.tiles_restored);
     }
     flush_output();
+    return true;
   }
 
   static void smooth(Film& film) {

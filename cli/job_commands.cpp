@@ -14,6 +14,7 @@
 #include "cli/interrupt.h"
 #include "cli/job_name.h"
 #include "cli/option_values.h"
+#include "cli/order_outcome.h"
 #include "cli/progress_display.h"
 #include "cli/say.h"
 #include "job/job.h"
@@ -156,13 +157,16 @@ ExitCode order(const JobOptions& options, v1::JobQuery::Action action) {
     throw usage_error(fmt::format("JOB: job {} is {}; expected one that has not ended",
                                   status.job(), state_name(status)));
   }
-  if (!status.failure().empty() && !ended) {
-    throw render_error(printable(status.failure()));
+  if (const auto missed = unfulfilled(query, status)) {
+    throw render_error(fmt::format("job {} {}", status.job(), *missed));
   }
   if (options.forget) {
     query.set_action(v1::JobQuery::FORGET);
-    if (connection.client.ask(query).state() != v1::JobStatus::UNKNOWN) {
-      throw render_error(fmt::format("job {} could not be forgotten", query.job()));
+    const v1::JobStatus after = connection.client.ask(query);
+    if (after.state() != v1::JobStatus::UNKNOWN) {
+      throw render_error(
+          fmt::format("job {} is {}, but could not be forgotten{}", query.job(), state_name(after),
+                      after.failure().empty() ? "" : ": " + printable(after.failure())));
     }
     say("job {} is forgotten\n", query.job());
   } else {

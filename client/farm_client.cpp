@@ -125,7 +125,7 @@ v1::JobList FarmClient::list() {
   return all;
 }
 
-Film FarmClient::fetch_film(const v1::JobStatus& status) {
+std::optional<Film> FarmClient::fetch_film(const v1::JobStatus& status) {
   const v1::PixelRect& r = status.crop();
   const PixelRect crop{r.x0(), r.y0(), r.x1(), r.y1()};
   const auto digest = Digest::parse(status.end().film_digest());
@@ -140,6 +140,7 @@ Film FarmClient::fetch_film(const v1::JobStatus& status) {
   BlobFetch fetch;
   fetch.want(*digest, size);
   BlobStore store;
+  bool missing = false;
   last_heard_ = monotonic_now();
   TroublePatience trouble(patience_, last_heard_);
   while (!fetch.finished()) {
@@ -153,10 +154,12 @@ Film FarmClient::fetch_film(const v1::JobStatus& status) {
     receive(
         [&](Channel, const v1::Envelope& message) {
           if (message.has_blob_chunk()) fetch.on_chunk(message.blob_chunk(), store);
-          if (message.has_blob_missing()) fetch.on_missing(message.blob_missing());
+          missing |= message.has_blob_missing() &&
+                     message.blob_missing().digest() == status.end().film_digest();
           return false;
         },
         ignored);
+    if (missing) return std::nullopt;
     if (!fetch.failure().empty()) {
       throw render_error("the picture could not be fetched: " + fetch.failure());
     }

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,8 +35,10 @@ class FarmClient {
   v1::JobStatus ask(const v1::JobQuery& query);
   /// All jobs. `jobs` of the result has them all.
   v1::JobList list();
-  /// The film of a frame that has ended. Throws render_error where it is not to be had.
-  Film fetch_film(const v1::JobStatus& status);
+  /// The film of a frame that has ended. Nothing where the coordinator has it not, or no longer:
+  /// what has become of the job is to be asked then. Throws render_error where it cannot be
+  /// fetched.
+  std::optional<Film> fetch_film(const v1::JobStatus& status);
   /// Lets some time pass.
   void wait(Time time);
 

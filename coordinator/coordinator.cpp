@@ -88,7 +88,7 @@ std::vector<OutgoingMessage> Coordinator::take_outgoing() {
 }
 
 void Coordinator::on_message(Channel channel, const PeerId& peer, const v1::Envelope& message,
-                             Time now) {
+                             Time now, const AllowedKey& sender) {
   jobs_->account(now);
   const bool of_submission = message.has_submit_job() || message.has_blob_chunk();
   if (of_submission) jobs_->set_threads(workers().present_threads());
@@ -97,7 +97,7 @@ void Coordinator::on_message(Channel channel, const PeerId& peer, const v1::Enve
     if (message.has_blob_chunk()) clients_->on_chunk(message.blob_chunk(), now);
     if (message.has_blob_missing()) clients_->on_missing(message.blob_missing(), now);
   } else if (!clients_->on_control(peer, message, now)) {
-    workers_->on_control(peer, message, now);
+    workers_->on_control(peer, message, now, sender);
   }
   settle(now);
 }

@@ -48,7 +48,11 @@ class Coordinator {
   /// Of the first job that runs.
   JobProgress progress(Time now) const;
 
-  void on_message(Channel channel, const PeerId& peer, const v1::Envelope& message, Time now);
+  /// `sender`: by whose key, where there are keys.
+  void on_message(Channel channel, const PeerId& peer, const v1::Envelope& message, Time now,
+                  const AllowedKey& sender = {});
+  /// The list of keys was read again: what was counted against them counts no more.
+  void forgive_keys() { workers_->forgive_keys(); }
   /// The transport found that this control connection is no more. Where not even the welcome could
   /// be sent, its hello was read late: the worker had given it up for another, and is not lost.
   void on_peer_gone(const PeerId& peer, Time now, bool welcomed = true);

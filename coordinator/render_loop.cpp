@@ -150,7 +150,8 @@ void RenderLoop::receive() {
       coordinator_->note_assembling(message->tile_band().job(), monotonic_now() - start);
     }
     const Time handling = monotonic_now();
-    coordinator_->on_message(received->channel, received->peer, *message, handling);
+    coordinator_->on_message(received->channel, received->peer, *message, handling,
+                             received->sender);
     if (message->has_tile_band()) {
       coordinator_->note_assembling(message->tile_band().job(), monotonic_now() - handling);
     }
@@ -168,6 +169,7 @@ void RenderLoop::turn_away(const ReceivedMessage& received, const v1::Reject& re
 
 void RenderLoop::set_allowed(AllowList allowed) {
   told_refused_.clear();
+  coordinator_->forgive_keys();
   const Time now = monotonic_now();
   for (const PeerId& peer : transport_->set_allowed(std::move(allowed))) {
     coordinator_->on_peer_gone(peer, now);

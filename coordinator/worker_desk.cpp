@@ -32,15 +32,16 @@ std::vector<WorkerDesk::Outgoing> WorkerDesk::take_outgoing() {
 
 // -------------------------------------------------------------------------------------- messages
 
-void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Time now) {
-  if (message.has_hello()) return on_hello(peer, message.hello(), now);
+void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Time now,
+                            const AllowedKey& sender) {
+  if (message.has_hello()) return on_hello(peer, message.hello(), sender, now);
   WorkerRecord* const worker = workers_.by_peer(peer);
   if (!worker) {
     send(peer).mutable_hello_request();
     return;
   }
-  // Nothing but a set-aside id is refused after its hello was accepted.
-  if (auto reject = workers_.judge(worker->hello)) {
+  // Nothing but a set-aside id or key is refused after its hello was accepted.
+  if (auto reject = workers_.judge(worker->hello, worker->sender)) {
     *send(peer).mutable_reject() = std::move(*reject);
     return;
   }
@@ -82,21 +83,51 @@ void WorkerDesk::tell_if_back(WorkerRecord& worker) {
   if (std::exchange(worker.told_lost, false)) spdlog::info("worker {} is back", worker.name());
 }
 
-void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, Time now) {
-  if (auto reject = workers_.judge(hello)) {
-    if (const auto count = refusals_.note(now)) {
+void WorkerDesk::tell_taken(const v1::Hello& hello, const AllowedKey& sender, Time now) {
+  const auto count = taken_.note(now);
+  const WorkerRecord* const owner = workers_.by_id(hello.worker_id());
+  if (!count || !owner) return;
+  const auto of_key = [](const AllowedKey& key) {
+    return key.key.empty() ? "" : fmt::format(" of the key of {}", key.name);
+  };
+  WorkerRecord claimant;
+  claimant.hello = hello;
+  spdlog::warn("refused {}{}: it says hello under the id of worker {}{}{}", claimant.name(),
+               of_key(sender), owner->name(), of_key(owner->sender),
+               *count > 1 ? fmt::format("; {} such hellos of late", *count) : "");
+}
+
+void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, const AllowedKey& sender,
+                          Time now) {
+  if (auto reject = workers_.judge(hello, sender)) {
+    if (reject->reason() == v1::Reject::ID_TAKEN) {
+      tell_taken(hello, sender, now);
+    } else if (const auto count = refusals_.note(now)) {
       spdlog::warn("refused {}: {}", *count > 1 ? counted(*count, "worker") : "a worker",
                    reject->text());
     }
     *send(peer).mutable_reject() = std::move(*reject);
     return;
   }
-  const auto greeting = workers_.greet(peer, hello, now);
+  const auto greeting = workers_.greet(peer, hello, now, sender);
+  if (greeting.older) {
+    // A late one of that worker's own does not heed this, being in a later session.
+    *send(peer).mutable_reject() = id_taken(hello);
+    if (const WorkerRecord* own = workers_.by_peer(peer); !own || own->id != hello.worker_id()) {
+      tell_taken(hello, sender, now);
+    }
+  }
   if (!greeting.worker) return;
   WorkerRecord& worker = *greeting.worker;
   if (!greeting.known) {
     ++counters_.workers_seen;
     spdlog::info("worker {} has come, with {}", worker.name(), counted(hello.threads(), "thread"));
+  }
+  if (!greeting.before.empty() && worker.returns.note(now)) {
+    const bool same = greeting.before == worker.name();
+    spdlog::log(same && !greeting.active ? spdlog::level::info : spdlog::level::warn,
+                "the id of worker {} came back by another connection{}", greeting.before,
+                same ? "" : fmt::format(", as worker {}", worker.name()));
   }
   tell_if_back(worker);
   v1::Welcome& welcome = *send(peer).mutable_welcome();

@@ -29,12 +29,15 @@ class WorkerDesk {
     v1::Envelope message;
   };
 
-  void on_control(const PeerId& peer, const v1::Envelope& message, Time now);
+  void on_control(const PeerId& peer, const v1::Envelope& message, Time now,
+                  const AllowedKey& sender = {});
   void on_peer_gone(const PeerId& peer, Time now, bool welcomed);
   void on_process_ended(pid_t process, bool crashed, const std::string& how, Time now);
   void on_tick(Time now);
   /// As WorkerRegistry::forgive().
   void forgive(Time silence) { workers_.forgive(silence); }
+  /// As WorkerRegistry::forgive_keys().
+  void forgive_keys() { workers_.forgive_keys(); }
   /// Tells workers what has begun and ended.
   void follow(const JobTable::Changes& changes, Time now);
   /// Gives tiles to whoever has room.
@@ -52,7 +55,9 @@ class WorkerDesk {
   uint64_t begun_count() const { return frames_begun_; }
 
  private:
-  void on_hello(const PeerId& peer, const v1::Hello& hello, Time now);
+  void on_hello(const PeerId& peer, const v1::Hello& hello, const AllowedKey& sender, Time now);
+  /// Whose id a hello claims that is refused for that.
+  void tell_taken(const v1::Hello& hello, const AllowedKey& sender, Time now);
   void on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now);
   void on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBand& band, Time now);
   void on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId lease, Time now);
@@ -65,6 +70,9 @@ class WorkerDesk {
   /// A worker gave wrong pixels: it is set aside, and what it traced is traced again.
   void convict(ActiveJob& job, const Conviction& conviction, Time now);
   void set_aside(WorkerId id, const std::string& cause, Time now);
+  void refuse(WorkerRecord& worker, Time now);
+  /// Whether all of its key are to be blamed: only where others are there to go on.
+  bool key_is_blamed(const WorkerRecord& worker);
   void fail_undecided(ActiveJob& job, Time now);
   std::string name_of(WorkerId id);
 
@@ -101,7 +109,7 @@ class WorkerDesk {
   FarmSnapshot::Counters counters_;
   std::set<WorkerId> hungry_;
   uint64_t frames_begun_ = 0;
-  Tally refusals_;  ///< as the log tells them
+  Tally refusals_, taken_;  ///< as the log tells them
   bool draining_ = false;
 };
 

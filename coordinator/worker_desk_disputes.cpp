@@ -41,10 +41,18 @@ void WorkerDesk::convict(ActiveJob& job, const Conviction& conviction, Time now)
       name_of(conviction.wrong), about.row, about.tile, name_of(right), name_of(conviction.judge));
   spdlog::error("{}; it is set aside, and all its tiles are traced again", what);
   ++job.report().liars;
+  std::vector<WorkerId> wrong{conviction.wrong};
+  WorkerRecord* const worker = workers_.by_id(conviction.wrong);
+  if (worker && key_is_blamed(*worker)) {
+    wrong.clear();
+    for (const WorkerRecord* each : workers_.with_key_of(*worker)) wrong.push_back(each->id);
+  }
   set_aside(conviction.wrong, what, now);
   // What is kept from before is of this job alone.
   const auto jobs = conviction.wrong == kFromStore ? std::vector{&job} : jobs_.running();
-  for (ActiveJob* each : jobs) act(*each, each->redo_tiles_of(conviction.wrong), now);
+  for (ActiveJob* each : jobs) {
+    for (const WorkerId id : wrong) act(*each, each->redo_tiles_of(id), now);
+  }
 }
 
 void WorkerDesk::on_mismatch(ActiveJob& job, Mismatch mismatch, Time now) {
@@ -77,22 +85,48 @@ void WorkerDesk::set_aside(WorkerId id, const std::string& cause, Time now) {
   ++counters_.workers_set_aside;
   WorkerRecord* const worker = workers_.by_id(id);
   if (!worker) return;
-  const auto reject = workers_.judge(worker->hello);
-  if (reject) *send(worker->peer).mutable_reject() = *reject;
-  lose(*worker, LossCause::left, "it is set aside", now);
+  if (!key_is_blamed(*worker)) return refuse(*worker, now);
+  workers_.set_key_aside(worker->sender.key,
+                         fmt::format("the key of {}: {}", worker->sender.name, cause));
+  spdlog::error("all workers of the key of {} are set aside, until the list of keys is read again",
+                worker->sender.name);
+  for (WorkerRecord* each : workers_.with_key_of(*worker)) refuse(*each, now);
+}
+
+void WorkerDesk::refuse(WorkerRecord& worker, Time now) {
+  const auto reject = workers_.judge(worker.hello, worker.sender);
+  if (reject) *send(worker.peer).mutable_reject() = *reject;
+  lose(worker, LossCause::left, "it is set aside", now);
+}
+
+bool WorkerDesk::key_is_blamed(const WorkerRecord& worker) {
+  if (worker.sender.key.empty()) return false;
+  const auto present = workers_.present();
+  return std::any_of(present.begin(), present.end(), [&](const WorkerRecord* other) {
+    return other->sender.key != worker.sender.key && workers_.blamed(*other) < kMaxFailuresOfWorker;
+  });
 }
 
 void WorkerDesk::judge_failures(WorkerRecord& worker, Time now) {
-  if (++worker.failures < kMaxFailuresOfWorker || worker.state == WorkerState::lost) return;
+  const int failures = workers_.blame(worker);
+  if (worker.state == WorkerState::lost) return;
+  // Of a key that all share, each is judged by itself.
+  const bool by_key = key_is_blamed(worker);
+  if ((by_key ? failures : worker.failures) < kMaxFailuresOfWorker) return;
   const auto present = workers_.present();
-  const bool others = std::any_of(present.begin(), present.end(), [&](const WorkerRecord* other) {
-    return other != &worker && other->failures < kMaxFailuresOfWorker;
-  });
+  const bool others =
+      by_key || std::any_of(present.begin(), present.end(), [&](const WorkerRecord* other) {
+        return other != &worker && other->failures < kMaxFailuresOfWorker;
+      });
   // The last one is kept, for want of a better.
   if (!others) return;
-  set_aside(worker.id,
-            fmt::format("worker {} failed {} tiles; expected none", worker.name(), worker.failures),
-            now);
+  const std::string whose =
+      by_key ? fmt::format(" and others of its key ({})", worker.sender.name) : "";
+  set_aside(
+      worker.id,
+      fmt::format("worker {}{} failed {} tiles; expected none", worker.name(),
+                  failures > worker.failures ? whose : "", by_key ? failures : worker.failures),
+      now);
 }
 
 }  // namespace tessera

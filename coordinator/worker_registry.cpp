@@ -36,6 +36,15 @@ auto find_process(Workers& workers, const std::string& host, pid_t process) {
 
 }  // namespace
 
+v1::Reject id_taken(const v1::Hello& hello) {
+  v1::Reject reject = rejected(
+      v1::Reject::ID_TAKEN, fmt::format("another worker uses this id, {:016x}; expected one that "
+                                        "this worker drew itself: start it again",
+                                        hello.worker_id()));
+  reject.set_session(hello.session());
+  return reject;
+}
+
 std::string WorkerRecord::name() const {
   return fmt::format("{}:{}", hello.host().empty() ? "worker" : printable(hello.host()),
                      hello.process_id());
@@ -46,7 +55,8 @@ bool WorkerRecord::ready_for(uint64_t job) const {
   return it != jobs.end() && it->second.ready;
 }
 
-std::optional<v1::Reject> WorkerRegistry::judge(const v1::Hello& hello) const {
+std::optional<v1::Reject> WorkerRegistry::judge(const v1::Hello& hello,
+                                                const AllowedKey& sender) const {
   if (hello.protocol_major() != options_.protocol_major) {
     return rejected(
         v1::Reject::PROTOCOL,
@@ -61,6 +71,12 @@ std::optional<v1::Reject> WorkerRegistry::judge(const v1::Hello& hello) const {
   }
   const auto aside = set_aside_.find(hello.worker_id());
   if (aside != set_aside_.end()) return rejected(v1::Reject::QUARANTINED, aside->second);
+  const auto blame = blame_.find(sender.key);
+  if (blame != blame_.end() && blame->second.set_aside) {
+    return rejected(v1::Reject::QUARANTINED, *blame->second.set_aside);
+  }
+  const auto known = workers_.find(hello.worker_id());
+  if (known != workers_.end() && known->second.sender.key != sender.key) return id_taken(hello);
   if (hello.worker_id() == 0 || hello.session() == 0 || hello.credit() == 0 ||
       hello.credit() > kMaxCredit || hello.host().size() > kMaxText) {
     return rejected(v1::Reject::PROTOCOL,
@@ -71,8 +87,8 @@ std::optional<v1::Reject> WorkerRegistry::judge(const v1::Hello& hello) const {
   return std::nullopt;
 }
 
-WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hello& hello,
-                                               Time now) {
+WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hello& hello, Time now,
+                                               const AllowedKey& sender) {
   if (workers_.size() >= kMaxWorkers && !workers_.contains(hello.worker_id())) {
     forget_lost();
     if (workers_.size() >= kMaxWorkers) return {};
@@ -81,9 +97,12 @@ WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hel
   WorkerRecord& worker = it->second;
   if (inserted) {
     worker.id = hello.worker_id();
+    worker.sender = sender;
   } else if (hello.session() < worker.hello.session()) {
-    return {};
+    return {nullptr, true};
   }
+  const std::string before = inserted || worker.peer == peer ? "" : worker.name();
+  const bool active = !inserted && worker.state == WorkerState::active;
   const bool anew = inserted || hello.session() != worker.hello.session();
   if (!worker.peer.empty() && worker.peer != peer) by_peer_.erase(worker.peer);
   const auto other = by_peer_.find(peer);
@@ -101,7 +120,7 @@ WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hel
     worker.foreign = 0;
     worker.leaves = false;
   }
-  return {&worker, anew, !inserted};
+  return {&worker, false, anew, !inserted, before, active};
 }
 
 void WorkerRegistry::forget_lost() {
@@ -144,6 +163,29 @@ void WorkerRegistry::lose(WorkerRecord& worker) {
   worker.state = WorkerState::lost;
   worker.jobs.clear();
   worker.foreign = 0;
+}
+
+void WorkerRegistry::set_key_aside(const std::string& key, const std::string& cause) {
+  blame_[key].set_aside = cause;
+}
+
+int WorkerRegistry::blame(WorkerRecord& worker) {
+  ++worker.failures;
+  return worker.sender.key.empty() ? worker.failures : ++blame_[worker.sender.key].failures;
+}
+
+int WorkerRegistry::blamed(const WorkerRecord& worker) const {
+  const auto it = blame_.find(worker.sender.key);
+  return it == blame_.end() ? worker.failures : std::max(worker.failures, it->second.failures);
+}
+
+std::vector<WorkerRecord*> WorkerRegistry::with_key_of(WorkerRecord& worker) {
+  if (worker.sender.key.empty()) return {&worker};
+  std::vector<WorkerRecord*> result;
+  for (auto& [id, other] : workers_) {
+    if (other.sender.key == worker.sender.key) result.push_back(&other);
+  }
+  return result;
 }
 
 void WorkerRegistry::set_aside(WorkerId worker, const std::string& cause) {

@@ -14,6 +14,7 @@
 #include "coordinator/coordinator_options.h"
 #include "coordinator/tiles/tile_scheduler.h"
 #include "proto/tessera/v1/farm.pb.h"
+#include "proto/transport/allow_list.h"
 #include "proto/transport/transport.h"
 
 namespace tessera {
@@ -24,6 +25,7 @@ enum class WorkerState { active, suspect, lost };
 struct WorkerRecord {
   WorkerId id = 0;
   PeerId peer;
+  AllowedKey sender;  ///< whose key its id is bound to, where there are keys
   v1::Hello hello;
   WorkerState state = WorkerState::active;
   Time last_heard{};
@@ -42,8 +44,8 @@ struct WorkerRecord {
   uint64_t work_told = 0;             ///< on what it holds, by its last heartbeat
   Time got_on{};                      ///< when it was last seen to trace or build
   bool leaves = false;                ///< it takes no more tiles
-  Tally losses{std::chrono::minutes(1)}, complaints{};  ///< told of it
-  bool told_lost = false;                               ///< and not yet that it is back
+  Tally losses{std::chrono::minutes(1)}, complaints{}, returns{};  ///< told of it
+  bool told_lost = false;                                          ///< and not yet that it is back
   size_t foreign = 0;  ///< tiles that keep it busy though they are no longer its own
 
   bool ready_for(uint64_t job) const;
@@ -51,21 +53,28 @@ struct WorkerRecord {
   std::string name() const;
 };
 
+/// The answer to a hello under an id that is another's.
+v1::Reject id_taken(const v1::Hello& hello);
+
 /// Who works here. A worker is known by the id that its process drew; a connection is only its
-/// address of the moment.
+/// address of the moment. Where there are keys, an id is its alone whose key said it first.
 class WorkerRegistry {
  public:
   explicit WorkerRegistry(const CoordinatorOptions& options) : options_(options) {}
 
-  /// Why a hello cannot be accepted, or nothing.
-  std::optional<v1::Reject> judge(const v1::Hello& hello) const;
+  /// Why a hello by that key cannot be accepted, or nothing.
+  std::optional<v1::Reject> judge(const v1::Hello& hello, const AllowedKey& sender = {}) const;
   struct Greeting {
-    WorkerRecord* worker = nullptr;  ///< null: to be ignored: an old hello, or one too many
+    WorkerRecord* worker = nullptr;  ///< null: one too many, or `older`
+    bool older = false;              ///< of a session before one that was heard: changes nothing
     bool anew = false;               ///< the first of this session: what it held is forgotten
     bool known = false;              ///< by an earlier session
+    std::string before{};            ///< its name until now, where it comes by another connection
+    bool active = false;             ///< the one before was not known to be lost
   };
   /// Registers a hello that judge() has nothing against.
-  Greeting greet(const PeerId& peer, const v1::Hello& hello, Time now);
+  Greeting greet(const PeerId& peer, const v1::Hello& hello, Time now,
+                 const AllowedKey& sender = {});
 
   WorkerRecord* by_peer(const PeerId& peer);
   WorkerRecord* by_id(WorkerId id);
@@ -78,6 +87,16 @@ class WorkerRegistry {
   void lose(WorkerRecord& worker);
   /// Refuses it from now on, and says why.
   void set_aside(WorkerId worker, const std::string& cause);
+  /// Refuses all workers of a key, until forgive_keys().
+  void set_key_aside(const std::string& key, const std::string& cause);
+  /// What was counted against keys counts no more.
+  void forgive_keys() { blame_.clear(); }
+  /// Counts a tile that it failed; how many are counted against its key now, or against itself
+  /// where there are no keys: an id is only what its process drew.
+  int blame(WorkerRecord& worker);
+  int blamed(const WorkerRecord& worker) const;
+  /// Those of the same key, itself among them; without keys itself alone.
+  std::vector<WorkerRecord*> with_key_of(WorkerRecord& worker);
 
   struct Silence {
     std::vector<WorkerRecord*> suspects;  ///< newly so
@@ -100,6 +119,11 @@ class WorkerRegistry {
   std::map<WorkerId, WorkerRecord> workers_;
   std::unordered_map<PeerId, WorkerId> by_peer_;
   std::map<WorkerId, std::string> set_aside_;  ///< with the cause
+  struct Blame {
+    int failures = 0;
+    std::optional<std::string> set_aside;  ///< why
+  };
+  std::map<std::string, Blame> blame_;  ///< by key
 };
 
 }  // namespace tessera

@@ -175,7 +175,9 @@ class WorkerLoop {
     if (session_.is_welcome() == std::exchange(told_welcome_, session_.is_welcome())) return;
     if (told_welcome_) {
       const size_t count = spool_ ? hand_in_spooled(session_, *spool_) : 0;
-      if (count > 0) spdlog::info("handed in {} that was kept on disk", counted(count, "message"));
+      if (count > 0)
+        spdlog::info("handed in {} that {} kept on disk", counted(count, "message"),
+                     count == 1 ? "was" : "were");
       spdlog::info("connected, with {}", counted(threads_, "thread"));
     } else {
       spdlog::info("the coordinator is silent; connecting again");

@@ -110,11 +110,18 @@ void WorkerSession::on_message(Channel channel, const v1::Envelope& message, Tim
     case v1::Envelope::kWelcome:
       return on_welcome(message.welcome(), now);
     case v1::Envelope::kReject:
+      // The answer to a hello that has been followed by another.
+      if (const uint64_t of = message.reject().session();
+          of != 0 && of != options_.hello.session()) {
+        return;
+      }
       forget_results([](const Result&) { return true; });
-      actions_.push_back(
-          Quit{message.reject().reason() == v1::Reject::QUARANTINED ? ExitCode::render_failed
-                                                                    : ExitCode::bad_usage,
-               "refused by the coordinator: " + printable(message.reject().text()), true});
+      actions_.push_back(Quit{message.reject().reason() == v1::Reject::QUARANTINED ||
+                                      message.reject().reason() == v1::Reject::ID_TAKEN
+                                  ? ExitCode::render_failed
+                                  : ExitCode::bad_usage,
+                              "refused by the coordinator: " + printable(message.reject().text()),
+                              true});
       return;
     case v1::Envelope::kHelloRequest:
       // Requests answer every message that crossed the hello; one hello answers them all.

@@ -43,7 +43,8 @@ bool FarmJob::ended() const {
 std::optional<uint32_t> FarmJob::next_frame() const {
   if (kept_.cancelled()) return std::nullopt;
   for (uint32_t frame = next_frame_; frame < ends_.size(); ++frame) {
-    if (!ends_[frame]) return frame;
+    const auto is_it = [frame](const Running& running) { return running.frame == frame; };
+    if (!ends_[frame] && std::none_of(running_.begin(), running_.end(), is_it)) return frame;
   }
   return std::nullopt;
 }
@@ -64,6 +65,14 @@ void FarmJob::end(uint32_t frame, v1::JobEnd end) {
   }
   ends_[frame] = std::move(end);
   std::erase_if(running_, [frame](const Running& running) { return running.frame == frame; });
+}
+
+void FarmJob::reopen(uint32_t frame) {
+  if (!ends_[frame]) return;
+  --frames_ended_;
+  if (ends_[frame]->how() == v1::JobEnd::DONE) --frames_done_;
+  ends_[frame].reset();
+  next_frame_ = std::min(next_frame_, frame);
 }
 
 size_t FarmJob::leases() const {

@@ -51,6 +51,8 @@ class FarmJob {
   const std::deque<Running>& running() const { return running_; }
   void begin(uint32_t frame, std::unique_ptr<ActiveJob> active, Time now);
   void end(uint32_t frame, v1::JobEnd end);
+  /// It has not ended after all, and is to be begun again.
+  void reopen(uint32_t frame);
 
   /// Counts what workers hold until now; to be called before that changes.
   void account(Time now);

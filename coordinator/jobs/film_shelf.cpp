@@ -34,7 +34,7 @@ void FilmShelf::forget(const Digest& film) {
   std::erase_if(at_hand_, [&](const auto& entry) { return entry.first == film; });
 }
 
-BlobData FilmShelf::find(const Digest& digest) {
+BlobData FilmShelf::find(const Digest& digest, bool* damaged) {
   const auto there = std::find_if(at_hand_.begin(), at_hand_.end(),
                                   [&](const auto& entry) { return entry.first == digest; });
   if (there != at_hand_.end()) {
@@ -52,7 +52,10 @@ BlobData FilmShelf::find(const Digest& digest) {
     return nullptr;
   }
   assembler.mark_holes();
-  if (Digest::of(std::as_bytes(assembler.film().values())) != digest) return nullptr;
+  if (Digest::of(std::as_bytes(assembler.film().values())) != digest) {
+    if (damaged) *damaged = true;
+    return nullptr;
+  }
   return keep_at_hand(digest, assembler.film());
 }
 

@@ -20,6 +20,9 @@ class JobStore : public TileStore {
   virtual uint64_t farm() const = 0;
   /// Another each time that the store is opened, and larger; 0: it does not count.
   virtual uint64_t epoch() const = 0;
+  /// To be called until it throws no more, before any lease of this epoch is given: on a full disk
+  /// it could not be kept yet.
+  virtual void keep_epoch() {}
 
   /// How long writing took, each time since it was opened.
   virtual SecondsHistogram commit_seconds() const { return {}; }
@@ -36,6 +39,8 @@ class JobStore : public TileStore {
   virtual void remove(uint64_t job, const std::vector<Digest>& tile_keys,
                       const std::vector<Digest>& blobs) = 0;
 
+  /// Whether it is there, sound: its bytes are held against its digest the first time that they
+  /// are asked for. One that is damaged is deleted.
   virtual bool has_blob(const Digest& digest) = 0;
   /// Keeps verified bytes; they are there whole or not at all.
   virtual void put_blob(const Digest& digest, const BlobData& data) = 0;

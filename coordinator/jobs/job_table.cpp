@@ -50,6 +50,7 @@ JobTable::JobTable(const JobRules& rules, std::shared_ptr<JobStore> store)
     add(std::move(job));
   }
   store_->keep_only_blobs(blobs);
+  keep_rest();
 }
 
 JobRules JobTable::rules_for(uint64_t job) const {

@@ -102,6 +102,9 @@ class JobTable {
   bool has_room_for(const FarmJob& job) const;
   void begin(FarmJob& job, uint32_t frame, Time now, Changes& changes);
   void finish(FarmJob& job, FarmJob::Running& running, Changes& changes);
+  /// Frames that were done and whose pictures cannot be put together any more: what is damaged of
+  /// them is traced again.
+  void reopen(const Digest& film);
   void file_end(FarmJob& job, uint32_t frame, v1::JobEnd end);
   /// For a frame of that job.
   JobRules rules_for(uint64_t job) const;

@@ -253,6 +253,7 @@ void JobTable::keep_rest() {
     if (active->waits_for_store()) active->keep_rest();
   }
   try {
+    store_->keep_epoch();
     while (!unsaved_.empty()) {
       store_->save_end(unsaved_.back().first, unsaved_.back().second);
       unsaved_.pop_back();
@@ -277,7 +278,29 @@ JobTable::FoundBlob JobTable::find_blob(const Digest& digest) {
   for (ActiveJob* active : running()) {
     if (BlobData data = active->find_blob(digest)) return {std::move(data), active};
   }
-  return {films_.find(digest), nullptr};
+  bool damaged = false;
+  BlobData film = films_.find(digest, &damaged);
+  if (damaged) reopen(digest);
+  return {std::move(film), nullptr};
+}
+
+void JobTable::reopen(const Digest& film) {
+  for (const auto& [id, job] : jobs_) {
+    if (job->local() || job->kept().cancelled()) continue;
+    for (uint32_t frame = 0; frame < job->frame_count(); ++frame) {
+      const auto& end = job->end_of(frame);
+      if (!end || end->how() != v1::JobEnd::DONE || end->film_digest() != film.hex()) continue;
+      spdlog::warn(
+          "job {}: tiles of frame {} are damaged in the store, or gone: they are traced "
+          "again",
+          id, frame + 1);
+      std::erase_if(unsaved_, [&](const auto& unsaved) {
+        return unsaved.first == id && unsaved.second.frame() == frame;
+      });
+      job->reopen(frame);
+      open_.emplace(id, job.get());
+    }
+  }
 }
 
 }  // namespace tessera

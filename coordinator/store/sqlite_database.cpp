@@ -62,17 +62,41 @@ void SqliteDatabase::Statement::check(int code) const {
 
 SqliteDatabase::SqliteDatabase(const fs::path& file, Kind kind)
     : file_(file), kind_(std::move(kind)) {
+  std::string damage;
   try {
     open();
+    damage = find_damage();
+    if (damage.empty()) return;
   } catch (const Error& error) {
     const int code = database_ ? sqlite3_errcode(database_) & 0xff : SQLITE_NOMEM;
-    const bool busy = code == SQLITE_BUSY;
+    const bool ours = code == SQLITE_OK || code == SQLITE_ROW || code == SQLITE_DONE;
+    const std::string what = ours                  ? error.what()
+                             : code == SQLITE_BUSY ? "another process uses it"
+                                                   : sqlite3_errmsg(database_);
     close();
     // Nothing is wrong with what was asked for: another time it will do.
     if (code == SQLITE_FULL || code == SQLITE_IOERR || code == SQLITE_NOMEM) throw;
-    throw usage_error(fmt::format("'{}': {}; expected {}, or none", file.string(),
-                                  busy ? "another process uses it" : error.what(), kind_.what));
+    if (code != SQLITE_CORRUPT && code != SQLITE_NOTADB) {
+      throw usage_error(
+          fmt::format("'{}': {}; expected {}, or none", file.string(), what, kind_.what));
+    }
+    damage = what;
   }
+  close();
+  throw usage_error(
+      fmt::format("'{}' is damaged: {}; expected {} as it was written: move it away, or restore a "
+                  "copy",
+                  file.string(), damage, kind_.what));
+}
+
+std::string SqliteDatabase::find_damage() const {
+  Statement check(*this, "PRAGMA quick_check(1)");
+  std::string found = check.step() ? std::string(check.blob(0)) : "it cannot be checked";
+  if (found == "ok") return "";
+  for (char& c : found) {
+    if (c == '\n') c = ' ';
+  }
+  return found;
 }
 
 void SqliteDatabase::open() {

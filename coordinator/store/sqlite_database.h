@@ -73,6 +73,8 @@ class SqliteDatabase {
 
  private:
   void open();
+  /// What SQLite finds wrong with the whole file, which it reads for that; empty: nothing.
+  std::string find_damage() const;
 
   std::filesystem::path file_;
   Kind kind_;

@@ -21,6 +21,10 @@ using Statement = SqliteDatabase::Statement;
 
 namespace {
 
+constexpr std::streamsize kReadBytes = std::streamsize{1} << 20;
+/// Given up so that a job can be ended and forgotten on a full disk.
+constexpr const char* kReserve = "reserve";
+constexpr size_t kReserveBytes = size_t{128} << 10;
 constexpr int kJobsApplicationId = 0x5445534a;  // "TESJ"
 
 /// The folder, with all that must be in it before the database is opened.
@@ -57,7 +61,7 @@ SqliteJobStore::SqliteJobStore(const fs::path& folder)
     : folder_(made(folder)),
       database_(folder / "farm.db", {.application_id = kJobsApplicationId,
                                      .format = 1,
-                                     .what = "a store that no other coordinator uses",
+                                     .what = "a store",
                                      .fails = "cannot keep jobs and tiles"}),
       tiles_(database_) {
   database_.execute("CREATE TABLE IF NOT EXISTS jobs (job INTEGER PRIMARY KEY, kept BLOB)");
@@ -70,9 +74,43 @@ SqliteJobStore::SqliteJobStore(const fs::path& folder)
     set_number("farm", (uint64_t{random()} << 31 | random()) | 1);
   }
   farm_ = number("farm");
-  // Before anybody is served: what an earlier coordinator said is told apart from now on.
-  set_number("epoch", number("epoch") + 1);
-  epoch_ = number("epoch");
+  epoch_ = number("epoch") + 1;
+  try {
+    // Before anybody is served: what an earlier coordinator said is told apart from now on.
+    keep_epoch();
+  } catch (const Error&) {
+    // As a coordinator that runs does, this one waits for room, which it says.
+  }
+  make_reserve();
+}
+
+void SqliteJobStore::keep_epoch() {
+  if (epoch_kept_) return;
+  const SqliteDatabase::Flushed flushed(database_);
+  set_number("epoch", epoch_);
+  epoch_kept_ = true;
+}
+
+void SqliteJobStore::make_reserve() const {
+  const fs::path path = folder_ / kReserve;
+  std::error_code ignored;
+  if (fs::exists(path, ignored)) return;
+  try {
+    write_output_file(path, std::string(kReserveBytes, '\0'));
+  } catch (const Error&) {
+    // There is no room to be set apart.
+  }
+}
+
+template <typename Write>
+void SqliteJobStore::write_at_last(const Write& write) {
+  try {
+    write();
+  } catch (const Error&) {
+    std::error_code ignored;
+    if (!fs::remove(folder_ / kReserve, ignored)) throw;
+    write();
+  }
 }
 
 uint64_t SqliteJobStore::number(const char* name) {
@@ -93,8 +131,10 @@ std::vector<v1::KeptJob> SqliteJobStore::jobs() {
   while (rows.step()) {
     auto kept = parse_kept_job(rows.blob(1));
     if (!kept || kept->job() != static_cast<uint64_t>(rows.integer(0))) {
-      throw render_error(fmt::format("'{}': job {} cannot be read; expected what was written",
-                                     folder_.string(), rows.integer(0)));
+      throw usage_error(
+          fmt::format("'{}' is damaged: job {} cannot be read; expected a store as it was written: "
+                      "move it away, or restore a copy",
+                      (folder_ / "farm.db").string(), rows.integer(0)));
     }
     Statement ends(database_, "SELECT frame, kept FROM ends WHERE job = ? ORDER BY frame");
     ends.bind(rows.integer(0));
@@ -124,12 +164,16 @@ void SqliteJobStore::save(const v1::KeptJob& job) {
   const std::string kept = without_ends.SerializeAsString();
   const Timed timed(commit_seconds_);
   const SqliteDatabase::Flushed flushed(database_);
-  // The number first: one that is skipped does no harm, one that is given twice would.
-  if (job.job() > last_job()) set_number("last_job", job.job());
-  Statement(database_, "INSERT OR REPLACE INTO jobs VALUES (?, ?)")
-      .bind(static_cast<int64_t>(job.job()))
-      .bind_blob(kept)
-      .step();
+  const auto write = [&] {
+    // The number first: one that is skipped does no harm, one that is given twice would.
+    if (job.job() > last_job()) set_number("last_job", job.job());
+    Statement(database_, "INSERT OR REPLACE INTO jobs VALUES (?, ?)")
+        .bind(static_cast<int64_t>(job.job()))
+        .bind_blob(kept)
+        .step();
+  };
+  if (job.cancelled()) return write_at_last(write);
+  write();
 }
 
 void SqliteJobStore::save_end(uint64_t job, const v1::KeptJob::End& end) {
@@ -147,13 +191,17 @@ void SqliteJobStore::remove(uint64_t job, const std::vector<Digest>& tile_keys,
   // The job first: what else is left behind by a kill is found by keep_only_blobs(), or is tiles
   // that the same frame would take up again.
   for (const char* text : {"DELETE FROM jobs WHERE job = ?", "DELETE FROM ends WHERE job = ?"}) {
-    Statement(database_, text).bind(static_cast<int64_t>(job)).step();
+    write_at_last([&] { Statement(database_, text).bind(static_cast<int64_t>(job)).step(); });
   }
-  for (const Digest& key : tile_keys) tiles_.drop_all(key);
   for (const Digest& blob : blobs) {
     std::error_code ignored;
     fs::remove(blob_path(blob), ignored);
   }
+  // Last, as deleting from the database takes room at first.
+  for (const Digest& key : tile_keys) {
+    write_at_last([&] { tiles_.drop_all(key); });
+  }
+  make_reserve();
 }
 
 fs::path SqliteJobStore::blob_path(const Digest& digest) const {
@@ -162,12 +210,27 @@ fs::path SqliteJobStore::blob_path(const Digest& digest) const {
 
 bool SqliteJobStore::has_blob(const Digest& digest) {
   std::error_code ignored;
-  return fs::exists(blob_path(digest), ignored);
+  if (!fs::exists(blob_path(digest), ignored)) return false;
+  if (verified_.contains(digest)) return true;
+  std::ifstream file(blob_path(digest), std::ios::binary);
+  DigestStream stream;
+  std::vector<char> piece(kReadBytes);
+  while (file.read(piece.data(), kReadBytes) || file.gcount() > 0) {
+    stream.add(std::as_bytes(std::span(piece).first(static_cast<size_t>(file.gcount()))));
+  }
+  if (file.eof() && stream.finish() == digest) {
+    verified_.insert(digest);
+    return true;
+  }
+  // So that who submits it is asked for it with all else that is lacking.
+  fs::remove(blob_path(digest), ignored);
+  return false;
 }
 
 void SqliteJobStore::put_blob(const Digest& digest, const BlobData& data) {
   const Timed timed(commit_seconds_);
   if (!has_blob(digest)) write_output_file(blob_path(digest), text_of(*data));
+  verified_.insert(digest);
 }
 
 BlobData SqliteJobStore::find_blob(const Digest& digest) {
@@ -180,8 +243,10 @@ BlobData SqliteJobStore::find_blob(const Digest& digest) {
     // So that whoever has it is asked for it again.
     std::error_code ignored;
     fs::remove(blob_path(digest), ignored);
+    verified_.erase(digest);
     return nullptr;
   }
+  verified_.insert(digest);
   return std::make_shared<const Blob>(std::move(bytes));
 }
 

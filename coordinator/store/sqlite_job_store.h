@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <unordered_set>
 
 #include "coordinator/jobs/job_store.h"
 #include "coordinator/store/sqlite_database.h"
@@ -13,12 +14,14 @@ namespace tessera {
 /// (blobs/). What was written survives the end of the process at any instant.
 class SqliteJobStore : public JobStore {
  public:
-  /// Opens the folder or makes it, and counts one epoch more. Throws usage_error where it cannot be
+  /// Opens the folder or makes it, and counts one epoch more; where a store that is there has no
+  /// room for that, keep_epoch() tries again. Throws usage_error where it cannot be
   /// used, another coordinator uses it, or it is something else.
   explicit SqliteJobStore(const std::filesystem::path& folder);
 
   uint64_t farm() const override { return farm_; }
   uint64_t epoch() const override { return epoch_; }
+  void keep_epoch() override;
 
   SecondsHistogram commit_seconds() const override { return commit_seconds_; }
   std::vector<v1::KeptJob> jobs() override;
@@ -40,12 +43,18 @@ class SqliteJobStore : public JobStore {
  private:
   std::filesystem::path blob_path(const Digest& digest) const;
   uint64_t number(const char* name);
+  void make_reserve() const;
+  /// Does it, and where that fails for want of room once more, having given up the reserve.
+  template <typename Write>
+  void write_at_last(const Write& write);
   void set_number(const char* name, uint64_t value);
 
   std::filesystem::path folder_;
+  std::unordered_set<Digest> verified_;  ///< blobs, by this process
   SqliteDatabase database_;
   TileTable tiles_;
   uint64_t farm_ = 0, epoch_ = 0;
+  bool epoch_kept_ = false;
   SecondsHistogram commit_seconds_;
 };
 

@@ -86,7 +86,8 @@ AllowList AllowList::parse(std::string_view text, const std::string& file) {
                       "submitters and viewers",
                       place(1)));
     }
-    AllowedKey allowed{parse_role(line.words[1].text, place(1)), std::string(line.words[2].text)};
+    AllowedKey allowed{parse_role(line.words[1].text, place(1)), std::string(line.words[2].text),
+                       key_text(*key)};
     check_key_name(allowed.name, place(2));
     if (!list.keys_.emplace(key_text(*key), std::move(allowed)).second) {
       throw usage_error(

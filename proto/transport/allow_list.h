@@ -22,7 +22,8 @@ std::string_view role_name(Role role);
 /// One key that is let in.
 struct AllowedKey {
   Role role = Role::any;
-  std::string name;  ///< whose it is: letters, digits, '.', '_' and '-', for the log
+  std::string name;   ///< whose it is: letters, digits, '.', '_' and '-', for the log
+  std::string key{};  ///< itself, as of key_text(); empty where there are no keys
 };
 
 /// The public keys that a server lets in.

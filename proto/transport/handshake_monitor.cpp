@@ -9,7 +9,11 @@ constexpr int kEvents = ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED |
                         ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
                         ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
 
-std::optional<ConnectionTrouble> trouble_of(int event, uint32_t value) {
+constexpr char kNoCoordinator[] =
+    "what listens there does not answer as a coordinator; it is stopped, or another program, or "
+    "the coordinator's second port (that after its own: scenes and pictures)";
+
+std::optional<ConnectionTrouble> trouble_of(int event, uint32_t value, bool has_keys) {
   switch (event) {
     case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH:
       return ConnectionTrouble{"it does not let this key in", true};
@@ -17,8 +21,10 @@ std::optional<ConnectionTrouble> trouble_of(int event, uint32_t value) {
       if (value == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH) {
         return ConnectionTrouble{"one side has keys and the other has none", true};
       }
+      if (!has_keys) return ConnectionTrouble{kNoCoordinator, false};
       return ConnectionTrouble{"it has another key than was expected, or is no coordinator", false};
     case ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL:
+      if (!has_keys) return ConnectionTrouble{kNoCoordinator, false};
       return ConnectionTrouble{
           "it hung up in the midst of the handshake: perhaps it has another "
           "key than was expected",
@@ -30,14 +36,14 @@ std::optional<ConnectionTrouble> trouble_of(int event, uint32_t value) {
 
 }  // namespace
 
-HandshakeMonitor::HandshakeMonitor(zmq::context_t& context, zmq::socket_t& watched)
-    : monitor_(context, watched, kEvents) {}
+HandshakeMonitor::HandshakeMonitor(zmq::context_t& context, zmq::socket_t& watched, bool has_keys)
+    : monitor_(context, watched, kEvents), has_keys_(has_keys) {}
 
 void HandshakeMonitor::read() {
   while (const auto seen = monitor_.next()) {
     connected_ = seen->event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED;
     if (seen->event == ZMQ_EVENT_DISCONNECTED) continue;
-    auto trouble = trouble_of(seen->event, seen->value);
+    auto trouble = trouble_of(seen->event, seen->value, has_keys_);
     // Who refuses may hang up before the other side has read why: what is certain stays.
     const bool is_vague = trouble && !trouble->refused;
     if (is_vague && trouble_ && trouble_->refused) continue;

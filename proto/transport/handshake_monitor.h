@@ -12,7 +12,7 @@ namespace tessera {
 /// thread, and to be made again with each new socket.
 class HandshakeMonitor {
  public:
-  HandshakeMonitor(zmq::context_t& context, zmq::socket_t& watched);
+  HandshakeMonitor(zmq::context_t& context, zmq::socket_t& watched, bool has_keys);
 
   /// Takes notice of what has happened since. Does not block.
   void read();
@@ -22,6 +22,7 @@ class HandshakeMonitor {
 
  private:
   SocketMonitor monitor_;
+  bool has_keys_;
   std::optional<ConnectionTrouble> trouble_;
   bool connected_ = false;
 };

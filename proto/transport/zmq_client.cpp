@@ -146,7 +146,7 @@ class ZmqClient final : public ClientTransport {
     line.socket.set(zmq::sockopt::reconnect_ivl_max, kReconnectMaxMs);
     if (endpoint.host.starts_with("[")) line.socket.set(zmq::sockopt::ipv6, 1);
     if (keys_) protect(line.socket, *keys_);
-    if (endpoint.tcp) line.monitor.emplace(context_, line.socket);
+    if (endpoint.tcp) line.monitor.emplace(context_, line.socket, keys_.has_value());
     // A signal may come at any moment; who is told to end by one shall do so in order.
     while (zmq_connect(line.socket.handle(), endpoint.str().c_str()) != 0) {
       const zmq::error_t error;

@@ -166,6 +166,12 @@ std::unique_ptr<ServerTransport> bind_server(const std::string& endpoint, Server
                     "--allow), or a loopback address such as tcp://127.0.0.1:PORT",
                     endpoint));
   }
+  if (parsed.tcp && parsed.port == 65535) {
+    throw usage_error(fmt::format(
+        "endpoint '{}': scenes and pictures go by the port after it, and there is none; expected a "
+        "port from 1 to 65534",
+        endpoint));
+  }
   check_room_for_descriptors(kTransportDescriptors);
   return std::make_unique<ZmqServer>(parsed, std::move(security));
 }

@@ -235,6 +235,31 @@ class Ends(ServiceTest):
         self.stop(service, worker)
 
 
+    @unittest.skipIf(os.geteuid() != 0, "a small disk can be mounted by root alone")
+    def test_on_a_full_disk_orders_tell_what_they_did_and_a_start_waits_for_room(self):
+        self.store.mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=700k", "none", self.store],
+                          capture_output=True).returncode != 0:
+            self.skipTest("no small disk can be mounted here")
+        self.addCleanup(subprocess.run, ["umount", "-l", self.store])
+        service, worker = self.serve(), self.worker()
+        job = self.submit()
+        wait_until(lambda: "full" in self.status(job)["failure"], "the disk is full")
+        result = self.run_program("pause", job, "--connect", self.endpoint)
+        self.assertEqual("paused" == self.status(job)["state"], result.code == 0, result.err)
+        service.kill()
+        service.wait()
+        with open(self.store / "rest", "wb", buffering=0) as rest:
+            with contextlib.suppress(OSError):
+                while rest.write(bytes(4096)) == 4096:
+                    pass
+        service = self.serve()
+        self.assertIn(self.status(job)["state"], ("queued", "running", "paused"))
+        result = self.run_program("cancel", job, "--forget", "--connect", self.endpoint)
+        self.assertEqual(0, result.code, result.err)
+        (self.store / "rest").unlink()
+        self.stop(service, worker)
+
     def test_where_nobody_listens_that_is_said_soon(self):
         commands = [("status",), ("submit", self.scene), ("render", self.scene)]
         for endpoint in (self.endpoint, f"ipc://{self.folder}/none"):

@@ -37,8 +37,9 @@ class CoordinatorTest : public ::testing::Test {
     return message;
   }
 
-  void say(const PeerId& peer, const v1::Envelope& message, Time now = {}) {
-    coordinator.on_message(Channel::control, peer, message, now);
+  void say(const PeerId& peer, const v1::Envelope& message, Time now = {},
+           const AllowedKey& sender = {}) {
+    coordinator.on_message(Channel::control, peer, message, now, sender);
   }
 
   /// All that was said since last asked, by kind.

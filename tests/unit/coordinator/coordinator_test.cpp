@@ -247,6 +247,78 @@ TEST_F(CoordinatorTest, ThreeFailedTilesSetAWorkerAsideAsLongAsThereIsAnother) {
   EXPECT_EQ(coordinator.progress({}).workers, 1);
 }
 
+TEST_F(CoordinatorTest, AnIdSaidByAnotherKeyIsRefusedAndChangesNothing) {
+  const AllowedKey alice{Role::worker, "alice", "aa"}, mallory{Role::worker, "mallory", "bb"};
+  const uint64_t id = coordinator.submit(job(64), {});
+  say("p", hello(1), {}, alice);
+  ready("p", id);
+  const size_t welcomes = heard(v1::Envelope::kWelcome).size();
+  say("m", hello(1, ~uint64_t{0}), {}, mallory);
+  const auto rejects = heard(v1::Envelope::kReject);
+  ASSERT_EQ(rejects.size(), 1u);
+  EXPECT_EQ(rejects[0].reject().reason(), v1::Reject::ID_TAKEN);
+  EXPECT_EQ(heard(v1::Envelope::kWelcome).size(), welcomes);
+  // The first goes on, and is welcomed anew when its line failed.
+  say("p", band(heard(v1::Envelope::kAssign)[0].assign(), 0.5f));
+  EXPECT_EQ(coordinator.progress({}).tiles_done, 1u);
+  say("p2", hello(1, 2), {}, alice);
+  EXPECT_EQ(heard(v1::Envelope::kWelcome).size(), welcomes + 1);
+  EXPECT_EQ(coordinator.workers().all().at(1).failures, 0);
+  EXPECT_EQ(coordinator.workers().all().size(), 1u);
+}
+
+TEST_F(CoordinatorTest, AnOlderSessionOfAnotherIsAnsweredWhereThereAreNoKeys) {
+  say("p", hello(1));
+  say("m", hello(1, ~uint64_t{0}));
+  say("p", hello(1, 2));
+  const auto rejects = heard(v1::Envelope::kReject);
+  ASSERT_EQ(rejects.size(), 1u);
+  EXPECT_EQ(rejects[0].reject().reason(), v1::Reject::ID_TAKEN);
+  EXPECT_EQ(rejects[0].reject().session(), 2u);
+  EXPECT_THAT(rejects[0].reject().text(), ::testing::HasSubstr("another worker uses this id"));
+}
+
+TEST_F(CoordinatorTest, AKeyWhoseWorkersFailUnderManyIdsIsSetAside) {
+  const AllowedKey alice{Role::worker, "alice", "aa"}, mallory{Role::worker, "mallory", "bb"};
+  const uint64_t id = coordinator.submit(job(64), {});
+  say("a", hello(100), {}, alice);
+  for (WorkerId worker = 1; worker <= 3; ++worker) {
+    const PeerId peer = "m" + std::to_string(worker);
+    say(peer, hello(worker), {}, mallory);
+    const size_t told = heard(v1::Envelope::kAssign).size();
+    ready(peer, id);
+    const v1::Assign assign = heard(v1::Envelope::kAssign).at(told).assign();
+    v1::Envelope failed;
+    failed.mutable_tile_failed()->set_job(id);
+    failed.mutable_tile_failed()->set_lease(assign.lease());
+    say(peer, failed);
+  }
+  EXPECT_EQ(heard(v1::Envelope::kReject).size(), 3u) << "all of the key";
+  EXPECT_EQ(coordinator.progress({}).workers, 1);
+  say("m4", hello(4), {}, mallory);
+  ASSERT_EQ(heard(v1::Envelope::kReject).size(), 4u);
+  EXPECT_EQ(heard(v1::Envelope::kReject)[3].reject().reason(), v1::Reject::QUARANTINED);
+  coordinator.forgive_keys();
+  say("m5", hello(5), {}, mallory);
+  EXPECT_EQ(coordinator.progress({}).workers, 2);
+}
+
+TEST_F(CoordinatorTest, AKeyThatAllShareIsNotSetAside) {
+  const AllowedKey farm{Role::worker, "farm", "aa"};
+  const uint64_t id = coordinator.submit(job(64), {});
+  say("p", hello(1), {}, farm);
+  say("q", hello(2), {}, farm);
+  ready("p", id);
+  for (size_t i = 0; i < 3; ++i) {
+    v1::Envelope failed;
+    failed.mutable_tile_failed()->set_job(id);
+    failed.mutable_tile_failed()->set_lease(heard(v1::Envelope::kAssign)[i].assign().lease());
+    say("p", failed);
+  }
+  EXPECT_EQ(heard(v1::Envelope::kReject).size(), 1u);
+  EXPECT_EQ(coordinator.progress({}).workers, 1);
+}
+
 TEST_F(CoordinatorTest, AWorkerWhoseThreadsHangInWhatItHoldsNoLongerIsSetAside) {
   const uint64_t id = coordinator.submit(job(64), {});
   say("p", hello(1));

@@ -31,6 +31,33 @@ TEST_F(ServiceTest, JobsOutliveTheirCoordinator) {
   EXPECT_GT(submit(2), id) << "no number is given twice";
 }
 
+TEST_F(ServiceTest, APictureWhoseTilesAreGoneIsTracedAgainWhereTheyAre) {
+  const uint64_t id = submit(1);
+  come(1, 4);
+  for (const v1::Assign& assign : assigned()) say("w1", band(assign, 1));
+  const std::string film = ask(id).end().film_digest();
+  store->drop(Digest::from_hex(store->jobs().at(0).tile_keys(0)), {16, 0, 32, 16});
+  restart();
+  v1::Envelope request;
+  request.mutable_blob_request()->set_digest(film);
+  request.mutable_blob_request()->set_length(1 << 20);
+  coordinator.on_message(Channel::bulk, "b", request, {});
+  EXPECT_EQ(heard(v1::Envelope::kBlobMissing).size(), 1u);
+  EXPECT_FALSE(ask(id).has_end());
+  coordinator.on_tick({});
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::RUNNING);
+  EXPECT_EQ(ask(id).tiles_restored(), 3u);
+  come(1, 4);
+  ASSERT_EQ(assigned().size(), 1u);
+  say("w1", band(assigned()[0], 1));
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::ENDED);
+  EXPECT_EQ(ask(id).end().film_digest(), film);
+  EXPECT_EQ(ask(id).frames_done(), 1u);
+  restart();
+  coordinator.on_message(Channel::bulk, "b", request, {});
+  EXPECT_EQ(heard(v1::Envelope::kBlobChunk).size(), 1u);
+}
+
 TEST_F(ServiceTest, WhatAnEarlierCoordinatorGaveOutIsTaken) {
   const uint64_t id = submit(1);
   come(1, 2);

@@ -70,6 +70,7 @@ TEST(WorkerRegistry, KnowsAWorkerByItsIdThroughReconnections) {
   EXPECT_EQ(registry.by_peer("p1"), nullptr);
   EXPECT_EQ(registry.by_peer("p2"), again.worker);
   EXPECT_EQ(registry.greet("p1", hello(5, 1), {}).worker, nullptr) << "a late hello";
+  EXPECT_TRUE(registry.greet("p1", hello(5, 1), {}).older);
   EXPECT_EQ(registry.by_peer("p2"), again.worker);
   EXPECT_EQ(registry.present_count(), 1);
 }
@@ -120,6 +121,39 @@ TEST(WorkerRegistry, RefusesWhomItSetAside) {
   registry.set_aside(1, "worker here:1001 failed 3 tiles");
   EXPECT_EQ(registry.judge(hello(1, 2))->reason(), v1::Reject::QUARANTINED);
   EXPECT_THAT(registry.judge(hello(1, 2))->text(), HasSubstr("here:1001 failed 3 tiles"));
+}
+
+TEST(WorkerRegistry, AnIdIsOfTheKeyThatSaidItFirst) {
+  WorkerRegistry registry(options());
+  const AllowedKey alice{Role::worker, "alice", "aa"}, mallory{Role::worker, "mallory", "bb"};
+  WorkerRecord* worker = registry.greet("p1", hello(5), {}, alice).worker;
+  const auto reject = registry.judge(hello(5, ~uint64_t{0}), mallory);
+  ASSERT_TRUE(reject);
+  EXPECT_EQ(reject->reason(), v1::Reject::ID_TAKEN);
+  EXPECT_EQ(reject->session(), ~uint64_t{0});
+  EXPECT_THAT(reject->text(), HasSubstr("another worker uses this id"));
+  EXPECT_FALSE(registry.judge(hello(5, 2), alice)) << "its own later session";
+  registry.lose(*worker);
+  EXPECT_TRUE(registry.judge(hello(5, 3), mallory)) << "also while it is lost";
+  EXPECT_TRUE(registry.judge(hello(5, 3))) << "or by no key";
+}
+
+TEST(WorkerRegistry, CountsFailuresAgainstTheKey) {
+  WorkerRegistry registry(options());
+  const AllowedKey mallory{Role::worker, "mallory", "bb"};
+  WorkerRecord* one = registry.greet("p1", hello(1), {}, mallory).worker;
+  WorkerRecord* two = registry.greet("p2", hello(2), {}, mallory).worker;
+  EXPECT_EQ(registry.blame(*one), 1);
+  EXPECT_EQ(registry.blame(*two), 2) << "another id, the same key";
+  WorkerRecord* keyless = registry.greet("p3", hello(3), {}).worker;
+  EXPECT_EQ(registry.blame(*keyless), 1);
+  EXPECT_THAT(registry.with_key_of(*one), ElementsAre(one, two));
+  EXPECT_THAT(registry.with_key_of(*keyless), ElementsAre(keyless));
+  registry.set_key_aside("bb", "enough");
+  EXPECT_EQ(registry.judge(hello(9), mallory)->reason(), v1::Reject::QUARANTINED);
+  EXPECT_FALSE(registry.judge(hello(9), {Role::worker, "alice", "aa"}));
+  registry.forgive_keys();
+  EXPECT_FALSE(registry.judge(hello(9), mallory));
 }
 
 }  // namespace

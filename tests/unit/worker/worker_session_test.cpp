@@ -103,6 +103,18 @@ TEST_F(WorkerSessionTest, GoesOnForACoordinatorOnTheSameStore) {
   EXPECT_THAT(sent(v1::Envelope::kSceneReady), SizeIs(1)) << "nothing is built again";
 }
 
+TEST_F(WorkerSessionTest, DoesNotHeedTheRefusalOfAHelloBeforeItsLast) {
+  make_ready(7);
+  v1::Envelope message;
+  message.mutable_reject()->set_reason(v1::Reject::ID_TAKEN);
+  message.mutable_reject()->set_session(99);
+  session.on_message(Channel::control, message, {});
+  EXPECT_THAT(wants<Quit>(), SizeIs(0));
+  message.mutable_reject()->set_session(1);
+  session.on_message(Channel::control, message, {});
+  EXPECT_THAT(wants<Quit>(), SizeIs(1));
+}
+
 TEST_F(WorkerSessionTest, TracesTilesOfSeveralJobsAtATime) {
   make_ready(7);
   start(8, {}, 99);

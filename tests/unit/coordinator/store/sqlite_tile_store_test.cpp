@@ -6,8 +6,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include "base/error.h"
+#include "coordinator/store/sqlite_job_store.h"
 #include "tests/file_size_limit.h"
 #include "tests/temporary_folder.h"
 
@@ -86,6 +92,79 @@ TEST_F(TileStoreTest, TouchesNoFileOfOthers) {
   sqlite3_exec(database, "CREATE TABLE tiles (job TEXT)", nullptr, nullptr, nullptr);
   sqlite3_close(database);
   EXPECT_EQ(code_of_opening(folder_ / "other"), ExitCode::bad_usage);
+}
+
+TEST_F(TileStoreTest, OneThatIsDamagedIsRefusedAndSaysWhatToDo) {
+  {
+    SqliteTileStore store(file_);
+    for (int x = 0; x < 64; ++x) store.keep(job_, tile(16 * x, std::string(3000, 'p')));
+  }
+  constexpr int kPage = 4096;
+  const auto size = static_cast<int>(fs::file_size(file_));
+  {
+    // Pages behind the first are those of the tables and what they lead to.
+    std::fstream file(file_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(2 * kPage);
+    file << std::string(static_cast<size_t>(size - 2 * kPage), '\xee');
+  }
+  try {
+    const SqliteTileStore store(file_);
+    ADD_FAILURE() << "it is served as if sound";
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    EXPECT_EQ(error.code(), ExitCode::bad_usage);
+    EXPECT_TRUE(what.starts_with("'" + file_.string() + "' is damaged: ")) << what;
+    EXPECT_NE(what.find("move it away, or restore a copy"), std::string::npos) << what;
+    EXPECT_EQ(what.find(file_.string()), what.rfind(file_.string())) << "the path once: " << what;
+  }
+}
+
+TEST(JobStoreOnAFullDisk, OpensAndKeepsItsEpochWhenThereIsRoom) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "farm";
+  v1::KeptJob job;
+  job.set_job(1);
+  uint64_t epoch = 0;
+  {
+    SqliteJobStore store(path);
+    store.save(job);
+    epoch = store.epoch();
+  }
+  {
+    std::optional<FileSizeLimit> full(std::in_place, 100);
+    SqliteJobStore store(path);
+    EXPECT_EQ(store.epoch(), epoch + 1);
+    EXPECT_EQ(store.last_job(), 1u) << "what is kept can be read";
+    EXPECT_THROW(store.keep_epoch(), Error);
+    full.reset();
+    store.keep_epoch();
+  }
+  EXPECT_EQ(SqliteJobStore(path).epoch(), epoch + 2);
+}
+
+TEST(JobStoreBlobs, ThatAreDamagedAreAllFoundBeforeTheyAreCountedOn) {
+  const TemporaryFolder folder;
+  std::vector<Digest> digests;
+  {
+    SqliteJobStore store(folder.path() / "farm");
+    for (const char* text : {"sound", "turned", "short", "gone"}) {
+      const auto bytes = std::as_bytes(std::span(std::string_view(text)));
+      digests.push_back(Digest::of(bytes));
+      store.put_blob(digests.back(),
+                     std::make_shared<const Blob>(std::vector(bytes.begin(), bytes.end())));
+      EXPECT_TRUE(store.has_blob(digests.back()));
+    }
+  }
+  const auto path = [&](size_t i) { return folder.path() / "farm" / "blobs" / digests[i].hex(); };
+  std::ofstream(path(1)) << "turneD";
+  fs::resize_file(path(2), 3);
+  fs::remove(path(3));
+  SqliteJobStore store(folder.path() / "farm");
+  EXPECT_TRUE(store.has_blob(digests[0]));
+  for (const size_t i : {1, 2, 3}) {
+    EXPECT_FALSE(store.has_blob(digests[i])) << i;
+    EXPECT_FALSE(fs::exists(path(i))) << i;
+  }
 }
 
 }  // namespace

@@ -34,6 +34,14 @@ TEST(Printable, LongTextIsCutBetweenCharacters) {
   }
 }
 
+TEST(Printable, WhatTurnsTheDirectionOfWritingBecomesSpaces) {
+  EXPECT_EQ(printable("a\u202agnp.\u202ex"), "a   gnp.   x");
+  EXPECT_EQ(printable("\u2066\u2069"), "      ");
+  EXPECT_EQ(printable("\u2029\u202f\u2065\u206a \u05d0"), "\u2029\u202f\u2065\u206a \u05d0")
+      << "its neighbours, and letters from the right";
+  EXPECT_EQ(printable("\xe2\x80"), "\xe2\x80");
+}
+
 TEST(Printable, StraysOfOtherEncodingsEndNothing) {
   EXPECT_EQ(printable(std::string(2000, '\x80')).size(), 0u) << "nowhere to cut";
   EXPECT_EQ(printable("a\xc2"), "a\xc2");
