@@ -12,6 +12,28 @@ namespace tessera {
 template <typename Value, int kAlphas, int kCosines>
 class AlbedoGrid {
  public:
+  /// A step, and how far from it to the next one.
+  struct Step {
+    int index;
+    double rest;
+  };
+
+  static double cosine_at(int step) {
+    const double x = static_cast<double>(step) / kCosines;
+    return x * x;
+  }
+  /// At or below `x`, taken as 0 below that and where it is no number, and as 1 above.
+  static Step step_at(double x, int steps) {
+    const double scaled = (x > 0 ? std::min(x, 1.0) : 0.0) * steps;
+    const int index = std::min(static_cast<int>(scaled), steps - 1);
+    return {index, scaled - index};
+  }
+  static Step step_at_cosine(double cosine) {
+    const int index = step_at(std::sqrt(std::max(cosine, 0.0)), kCosines).index;
+    const double from = cosine_at(index), to = cosine_at(index + 1);
+    return {index, std::clamp((cosine - from) / (to - from), 0.0, 1.0)};
+  }
+
   /// `integrate` is called with the root of alpha, in [0, 1], and a cosine in [0, 1].
   template <typename Integrate>
   explicit AlbedoGrid(const Integrate& integrate) {
@@ -43,27 +65,6 @@ class AlbedoGrid {
   }
 
  private:
-  /// A step, and how far from it to the next one.
-  struct Step {
-    int index;
-    double rest;
-  };
-
-  static double cosine_at(int step) {
-    const double x = static_cast<double>(step) / kCosines;
-    return x * x;
-  }
-  /// At or below `x`, taken as 0 below that and where it is no number, and as 1 above.
-  static Step step_at(double x, int steps) {
-    const double scaled = (x > 0 ? std::min(x, 1.0) : 0.0) * steps;
-    const int index = std::min(static_cast<int>(scaled), steps - 1);
-    return {index, scaled - index};
-  }
-  static Step step_at_cosine(double cosine) {
-    const int index = step_at(std::sqrt(std::max(cosine, 0.0)), kCosines).index;
-    const double from = cosine_at(index), to = cosine_at(index + 1);
-    return {index, std::clamp((cosine - from) / (to - from), 0.0, 1.0)};
-  }
   static Value between(const Value& a, const Value& b, double t) { return a + (b + a * -1) * t; }
 
   std::array<std::array<Value, kCosines + 1>, kAlphas + 1> at_;

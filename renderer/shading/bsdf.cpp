@@ -12,7 +12,8 @@ namespace {
 constexpr double kInversePi = 1 / portable::kPi;
 /// Facets smoother than this are a mirror.
 constexpr double kSmoothestAlpha = 1e-4;
-const Color kCoatReflectance = kWhite * 0.04;
+/// What less is lost between facets than this is nothing.
+constexpr double kLeastLost = 1e-9;
 
 double alpha_of(double roughness) {
   const double alpha = roughness * roughness;
@@ -24,9 +25,18 @@ Color operator/(const Color& a, const Color& b) {
   return {ratio(a.r, b.r), ratio(a.g, b.g), ratio(a.b, b.b)};
 }
 
-/// The mean over the hemisphere, by the cosine, of Schlick's factor: 2 * the integral of
-/// (1 - c)^5 c dc is 1 / 21.
-Color mean_schlick(const Color& f0) { return f0 + (kWhite - f0) * (1.0 / 21); }
+/// Schlick's factor as it goes with f0, at one cosine.
+FacetAlbedo schlick_albedo(double cosine) {
+  const double grazing = fresnel_schlick(kBlack, cosine).r;
+  return {1 - grazing, grazing};
+}
+
+/// Its mean over the hemisphere, by the cosine: 2 * the integral of (1 - c)^5 c dc is 1 / 21.
+constexpr FacetAlbedo kMeanSchlick{20.0 / 21, 1.0 / 21};
+
+FacetAlbedo mean_of_facets(double alpha) {
+  return alpha > 0 ? mean_facet_albedo(alpha) : kMeanSchlick;
+}
 
 }  // namespace
 
@@ -41,7 +51,7 @@ bool LambertBsdf::sample(double, const Vec2& u, BsdfSample& sample) const {
 }
 
 Bsdf::Bsdf(const BsdfPoint& point)
-    : frame_(dot(point.normal, point.wo) > 0 ? point.normal : point.geometric_normal),
+    : frame_(facing_normal(point)),
       facet_normal_(point.geometric_normal),
       from_inside_(point.from_inside) {
   wo_ = frame_.to_local(point.wo);
@@ -62,7 +72,7 @@ Bsdf::Bsdf(const BsdfPoint& point)
       set_conductor(material);
       break;
     case MaterialModel::dielectric:
-      set_glass(material, 1, material.roughness);
+      set_glass(material, 1, material.roughness, kWhite);
       break;
   }
   set_probabilities();
@@ -77,37 +87,70 @@ void Bsdf::set_classic(const BsdfPoint& point) {
                      (refracts ? material.transparency : 0);
   const double scale = all > 1 ? 1 / all : 1;
   mirror_ = material.reflectivity * scale;
-  if (refracts) set_glass(material, material.transparency * scale, 0);
-  if (is_black(material.specular)) {
-    diffuse_ = diffuse * scale;
-    return;
-  }
-  // Facets that reflect the same at every angle.
+  diffuse_ = diffuse * scale;
+  if (refracts) set_glass(material, material.transparency * scale, 0, kWhite);
+  if (is_black(material.specular)) return;
+  // Facets that reflect the same at every angle, and as much of what goes on between them.
   has_facets_ = true;
   alpha_ = std::min(std::sqrt(2 / (material.shininess + 2)), 1.0);
   f0_ = material.specular * scale;
-  diffuse_ = diffuse * scale;
+  facets_o_ = facets_towards(wo_.z);
+  const double lost = 1 - mean_of_facets(alpha_).of_white();
+  if (lost > kLeastLost) between_ = f0_ * (1 / lost);
 }
 
 void Bsdf::set_physical(const BsdfPoint& point) {
   const Material& material = point.material;
-  const double through = material.transparency * (1 - material.metallic);
-  if (through > 0) set_glass(material, through, material.roughness);
-  const double r = (material.refractive_index - 1) / (material.refractive_index + 1);
-  has_facets_ = true;
-  alpha_ = alpha_of(material.roughness);
-  f0_ = kWhite * (r * r * (1 - material.metallic)) + point.diffuse * material.metallic;
-  mean_fresnel_ = mean_schlick(f0_);
-  if (material.clearcoat > 0) {
-    coat_ = material.clearcoat;
-    coat_alpha_ = alpha_of(material.clearcoat_roughness);
-    under_coat_ = point.from_inside && through > 0 && !thin_;
+  const Color color = bounded(point.diffuse);
+  const double metal = material.metallic;
+  const double through = material.transparency * (1 - metal);
+  if (through > 0) set_glass(material, through, material.roughness, color);
+  kept_ = 1 - glass_;
+  dielectric_ = kept_ - metal;
+  if (kept_ > 0) {
+    const double r = (material.refractive_index - 1) / (material.refractive_index + 1);
+    has_facets_ = has_schlick_ = true;
+    alpha_ = alpha_of(material.roughness);
+    dielectric_f0_ = r * r;
+    f0_ = (kWhite * (dielectric_f0_ * dielectric_) + color * metal) * (1 / kept_);
+    facets_o_ = facets_towards(wo_.z);
+    const Color dielectric_between = between_facets(kWhite * dielectric_f0_);
+    between_ = between_facets(color) * metal + dielectric_between * dielectric_;
+    const FacetAlbedo mean = mean_of_facets(alpha_);
+    dielectric_between_ = dielectric_between.r * (1 - mean.of_white());
+    const double left = left_to_diffuse(mean);
+    if (left > kLeastLost) diffuse_ = color * (dielectric_ / left);
+    left_o_ = left_to_diffuse(facets_o_);
+    if (alpha_ == 0) mirror_ = fresnel_schlick(f0_, wo_.z) * kept_;
   }
-  add_base(point.diffuse * (1 - material.metallic));
-  const double kept = 1 - glass_;
-  diffuse_ = diffuse_ * kept;
-  between_ = between_ * kept;
-  if (alpha_ == 0) mirror_ = fresnel_schlick(f0_, wo_.z) * kept;
+  if (material.clearcoat > 0) set_coat(point);
+}
+
+void Bsdf::set_coat(const BsdfPoint& point) {
+  const Material& material = point.material;
+  coat_ = material.clearcoat;
+  coat_alpha_ = alpha_of(material.clearcoat_roughness);
+  under_coat_ = point.from_inside && glass_ > 0 && !thin_;
+  const double alpha = alpha_ > 0 ? alpha_ : glass_alpha_;
+  const FacetAlbedo mean = mean_of_facets(alpha);
+  const CoatMeans reflected = coat_means(coat_alpha_, alpha);
+  const double lost = reflected.all - reflected.scale - reflected.bias;
+  const double mean_lost = 1 - mean.of_white();
+  if (mean_lost > kLeastLost) coat_between_ = 1 - lost / mean_lost;
+  const double left = left_to_diffuse(mean);
+  const double left_light = reflected.all - reflected.scale * dielectric_f0_ - reflected.bias -
+                            dielectric_between_ * lost;
+  if (left > kLeastLost) coat_diffuse_ = 1 - left_light / left;
+  if (!under_coat_) {
+    coat_o_ = 1 - coat_albedo(coat_alpha_, wo_.z);
+    coat_white_o_ = coated_facets(CoatedFacets::white, coat_alpha_, alpha, wo_.z);
+    coat_dielectric_o_ = coated_facets(CoatedFacets::dielectric, coat_alpha_, alpha, wo_.z);
+  } else if (glass_albedo_) {
+    turned_back_ = coat_ * turned_back(wo_.z);
+    mean_turned_back_ =
+        glass_albedo_->mean_turned_back(coat_alpha_, glass_alpha_) +
+        glass_albedo_->mean_lost(true, glass_alpha_) * goes_through_ * (1 - coat_between_);
+  }
 }
 
 void Bsdf::set_conductor(const Material& material) {
@@ -119,86 +162,97 @@ void Bsdf::set_conductor(const Material& material) {
     return;
   }
   f0_ = fresnel_conductor(1, material.eta, material.k);
-  mean_fresnel_ = mean_schlick(f0_);
-  add_base(kBlack);
+  facets_o_ = facets_towards(wo_.z);
+  between_ = between_facets(f0_);
 }
 
-void Bsdf::set_glass(const Material& material, double share, double roughness) {
+void Bsdf::set_glass(const Material& material, double share, double roughness, const Color& tint) {
   glass_ = share;
   // What bends nothing has no facets to be seen.
   const bool bends = std::abs(eta_ - 1) > 1e-4;
   glass_alpha_ = thin_ || !bends ? 0 : alpha_of(roughness);
-  tint_ = transmission_tint(material);
+  tint_ = tint;
   if (glass_alpha_ == 0 || !material.glass_albedo || !(wo_.z > 0)) return;
   glass_albedo_ = material.glass_albedo;
   between_glass_ = std::max(glass_albedo_->lost(from_inside_, glass_alpha_, wo_.z), 0.0);
   goes_through_ = glass_albedo_->through(from_inside_, glass_alpha_);
 }
 
-void Bsdf::add_base(const Color& diffuse) {
-  if (alpha_ == 0) {
-    const Color mean = mean_fresnel_;
-    diffuse_ = diffuse / (kWhite - mean);
-    return;
-  }
-  facets_o_ = facet_albedo(alpha_, wo_.z);
-  facets_mean_ = mean_facet_albedo(alpha_);
-  const FacetAlbedo& mean = facets_mean_;
-  const double white = mean.of_white();
-  const Color again = mean_fresnel_ * (1 - white);
-  if (white < 1 - 1e-9) {
-    between_ = (mean_fresnel_ * mean_fresnel_ * white / (kWhite - again)) * (1 / (1 - white));
-  }
-  const Color of_facets = mean.of(f0_) + between_ * ((1 - white) * (1 - white));
-  diffuse_ = diffuse / (kWhite - of_facets);
+/// What goes on between facets that reflect f0 straight on, over 1 - its mean.
+Color Bsdf::between_facets(const Color& f0) const {
+  const double white = mean_of_facets(alpha_).of_white();
+  if (alpha_ == 0 || 1 - white < kLeastLost) return kBlack;
+  const Color fresnel = kMeanSchlick.of(f0);
+  return (fresnel * fresnel * white / (kWhite - fresnel * (1 - white))) * (1 / (1 - white));
 }
 
 Color Bsdf::facet_fresnel(double cosine) const {
   if (conductor_) return fresnel_conductor(std::min(cosine, 1.0), conductor_->eta, conductor_->k);
-  return is_black(mean_fresnel_) ? f0_ : fresnel_schlick(f0_, cosine);
+  return has_schlick_ ? fresnel_schlick(f0_, cosine) : f0_;
+}
+
+FacetAlbedo Bsdf::facets_towards(double cosine) const {
+  return alpha_ > 0 ? facet_albedo(alpha_, cosine) : schlick_albedo(cosine);
+}
+
+double Bsdf::left_to_diffuse(const FacetAlbedo& facets) const {
+  return 1 - facets.scale * dielectric_f0_ - facets.bias -
+         dielectric_between_ * (1 - facets.of_white());
 }
 
 Color Bsdf::base(double cos_i) const {
-  if (!has_facets_ || is_black(mean_fresnel_)) return diffuse_;
-  if (alpha_ == 0) {
-    return diffuse_ * (kWhite - fresnel_schlick(f0_, wo_.z)) *
-           (kWhite - fresnel_schlick(f0_, cos_i));
-  }
-  const FacetAlbedo& o = facets_o_;
-  const FacetAlbedo i = facet_albedo(alpha_, cos_i);
-  const double mean = 1 - facets_mean_.of_white();
-  const double lost_o = 1 - o.of_white(), lost_i = 1 - i.of_white();
-  Color sum = between_ * (lost_o * lost_i);
-  if (!is_black(diffuse_)) {
-    sum += diffuse_ * (kWhite - o.of(f0_) - between_ * (lost_o * mean)) *
-           (kWhite - i.of(f0_) - between_ * (lost_i * mean));
-  }
-  return sum;
+  if (!has_facets_) return diffuse_;
+  const FacetAlbedo i = facets_towards(cos_i);
+  const double lost = (1 - facets_o_.of_white()) * (1 - i.of_white());
+  const double left = has_schlick_ ? left_o_ * left_to_diffuse(i) : 1;
+  return between_ * (lost * coat_over_even(cos_i, coat_between_)) +
+         diffuse_ * (left * coat_over_even(cos_i, coat_diffuse_));
 }
 
 double Bsdf::coat_passes(double cosine) const {
+  return 1 - coat_ * coat_albedo(coat_alpha_, cosine);
+}
+
+double Bsdf::below_coat() const { return 1 - coat_ * (1 - coat_o_); }
+
+double Bsdf::coat_before_beyond(double cosine) const {
+  return under_coat_ ? coat_passes(cosine) : below_coat();
+}
+
+double Bsdf::turned_back(double cosine) const {
+  const double lost = std::max(glass_albedo_->lost(true, glass_alpha_, cosine), 0.0);
+  return glass_albedo_->turned_back(coat_alpha_, glass_alpha_, cosine) +
+         lost * goes_through_ * (1 - coat_between_);
+}
+
+double Bsdf::coat_over_even(double cos_i, double mean) const {
   if (coat_ == 0 || under_coat_) return 1;
-  return 1 - coat_ * coat_albedo(cosine);
+  return 1 - coat_ + coat_ * coat_o_ * (1 - coat_albedo(coat_alpha_, cos_i)) / mean;
 }
 
-double Bsdf::coat_over_glass(double cos_i, bool beyond) const {
-  if (under_coat_) return beyond ? 1 - coat_ * coat_albedo(cos_i) : 1;
-  return beyond ? coat_passes(wo_.z) : coat_passes(wo_.z) * coat_passes(cos_i);
+double Bsdf::coat_over_facets(CoatedFacets kind, double facets_o, double cos_i) const {
+  if (coat_ == 0 || under_coat_) return 1;
+  const double alpha = alpha_ > 0 ? alpha_ : glass_alpha_;
+  return 1 - coat_ + coat_ * facets_o * coated_facets(kind, coat_alpha_, alpha, cos_i);
 }
 
-double Bsdf::coat_albedo(double cosine) const {
-  const Color reflected = coat_alpha_ > 0 ? facet_albedo(coat_alpha_, cosine).of(kCoatReflectance)
-                                          : fresnel_schlick(kCoatReflectance, cosine);
-  return reflected.r;
+Color Bsdf::coated_fresnel(double cosine, double cos_i) const {
+  const Color all = facet_fresnel(cosine) * kept_;
+  if (coat_ == 0 || under_coat_) return all;
+  const Color dielectric = fresnel_schlick(kWhite * dielectric_f0_, cosine) * dielectric_;
+  return (all - dielectric) * coat_over_facets(CoatedFacets::white, coat_white_o_, cos_i) +
+         dielectric * coat_over_facets(CoatedFacets::dielectric, coat_dielectric_o_, cos_i);
 }
 
 void Bsdf::set_probabilities() {
-  const double below = coat_passes(wo_.z);
+  const double below = below_coat();
   const auto kept = [&](const Color& c) { return max_component(c) * below; };
   if (!is_black(diffuse_) || !is_black(between_)) {
     p_base_ = std::max(kept(base(0.6)), 1e-3);
   }
-  if (has_facets_ && alpha_ > 0) p_facets_ = std::max(kept(facet_fresnel(wo_.z)), 1e-3);
+  if (has_facets_ && alpha_ > 0) {
+    p_facets_ = std::max(kept(facet_fresnel(wo_.z)) * kept_, 1e-3);
+  }
   p_mirror_ = kept(mirror_);
   p_glass_ = glass_ * below;
   if (coat_ > 0 && !under_coat_) (coat_alpha_ > 0 ? p_coat_ : p_coat_mirror_) = 1 - below;
@@ -229,15 +283,13 @@ BsdfValue Bsdf::evaluate_local(const Vec3& wi) const {
     if (p_facets_ > 0) {
       const Ggx ggx(alpha_);
       const double d = ggx.distribution(half);
-      const double kept = is_black(mean_fresnel_) ? 1 : 1 - glass_;
-      value.share += facet_fresnel(cosine) * (kept * d * ggx.shadowing(wi, wo_) / (4 * wo_.z));
+      value.share += coated_fresnel(cosine, wi.z) * (d * ggx.shadowing(wi, wo_) / (4 * wo_.z));
       value.density += p_facets_ * d * ggx.masking(wo_) / (4 * wo_.z);
     }
-    if (coat_ > 0) value.share = value.share * (coat_passes(wi.z) * coat_passes(wo_.z));
     if (p_coat_ > 0) {
       const Ggx ggx(coat_alpha_);
       const double d = ggx.distribution(half);
-      value.share += fresnel_schlick(kCoatReflectance, cosine) *
+      value.share += fresnel_schlick(kWhite * kCoatReflectance, cosine) *
                      (coat_ * d * ggx.shadowing(wi, wo_) / (4 * wo_.z));
       value.density += p_coat_ * d * ggx.masking(wo_) / (4 * wo_.z);
     }
@@ -252,16 +304,25 @@ BsdfValue Bsdf::evaluate_local(const Vec3& wi) const {
 
 BsdfValue Bsdf::evaluate_glass(const Vec3& wi) const {
   BsdfValue value = evaluate_glass_facets(wi);
-  if (between_glass_ == 0) return value;
-  value.density *= 1 - between_glass_;
+  if (!glass_albedo_) return value;
   const bool beyond = wi.z < 0, there = from_inside_ != beyond;
-  const double cosine = std::abs(wi.z);
-  const double way = beyond ? goes_through_ : 1 - goes_through_;
-  value.density += p_glass_ * between_glass_ * way * cosine * kInversePi;
-  const double lost = std::max(glass_albedo_->lost(there, glass_alpha_, cosine), 0.0);
-  const double share = glass_ * coat_over_glass(cosine, beyond) * between_glass_ * way * lost /
-                       glass_albedo_->mean_lost(there, glass_alpha_) * cosine * kInversePi;
-  value.share += beyond ? tint_ * (share / (eta_ * eta_)) : kWhite * share;
+  const double cosine = std::abs(wi.z), density = cosine * kInversePi;
+  if (between_glass_ > 0) {
+    const double way = beyond ? goes_through_ : 1 - goes_through_;
+    value.density =
+        value.density * (1 - between_glass_) + p_glass_ * between_glass_ * way * density;
+    const double lost = std::max(glass_albedo_->lost(there, glass_alpha_, cosine), 0.0);
+    const double coat = beyond ? coat_before_beyond(cosine) : coat_over_even(cosine, coat_between_);
+    const double share = glass_ * coat * between_glass_ * way * lost /
+                         glass_albedo_->mean_lost(there, glass_alpha_) * density;
+    value.share += beyond ? tint_ * (share / (eta_ * eta_)) : kWhite * share;
+  }
+  if (turned_back_ == 0) return value;
+  value.density *= 1 - turned_back_;
+  if (beyond) return value;
+  value.density += p_glass_ * turned_back_ * density;
+  value.share +=
+      kWhite * (glass_ * turned_back_ * turned_back(cosine) / mean_turned_back_ * density);
   return value;
 }
 
@@ -277,7 +338,9 @@ BsdfValue Bsdf::evaluate_glass_facets(const Vec3& wi) const {
   const double fresnel = fresnel_dielectric(std::min(o, 1.0), eta_);
   const double d = ggx.distribution(half), g = ggx.shadowing(wi, wo_);
   const double visible = ggx.masking(wo_) * o * d / wo_.z;
-  const double passes = coat_over_glass(std::abs(wi.z), beyond);
+  const double passes = beyond
+                            ? coat_before_beyond(-wi.z)
+                            : coat_over_facets(CoatedFacets::dielectric, coat_dielectric_o_, wi.z);
   if (!beyond) {
     const double share = glass_ * passes * fresnel * d * g / (4 * wo_.z);
     return {kWhite * share, p_glass_ * fresnel * visible / (4 * o)};
@@ -294,17 +357,20 @@ bool Bsdf::sample_smooth_glass(double choice, BsdfSample& sample, Vec3& wi) cons
   double fresnel = fresnel_dielectric(std::min(wo_.z, 1.0), eta_);
   // Both faces of a sheet reflect, and what is between them does so again and again.
   if (thin_) fresnel = 2 * fresnel / (1 + fresnel);
-  const double weight = glass_ / p_glass_;
+  wi = -wo_;
+  if ((thin_ || refract(-wo_, {0, 0, 1}, eta_, wi)) && under_coat_) {
+    // What the coat turns back comes as what the glass mirrors.
+    fresnel += (1 - fresnel) * (1 - coat_passes(-wi.z));
+  }
+  const double weight = glass_ * below_coat() / p_glass_;
   sample.is_mirror = true;
   if (choice < fresnel) {
     wi = {-wo_.x, -wo_.y, wo_.z};
-    sample.weight = kWhite * (weight * coat_over_glass(wo_.z, false));
+    sample.weight = kWhite * weight;
     return true;
   }
   sample.is_beyond = true;
-  wi = -wo_;
-  if (!thin_ && !refract(-wo_, {0, 0, 1}, eta_, wi)) return false;
-  sample.weight = tint_ * (weight * coat_over_glass(-wi.z, true));
+  sample.weight = tint_ * weight;
   if (thin_) return true;
   sample.radiance_scale = 1 / (eta_ * eta_);
   sample.weight = sample.weight * sample.radiance_scale;
@@ -312,6 +378,11 @@ bool Bsdf::sample_smooth_glass(double choice, BsdfSample& sample, Vec3& wi) cons
 }
 
 bool Bsdf::sample_rough_glass(double choice, const Vec2& u, Vec3& wi) const {
+  if (choice < turned_back_) {
+    wi = cosine_hemisphere_point(u);
+    return true;
+  }
+  choice = (choice - turned_back_) / (1 - turned_back_);
   if (choice < between_glass_) {
     wi = cosine_hemisphere_point(u);
     if (choice < between_glass_ * goes_through_) wi.z = -wi.z;
@@ -357,9 +428,9 @@ bool Bsdf::sample(double choice, const Vec2& u, BsdfSample& sample) const {
   } else if (takes(p_coat_)) {
     if (!off_facets(coat_alpha_)) return false;
   } else if (takes(p_mirror_)) {
-    mirrored(mirror_ * (coat_passes(wo_.z) * coat_passes(wo_.z) / p_mirror_));
+    mirrored(mirror_ * (below_coat() / p_mirror_));
   } else if (takes(p_coat_mirror_)) {
-    mirrored(fresnel_schlick(kCoatReflectance, wo_.z) * (coat_ / p_coat_mirror_));
+    mirrored(fresnel_schlick(kWhite * kCoatReflectance, wo_.z) * (coat_ / p_coat_mirror_));
   } else if (p_glass_ > 0 && glass_alpha_ == 0) {
     choice = std::min(choice / p_glass_, 0x1.fffffffffffffp-1);
     if (!sample_smooth_glass(choice, sample, wi)) return false;
@@ -373,7 +444,8 @@ bool Bsdf::sample(double choice, const Vec2& u, BsdfSample& sample) const {
   const BsdfValue value = evaluate_local(wi);
   if (!(value.density > 0)) return false;
   if (sample.is_beyond) sample.radiance_scale = 1 / (eta_ * eta_);
-  sample.weight = value.share * (1 / value.density);
+  // Where nothing else was to choose the density cancels.
+  sample.weight = p_base_ == 1 ? base(wi.z) : value.share * (1 / value.density);
   sample.density = value.density;
   return true;
 }

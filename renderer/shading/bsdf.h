@@ -2,6 +2,7 @@
 
 #include "renderer/math/elementary.h"
 #include "renderer/math/frame.h"
+#include "renderer/shading/coat.h"
 #include "renderer/shading/material.h"
 #include "renderer/shading/microfacet.h"
 
@@ -17,6 +18,18 @@ struct BsdfPoint {
   Vec3 wo;                ///< unit, to the viewer
   bool from_inside;       ///< the viewer is inside the material
 };
+
+/// The normal that light is scattered about: the true one where the other is turned away.
+inline Vec3 facing_normal(const BsdfPoint& point) {
+  return dot(point.normal, point.wo) > 0 ? point.normal : point.geometric_normal;
+}
+
+/// What is made of a colour of which more would come back than came: as much of each as there is of
+/// the largest too much.
+inline Color bounded(const Color& color) {
+  const double largest = max_component(color);
+  return largest > 1 ? color * (1 / largest) : color;
+}
 
 /// What a surface sends on, by cosine: BSDF * |cosine|, and the density with which sample() chooses
 /// that direction, per steradian. Mirrors and smooth glass have no part in it.
@@ -36,12 +49,14 @@ struct BsdfSample {
 };
 
 /// Evenly scattering surfaces: the classic material without highlight, mirror or glass, which most
-/// surfaces of most scenes are.
+/// surfaces of most scenes are. The same bits as Bsdf's, faster.
 class LambertBsdf {
  public:
   static constexpr bool kHasChoice = false;  ///< whether sample() reads `choice`
   explicit LambertBsdf(const BsdfPoint& point)
-      : albedo_(point.diffuse), normal_(point.normal), facet_(point.geometric_normal) {}
+      : albedo_(bounded(point.diffuse)),
+        normal_(facing_normal(point)),
+        facet_(point.geometric_normal) {}
   bool is_smooth() const { return true; }
   BsdfValue evaluate(const Vec3& wi) const {
     const double cosine = dot(wi, normal_);
@@ -60,10 +75,13 @@ class LambertBsdf {
 /// same from either side (Helmholtz), roughness and normals that are not the true ones apart:
 ///
 ///   classic     Lambert; the highlight as GGX facets of alpha = sqrt(2 / (shininess + 2)) that
-///               reflect `specular`; mirror; smooth glass. Scaled down where these exceed 1.
-///   physical    glTF 2.0, appendix B: GGX facets over a Lambert base, with what is reflected
-///               between facets (Kulla and Conty 2017, "Revisiting Physically Based Shading"), the
-///               base getting what the facets leave it; clear coat; transmission.
+///               reflect `specular`, with what goes on between them; mirror; smooth glass. Scaled
+///               down where these exceed 1.
+///   physical    glTF 2.0, appendix B: by `metallic` a mix of a metal and a dielectric, which is
+///               GGX facets over a Lambert base or glass, with what is reflected between facets
+///               (Kulla and Conty 2017, "Revisiting Physically Based Shading"), the base getting
+///               what the facets leave it; on the share `clearcoat` of it a coat (coat.h). A base
+///               colour above 1 is scaled down.
 ///   conductor   GGX facets, the same, or a mirror where roughness is 0.
 ///   dielectric  smooth or rough glass (Walter et al. 2007), the latter with what goes on between
 ///               its facets (Kulla and Conty again), or a thin sheet of it.
@@ -84,18 +102,30 @@ class Bsdf {
   void set_classic(const BsdfPoint& point);
   void set_physical(const BsdfPoint& point);
   void set_conductor(const Material& material);
-  void set_glass(const Material& material, double share, double roughness);
-  void add_base(const Color& diffuse);
+  void set_glass(const Material& material, double share, double roughness, const Color& tint);
+  void set_coat(const BsdfPoint& point);
+  Color between_facets(const Color& f0) const;
   void set_probabilities();
 
   bool is_rough_glass() const { return p_glass_ > 0 && glass_alpha_ > 0; }
   Color facet_fresnel(double cosine) const;
+  FacetAlbedo facets_towards(double cosine) const;
+  /// What a dielectric's facets leave to what is under them.
+  double left_to_diffuse(const FacetAlbedo& facets) const;
   /// What several reflections between facets and the Lambert base under them send on, times pi.
   Color base(double cos_i) const;
-  double coat_albedo(double cosine) const;
+  /// What the coat lets through, along `cosine` and towards the viewer.
   double coat_passes(double cosine) const;
-  /// What the coat, which lies outside, leaves of light through and off the glass.
-  double coat_over_glass(double cos_i, bool beyond) const;
+  double below_coat() const;
+  /// What it leaves of light that goes through the glass.
+  double coat_before_beyond(double cosine) const;
+  /// What of light from inside, along `cosine`, a whole coat turns back into the glass.
+  double turned_back(double cosine) const;
+  /// What it leaves of an even base's light and of facets'.
+  double coat_over_even(double cos_i, double mean) const;
+  double coat_over_facets(CoatedFacets kind, double facets_o, double cos_i) const;
+  /// The facets' Fresnel factor under it, `cosine` being that to their normal.
+  Color coated_fresnel(double cosine, double cos_i) const;
   BsdfValue evaluate_local(const Vec3& wi) const;
   BsdfValue evaluate_glass(const Vec3& wi) const;
   BsdfValue evaluate_glass_facets(const Vec3& wi) const;
@@ -106,22 +136,32 @@ class Bsdf {
   Vec3 facet_normal_, wo_;  ///< the latter in the frame
   // Facets.
   double alpha_ = 0;  ///< 0: they are a mirror
-  Color f0_ = kBlack, mean_fresnel_ = kBlack;
+  Color f0_ = kBlack;
   const Material* conductor_ = nullptr;
   bool has_facets_ = false;
-  FacetAlbedo facets_o_, facets_mean_;  ///< towards the viewer, and on the mean
-  // What is under and between them.
+  bool has_schlick_ = false;  ///< they reflect more by Schlick's factor
+  double kept_ = 1;           ///< the share of all that is no glass
+  FacetAlbedo facets_o_;      ///< towards the viewer
+  Color between_ = kBlack;    ///< what is reflected between facets, over 1 - its mean
+  // What is under a dielectric's.
   Color diffuse_ = kBlack;  ///< divided by what the mean of the rest is
-  Color between_ = kBlack;  ///< what is reflected between facets, over 1 - its mean
+  double dielectric_ = 0, dielectric_f0_ = 0, dielectric_between_ = 0;  ///< the share of it first
+  double left_o_ = 1;  ///< what facets leave it towards the viewer
   // Clear coat.
   double coat_ = 0, coat_alpha_ = 0;
   bool under_coat_ = false;  ///< the viewer is inside glass whose outside is coated
+  double coat_o_ = 1;        ///< what it lets through towards the viewer
+  double coat_white_o_ = 1, coat_dielectric_o_ = 1;  ///< the same of facets of either kind
+  /// What it lets through on the mean of what goes on between facets, and of what lies under them.
+  double coat_between_ = 1, coat_diffuse_ = 1;
   // Glass.
   double glass_ = 0, glass_alpha_ = 0, eta_ = 1;  ///< eta beyond over that on the viewer's side
   const GlassAlbedo* glass_albedo_ = nullptr;
   bool from_inside_;
   double between_glass_ = 0;  ///< what its facets lose towards the viewer
   double goes_through_ = 0;   ///< the share of that which goes through in the end
+  double turned_back_ = 0;    ///< by the coat, of light towards the viewer
+  double mean_turned_back_ = 0;
   Color tint_ = kWhite;
   bool thin_ = false;
   Color mirror_ = kBlack;

@@ -33,6 +33,12 @@ class GlassAlbedo {
   /// either way is the same (Helmholtz).
   double through(bool inside, double alpha) const;
 
+  /// The share of light from inside, along `cosine`, that a coat (coat.h) of `coat_alpha` outside
+  /// turns back where a reflection or refraction sends it out. Worked out when first asked, too.
+  double turned_back(double coat_alpha, double alpha, double cosine) const;
+  /// Its mean over the hemisphere, by the cosine.
+  double mean_turned_back(double coat_alpha, double alpha) const;
+
  private:
   using Grid = AlbedoGrid<double, 16, 16>;
   struct Tables {
@@ -41,10 +47,15 @@ class GlassAlbedo {
   };
   static Grid integrate(double eta);
   const Tables& tables() const;
+  /// By the root of the coat's alpha.
+  const std::vector<Grid>& coats() const;
+  template <typename Value>
+  double between_coats(double coat_alpha, const Value& value_of) const;
 
   double index_;
-  mutable std::once_flag once_;
+  mutable std::once_flag once_, coats_once_;
   mutable std::unique_ptr<const Tables> tables_;
+  mutable std::vector<Grid> coats_;
 };
 
 /// Gives each that is_rough_glass() the one of its refractive index; returned is who owns them.

@@ -135,12 +135,25 @@ TEST(ClosedForms, ClearAndTintedSlab) {
 
 TEST(ClosedForms, WhiteSurfacesOfEveryKindReflectAllTheyGet) {  // N30
   const std::string white = "{ value { r: 1 g: 1 b: 1 } }";
+  const std::string coat = "clearcoat { value: 1 } clearcoat_roughness { value: .2 } }";
   for (const std::string& kind :
        {std::string("classic { diffuse ") + white + " }",
         "physical { base_color " + white + " metallic { value: 1 } roughness { value: .3 } }",
         "physical { base_color " + white + " metallic { value: 1 } roughness { value: 1 } }",
         "physical { base_color " + white + " metallic { value: 0 } roughness { value: .5 } }",
         "physical { base_color " + white + " metallic { value: 0 } roughness { value: 0 } }",
+        "physical { base_color " + white + " metallic { value: .5 } roughness { value: .5 } }",
+        "physical { base_color " + white + " metallic { value: 0 } roughness { value: .5 } " + coat,
+        "physical { base_color " + white + " metallic { value: 1 } roughness { value: .3 } " + coat,
+        "physical { base_color " + white +
+            " metallic { value: 0 } roughness { value: .4 } "
+            "transmission { value: 1 } " +
+            coat,
+        std::string("classic { diffuse { value { r: .6 g: .6 b: .6 } } "
+                    "specular { value { r: .4 g: .4 b: .4 } } shininess { value: 20 } }"),
+        "classic { diffuse " + white + " specular " + white + " shininess { value: 100 } }",
+        std::string("classic { diffuse { value { r: 1.5 g: 1.5 b: 1.5 } } }"),
+        std::string("physical { base_color { value { r: 1.5 g: 1.5 b: 1.5 } } }"),
         std::string("dielectric { }"), std::string("dielectric { thin: true }"),
         std::string("dielectric { roughness { value: .4 } }"),
         std::string("dielectric { roughness { value: .7 } }")}) {
