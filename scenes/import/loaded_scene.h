@@ -15,6 +15,9 @@
 
 namespace tessera {
 
+/// The one number that a texture takes of a coloured picture's texels.
+enum class PictureChannel { luminance, alpha_or_luminance };
+
 /// What an importer makes of a file. A value.
 struct LoadedScene {
   v1::Scene scene;  ///< without blobs and includes in it
@@ -24,6 +27,8 @@ struct LoadedScene {
   std::map<std::string, std::string> pictures{};
   /// Pictures by Image.file whose embedded colour profile is heeded: taken to sRGB when read.
   std::set<std::string> profiled_pictures{};
+  /// By a texture's name: what is kept of its picture, where that is one number.
+  std::map<std::string, PictureChannel> picture_channels{};
   std::vector<std::string> warnings{};  ///< what was read otherwise than a user might expect
   /// What the file defines and its scene does not show, so that it was not taken over: "mesh
   /// 'lid'".

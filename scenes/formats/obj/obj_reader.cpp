@@ -109,6 +109,7 @@ void add_materials(const ObjFile& file, const MtlLibrary& library, LoadedScene& 
     shape.add_materials(material.name());
   }
   add_used_textures(library.textures, out.scene);
+  out.picture_channels = library.picture_channels;
   for (const std::string& name : known)
     if (std::find(file.materials.begin(), file.materials.end(), name) == file.materials.end())
       out.unused.push_back(fmt::format("material '{}'", name));
