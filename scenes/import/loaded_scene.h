@@ -51,6 +51,10 @@ using TextureDecoder = std::function<DecodedTexture(const std::string& path, boo
 using TextureBytesDecoder =
     std::function<DecodedTexture(std::string_view bytes, const std::string& name)>;
 
+/// Why no picture can be made of the file `name`, or of `bytes` where they are given, which `name`
+/// then only names; empty where one can.
+using PictureCheck = std::function<std::string(const std::string& name, const std::string* bytes)>;
+
 /// How a file is read. The defaults are what a user expects who gives no option.
 struct ReadOptions {
   enum class Color { display, linear };
@@ -69,6 +73,7 @@ struct ReadOptions {
   bool x3d_two_sided = false;  ///< back faces are seen whatever `solid` says
   TextureDecoder decode_texture{};             ///< none: textures keep the names of their files
   TextureBytesDecoder decode_texture_bytes{};  ///< of pictures inside the scene's file
+  PictureCheck check_picture{};                ///< read_scene brings it where there are decoders
   /// Files to place beside what the scene itself includes: each from a folder of its own, by a path
   /// as the system takes it. One without a file places the scene itself, its cameras apart.
   std::vector<v1::Include> placements{};

@@ -318,6 +318,31 @@ TEST_F(ReadScene, KeepsOfAPictureTheNumberThatAMapTakes) {
   EXPECT_NEAR(texel("bump -colorspace sRGB plain.png"), .047350, 5e-5);
 }
 
+TEST_F(ReadScene, TakesAMapThatCannotBeDecodedForAMissingOne) {
+  ReadOptions options;
+  int decoded = 0;
+  options.decode_texture = [&](const std::string& path, bool) {
+    ++decoded;
+    if (fs::path(path).filename() == "bad.png")
+      throw scene_error(SourcePlace{path}, "no picture", "one");
+    return DecodedTexture{
+        .width = 1, .height = 1, .channels = 1, .bits = 8, .texels = {std::byte{7}}};
+  };
+  write("bad.png", "x");
+  write("good.png", "x");
+  write("a.mtl",
+        "newmtl idle\nmap_Kd bad.png\nnewmtl a\nKd 0 0 0\nmap_Kd bad.png\nKs 1\nmap_Ks good.png\n");
+  const LoadedScene loaded =
+      read_scene(write("a.obj", std::string("mtllib a.mtl\nusemtl a\n") + kTriangle), options);
+  EXPECT_EQ(loaded.scene.textures_size(), 1);
+  EXPECT_EQ(loaded.scene.materials(0).classic().diffuse().value().r(), 0) << "as without map_Kd";
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_NE(loaded.warnings[0].find("a.mtl: picture 'bad.png' no picture; expected one"),
+            std::string::npos)
+      << loaded.warnings[0];
+  EXPECT_EQ(decoded, 2) << "each once";
+}
+
 TEST_F(ReadScene, ReadsPicturesOfMaterialsInsideTheFolderOnly) {
   write("a.obj", std::string("mtllib m/a.mtl\nusemtl a\n") + kTriangle);
   write("m/a.mtl",

@@ -181,7 +181,8 @@ TEST(Mtl, ReadsNoPictureThatTheFinderRefuses) {
   Warnings warnings;
   MtlLibrary library;
   LineReader reader("newmtl m\nmap_Kd ../secret.png\nmap_Ks ok.png\nKs 1\n", "t.mtl");
-  const MtlPictureFinder finder = [](const std::string& written) {
+  const MtlPictureFinder finder = [](const std::string& written, const std::string& material) {
+    EXPECT_EQ(material, "m");
     return written == "ok.png" ? std::optional<std::string>("below/ok.png") : std::nullopt;
   };
   read_mtl(reader, finder, library, warnings);
