@@ -28,18 +28,19 @@ Vec3 column(const Affine& frame, size_t number) {
   return {frame.m[0][number], frame.m[1][number], frame.m[2][number]};
 }
 
-/// The turn that takes +z towards the viewer (whose frame is given in the node's): about `axis`, or
-/// where that is 0, fully, with +y as the viewer's (ISO/IEC 19775-1, 23.4.1).
+/// What turns a node to the viewer, whose frame is given in the node's (ISO/IEC 19775-1, 23.4.1):
+/// +z to the viewer's place about `axis`, or where that is 0, all axes parallel to the viewer's
+/// own, so that what is flat stays parallel to the picture wherever it is seen.
 Affine billboard_turn(const Vec3& axis, const Affine& viewer) {
   const Vec3 to_viewer = column(viewer, 3);
   if (axis == Vec3{}) {
-    const Vec3 x = cross(column(viewer, 1), to_viewer);
-    if (!(length_squared(x) > 0)) return {};
-    const Vec3 unit_x = normalize(x), z = normalize(to_viewer), y = cross(z, unit_x);
+    if (!is_invertible(viewer)) return {};
+    const Vec3 x = normalize(column(viewer, 0)), y = normalize(column(viewer, 1)),
+               z = normalize(column(viewer, 2));
     Affine turn;
     for (size_t row = 0; row < 3; ++row) {
       const int r = static_cast<int>(row);
-      turn.m[row] = {unit_x[r], y[r], z[r], 0};
+      turn.m[row] = {x[r], y[r], z[r], 0};
     }
     return turn;
   }

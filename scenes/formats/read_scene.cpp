@@ -20,6 +20,7 @@
 #include "scenes/formats/ply/ply_reader.h"
 #include "scenes/formats/stl/stl_reader.h"
 #include "scenes/formats/x3d/x3d_reader.h"
+#include "scenes/import/checked_pictures.h"
 #include "scenes/import/texture_loader.h"
 
 namespace tessera {
@@ -91,7 +92,7 @@ std::string format_of(const std::string& path, const std::string& asked) {
 
 LoadedScene read_format(const std::string& path, const std::string& format,
                         const ReadOptions& options) {
-  if (format == "obj") return read_obj(path);
+  if (format == "obj") return read_obj(path, options);
   if (format == "ply") return read_ply(path);
   if (format == "stl") return read_stl(path);
   if (format == "gltf" || format == "glb") return read_gltf(path);
@@ -110,8 +111,10 @@ LoadedScene read_format(const std::string& path, const std::string& format,
 /// With its pictures, without its includes.
 LoadedScene read_one(const std::string& path, const std::string& asked,
                      const ReadOptions& options) {
-  LoadedScene loaded = read_format(path, format_of(path, asked), options);
-  load_textures(loaded, fs::absolute(path).parent_path(), options);
+  CheckedPictures pictures(options);
+  const ReadOptions reading = pictures.reading();
+  LoadedScene loaded = read_format(path, format_of(path, asked), reading);
+  load_textures(loaded, fs::absolute(path).parent_path(), reading);
   return loaded;
 }
 

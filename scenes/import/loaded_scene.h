@@ -15,6 +15,9 @@
 
 namespace tessera {
 
+/// The one number that a texture takes of a coloured picture's texels.
+enum class PictureChannel { luminance, alpha_or_luminance };
+
 /// What an importer makes of a file. A value.
 struct LoadedScene {
   v1::Scene scene;  ///< without blobs and includes in it
@@ -24,6 +27,8 @@ struct LoadedScene {
   std::map<std::string, std::string> pictures{};
   /// Pictures by Image.file whose embedded colour profile is heeded: taken to sRGB when read.
   std::set<std::string> profiled_pictures{};
+  /// By a texture's name: what is kept of its picture, where that is one number.
+  std::map<std::string, PictureChannel> picture_channels{};
   std::vector<std::string> warnings{};  ///< what was read otherwise than a user might expect
   /// What the file defines and its scene does not show, so that it was not taken over: "mesh
   /// 'lid'".
@@ -46,6 +51,10 @@ using TextureDecoder = std::function<DecodedTexture(const std::string& path, boo
 using TextureBytesDecoder =
     std::function<DecodedTexture(std::string_view bytes, const std::string& name)>;
 
+/// Why no picture can be made of the file `name`, or of `bytes` where they are given, which `name`
+/// then only names; empty where one can.
+using PictureCheck = std::function<std::string(const std::string& name, const std::string* bytes)>;
+
 /// How a file is read. The defaults are what a user expects who gives no option.
 struct ReadOptions {
   enum class Color { display, linear };
@@ -64,6 +73,7 @@ struct ReadOptions {
   bool x3d_two_sided = false;  ///< back faces are seen whatever `solid` says
   TextureDecoder decode_texture{};             ///< none: textures keep the names of their files
   TextureBytesDecoder decode_texture_bytes{};  ///< of pictures inside the scene's file
+  PictureCheck check_picture{};                ///< read_scene brings it where there are decoders
   /// Files to place beside what the scene itself includes: each from a folder of its own, by a path
   /// as the system takes it. One without a file places the scene itself, its cameras apart.
   std::vector<v1::Include> placements{};

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "scenes/import/mip_levels.h"
+#include "scenes/import/picture_channel.h"
 
 namespace tessera {
 namespace {
@@ -53,7 +54,8 @@ std::filesystem::path file_of(const v1::Texture& texture, const std::filesystem:
 
 void load_textures(LoadedScene& loaded, const std::filesystem::path& folder,
                    const ReadOptions& options) {
-  std::map<std::tuple<std::filesystem::path, int, bool, bool>, v1::Texture::Image> known;
+  using Kept = std::optional<PictureChannel>;
+  std::map<std::tuple<std::filesystem::path, int, bool, bool, Kept>, v1::Texture::Image> known;
   for (v1::Texture& texture : *loaded.scene.mutable_textures()) {
     const bool wanted = texture.has_image() && !texture.image().file().empty() &&
                         texture.image().texels().digest().empty();
@@ -64,15 +66,21 @@ void load_textures(LoadedScene& loaded, const std::filesystem::path& folder,
     if (is_held ? !options.decode_texture_bytes : !options.decode_texture) continue;
     const auto file = is_held ? std::filesystem::path(image.file()) : file_of(texture, folder);
     const bool to_srgb = loaded.profiled_pictures.contains(image.file());
-    const auto [at, is_new] =
-        known.try_emplace({file, static_cast<int>(image.encoding()), wants_levels(image), to_srgb});
-    if (is_new)
-      at->second = store(is_held ? options.decode_texture_bytes(held->second, held->first)
-                                 : options.decode_texture(file.string(), to_srgb),
-                         image, loaded.blobs);
+    const auto channel = loaded.picture_channels.find(texture.name());
+    const Kept kept =
+        channel == loaded.picture_channels.end() ? std::nullopt : Kept(channel->second);
+    const auto [at, is_new] = known.try_emplace(
+        {file, static_cast<int>(image.encoding()), wants_levels(image), to_srgb, kept});
+    if (is_new) {
+      DecodedTexture decoded = is_held ? options.decode_texture_bytes(held->second, held->first)
+                                       : options.decode_texture(file.string(), to_srgb);
+      if (kept) keep_channel(decoded, *kept, image.encoding() == v1::Texture::Image::ENCODING_SRGB);
+      at->second = store(std::move(decoded), image, loaded.blobs);
+    }
     image.MergeFrom(at->second);
   }
   loaded.pictures.clear();
+  loaded.picture_channels.clear();
 }
 
 }  // namespace tessera

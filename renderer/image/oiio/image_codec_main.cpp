@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -108,6 +109,8 @@ bool serve_one(ImageChannel& channel) {
 
 int main() {
   std::signal(SIGXFSZ, SIG_IGN);
+  // What is wrong with a picture is told to who asked; libraries would print it too.
+  if (std::FILE* const nowhere = std::fopen("/dev/null", "w")) stderr = nowhere;
   tessera::ImageChannel channel(STDIN_FILENO);
   while (tessera::serve_one(channel)) {
   }

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
+#include "scenes/import/data_uri.h"
 
 namespace tessera {
 namespace {
@@ -20,30 +20,6 @@ uint32_t word_at(std::string_view bytes, size_t offset) {
   uint32_t word = 0;
   std::memcpy(&word, bytes.data() + offset, sizeof word);
   return word;
-}
-
-std::optional<std::string> decode_base64(std::string_view text) {
-  std::array<int, 256> codes;
-  codes.fill(-1);
-  constexpr std::string_view kAlphabet =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (size_t i = 0; i < kAlphabet.size(); ++i)
-    codes[static_cast<unsigned char>(kAlphabet[i])] = static_cast<int>(i);
-  while (text.ends_with('=')) text.remove_suffix(1);
-  std::string bytes;
-  bytes.reserve(text.size() / 4 * 3 + 3);
-  uint32_t bits = 0;
-  int held = 0;
-  for (const char c : text) {
-    const int code = codes[static_cast<unsigned char>(c)];
-    if (code < 0) return std::nullopt;
-    bits = bits << 6 | static_cast<uint32_t>(code);
-    held += 6;
-    if (held < 8) continue;
-    held -= 8;
-    bytes += static_cast<char>(bits >> held & 0xFF);
-  }
-  return bytes;
 }
 
 int hex_digit(char c) {
@@ -137,14 +113,10 @@ void GltfFile::spend(uint64_t amount, const GltfValue& on) {
 }
 
 std::optional<std::string> GltfFile::data_of_uri(const GltfValue& uri) {
-  const std::string text = uri.text("");
-  if (!text.starts_with("data:")) return std::nullopt;
-  const size_t comma = text.find(',');
-  if (comma == std::string::npos || !std::string_view(text).substr(0, comma).ends_with(";base64"))
-    throw uri.error("a data: URI that is not base64", "data:...;base64,...");
-  auto bytes = decode_base64(std::string_view(text).substr(comma + 1));
-  if (!bytes) throw uri.error("a data: URI that holds other characters", "base64");
-  return bytes;
+  auto data = read_data_uri(uri.text(""));
+  if (!data) return std::nullopt;
+  if (!data->problem.empty()) throw uri.error(data->problem, data->expected);
+  return std::move(data->bytes);
 }
 
 std::string GltfFile::path_of_uri(const GltfValue& uri) {

@@ -93,7 +93,14 @@ class MapLine {
     const std::string_view name = word();
     for (size_t i = 0; i < kNames.size(); ++i) {
       if (name != kNames[i]) continue;
+      map_.luminance = i >= 4;
+      map_.channel.reset();
       if (i < 4) map_.channel = static_cast<v1::FloatInput::Channel>(i);
+      if (name == "z")
+        warnings_.add(
+            fmt::format("line {}: {} -imfchan z asks for depths, which no picture holds; "
+                        "luminance is taken",
+                        place_.line, keyword_));
       return true;
     }
     throw error(fmt::format("'{}'", to_utf8(name)), "a channel: r, g, b, m, l or z");

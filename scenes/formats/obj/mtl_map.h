@@ -16,9 +16,10 @@ struct MtlMap {
   std::array<double, 3> scale{1, 1, 1};
   std::array<double, 3> offset{};
   bool clamp = false;
-  double multiplier = 1;  ///< -bm
-  double gain = 1;        ///< -mm
-  std::optional<v1::FloatInput::Channel> channel;
+  double multiplier = 1;                           ///< -bm
+  double gain = 1;                                 ///< -mm
+  std::optional<v1::FloatInput::Channel> channel;  ///< -imfchan r, g, b or m
+  bool luminance = false;                          ///< -imfchan l
   std::optional<v1::Texture::Image::Encoding> encoding;
 };
 

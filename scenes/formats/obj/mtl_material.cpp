@@ -112,17 +112,24 @@ class Converter {
     out.set_b(value[2]);
   }
 
-  void share(double value, const char* statement, v1::FloatInput* input,
-             v1::FloatInput::Channel channel = v1::FloatInput::RED) {
-    scaled(value, statement, input, channel);
+  using Channel = std::optional<v1::FloatInput::Channel>;
+
+  void share(double value, const char* statement, v1::FloatInput* input, Channel channel = {},
+             PictureChannel usual = PictureChannel::luminance) {
+    scaled(value, statement, input, channel, usual);
     input->set_value(std::clamp(input->value(), 0.0, 1.0));
   }
 
-  void scaled(double value, const char* statement, v1::FloatInput* input,
-              v1::FloatInput::Channel channel = v1::FloatInput::RED) {
+  /// The map's own option says which channel of its picture holds the number; else `channel`, and
+  /// without one `usual`.
+  void scaled(double value, const char* statement, v1::FloatInput* input, Channel channel = {},
+              PictureChannel usual = PictureChannel::luminance) {
     if (const MtlMap* const m = map(statement)) {
-      input->set_texture(texture(*m, v1::Texture::Image::ENCODING_LINEAR));
-      input->set_channel(m->channel.value_or(channel));
+      if (m->channel || m->luminance) channel = m->channel;
+      if (m->luminance) usual = PictureChannel::luminance;
+      input->set_texture(texture(*m, v1::Texture::Image::ENCODING_LINEAR,
+                                 channel ? std::nullopt : std::optional(usual)));
+      if (channel) input->set_channel(*channel);
       value *= m->gain;
     }
     input->set_value(value);
@@ -188,13 +195,15 @@ class Converter {
       out.mutable_transparency()->set_value(transparency_);
   }
 
-  /// A map of opacity that is the colour's own picture means its alpha, which acts by itself; where
-  /// nothing speaks of clearness, alpha means nothing.
+  /// A map of opacity that is the colour's own picture means its alpha, which acts by itself,
+  /// unless it names another channel; where nothing speaks of clearness, alpha means nothing.
   void coverage() {
     const MtlMap* const clear = map("map_d");
     const MtlMap* const seen = map("map_kd");
-    if (clear && !(seen && seen->file == clear->file))
-      share(1, "map_d", material_.mutable_opacity());
+    const bool is_alpha = clear && !clear->luminance &&
+                          clear->channel.value_or(v1::FloatInput::ALPHA) == v1::FloatInput::ALPHA;
+    if (clear && !(seen && seen->file == clear->file && is_alpha))
+      share(1, "map_d", material_.mutable_opacity(), {}, PictureChannel::alpha_or_luminance);
     else if (!clear && seen && transparency_ == 0)
       material_.set_alpha(v1::Material::ALPHA_OPAQUE);
   }
@@ -209,7 +218,8 @@ class Converter {
   }
 
   /// The name of the texture that the map asks for.
-  std::string texture(const MtlMap& m, Encoding usual) {
+  std::string texture(const MtlMap& m, Encoding usual,
+                      std::optional<PictureChannel> channel = std::nullopt) {
     v1::Texture made;
     v1::Texture::Image& image = *made.mutable_image();
     image.set_file(m.file);
@@ -228,7 +238,13 @@ class Converter {
       put(m.scale, made.mutable_transform()->add_steps()->mutable_scale());
     }
     made.set_name(m.file);
-    return library_.textures.add(std::move(made));
+    if (!channel) return library_.textures.add(std::move(made));
+    // Of a coloured picture another texture than the one with its colours.
+    made.set_name(m.file +
+                  (*channel == PictureChannel::luminance ? " (luminance)" : " (alpha, luminance)"));
+    const std::string name = library_.textures.add(std::move(made));
+    library_.picture_channels.emplace(name, *channel);
+    return name;
   }
 
   const MtlEntry& entry_;

@@ -7,6 +7,7 @@
 
 #include "proto/tessera/v1/scene.pb.h"
 #include "scenes/formats/obj/mtl_map.h"
+#include "scenes/import/loaded_scene.h"
 #include "scenes/import/texture_set.h"
 #include "scenes/import/warnings.h"
 
@@ -27,6 +28,7 @@ struct MtlEntry {
 struct MtlLibrary {
   std::map<std::string, v1::Material> materials;  ///< where a name comes twice, the first one holds
   TextureSet textures;                            ///< those that the materials name
+  std::map<std::string, PictureChannel> picture_channels;  ///< as LoadedScene has them
 };
 
 /// Adds the entry as a material of our own with its textures, whose files are named as in the

@@ -138,7 +138,8 @@ class MtlReader {
       return true;
     }
     MtlMap read = read_mtl_map(in_, keyword, warnings_);
-    const auto file = find_picture_ ? find_picture_(read.file) : std::optional(read.file);
+    const auto file =
+        find_picture_ ? find_picture_(read.file, target.name) : std::optional(read.file);
     if (!file) return true;
     read.file = *file;
     target.maps[statement] = std::move(read);

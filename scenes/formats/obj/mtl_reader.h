@@ -10,9 +10,10 @@
 
 namespace tessera {
 
-/// The name for Image.file of the picture that an MTL file calls `written`, or nothing where it may
-/// not be read.
-using MtlPictureFinder = std::function<std::optional<std::string>(const std::string& written)>;
+/// The name for Image.file of the picture that an MTL file calls `written` in the material of that
+/// name, or nothing where it may not or can not be read.
+using MtlPictureFinder = std::function<std::optional<std::string>(const std::string& written,
+                                                                  const std::string& material)>;
 
 /// Adds the materials of an MTL file (Wavefront's format, with the statements Pr, Pm, Pc, Pcr, Ke,
 /// norm and their maps that programs added for physical materials). Colours are taken as linear.

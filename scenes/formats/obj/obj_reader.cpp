@@ -39,21 +39,29 @@ std::vector<std::string> library_names(const std::string& written, const fs::pat
 }
 
 /// A picture that an MTL file in the folder `below` of `folder` names: what it is called from
-/// there.
+/// there. Without `check` it need only be there.
 std::optional<std::string> find_picture(const std::string& written, const fs::path& folder,
-                                        const fs::path& below, Warnings& warnings) {
+                                        const fs::path& below, const PictureCheck& check,
+                                        Warnings& warnings) {
   const std::string name = (below / written).lexically_normal().generic_string();
   const auto file = fs::path(written).is_absolute() ? std::nullopt : resolve_inside(folder, name);
   std::error_code ignored;
-  if (file && fs::is_regular_file(*file, ignored)) return name;
+  if (file && fs::is_regular_file(*file, ignored)) {
+    const std::string problem = check ? check(file->string(), nullptr) : "";
+    if (problem.empty()) return name;
+    warnings.add(fmt::format("picture '{}' {}", written, problem));
+    return std::nullopt;
+  }
   warnings.add(
       fmt::format("picture '{}' {}", written,
                   file ? "is not there" : "lies outside the scene's folder and is not read"));
   return std::nullopt;
 }
 
-void read_library(const std::string& written, const fs::path& folder, MtlLibrary& library,
-                  LoadedScene& out, const std::string& path) {
+/// Of the materials named in `used` pictures are checked.
+void read_library(const std::string& written, const fs::path& folder, const PictureCheck& check,
+                  const std::vector<std::string>& used, MtlLibrary& library, LoadedScene& out,
+                  const std::string& path) {
   std::string name = written;
   for (char& c : name)
     if (c == '\\') c = '/';
@@ -70,8 +78,9 @@ void read_library(const std::string& written, const fs::path& folder, MtlLibrary
     Warnings warnings;
     LineReader reader((folder / name).string());
     const fs::path below = fs::path(name).parent_path();
-    const auto finder = [&](const std::string& picture) {
-      return find_picture(picture, folder, below, warnings);
+    const auto finder = [&](const std::string& picture, const std::string& material) {
+      const bool is_used = std::find(used.begin(), used.end(), material) != used.end();
+      return find_picture(picture, folder, below, is_used ? check : PictureCheck{}, warnings);
     };
     read_mtl(reader, finder, library, warnings);
     for (std::string& line : warnings.list(reader.name())) out.warnings.push_back(std::move(line));
@@ -109,6 +118,7 @@ void add_materials(const ObjFile& file, const MtlLibrary& library, LoadedScene& 
     shape.add_materials(material.name());
   }
   add_used_textures(library.textures, out.scene);
+  out.picture_channels = library.picture_channels;
   for (const std::string& name : known)
     if (std::find(file.materials.begin(), file.materials.end(), name) == file.materials.end())
       out.unused.push_back(fmt::format("material '{}'", name));
@@ -125,7 +135,7 @@ void make_names_unique(v1::Scene& scene) {
   }
 }
 
-LoadedScene read(LineReader& reader, const fs::path* folder) {
+LoadedScene read(LineReader& reader, const fs::path* folder, const PictureCheck& check) {
   LoadedScene out;
   Warnings warnings;
   ObjFile file = ObjParser(reader, warnings).parse();
@@ -134,7 +144,8 @@ LoadedScene read(LineReader& reader, const fs::path* folder) {
     std::set<std::string> seen;
     for (const std::string& written : file.libraries)
       for (const std::string& name : library_names(written, *folder))
-        if (seen.insert(name).second) read_library(name, *folder, library, out, reader.name());
+        if (seen.insert(name).second)
+          read_library(name, *folder, check, file.materials, library, out, reader.name());
   }
   if (file.mesh.triangle_count() == 0) {
     if (file.mesh.positions.empty())
@@ -153,15 +164,15 @@ LoadedScene read(LineReader& reader, const fs::path* folder) {
 
 }  // namespace
 
-LoadedScene read_obj(const std::string& path) {
+LoadedScene read_obj(const std::string& path, const ReadOptions& options) {
   LineReader reader(path);
   const fs::path folder = fs::path(path).parent_path();
-  return read(reader, &folder);
+  return read(reader, &folder, options.check_picture);
 }
 
 LoadedScene parse_obj(std::string_view text, const std::string& name) {
   LineReader reader(text, name);
-  return read(reader, nullptr);
+  return read(reader, nullptr, {});
 }
 
 }  // namespace tessera

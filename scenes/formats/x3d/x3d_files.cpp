@@ -49,26 +49,22 @@ std::string X3dFiles::folder_of(const std::string& file) {
   return slash == std::string::npos ? "" : file.substr(0, slash);
 }
 
-X3dFiles::Found X3dFiles::find(const std::vector<std::string>& urls,
-                               const std::string& folder) const {
-  Found found{"", "it names no file"};
-  for (const std::string& url : urls) {
-    if (has_scheme(url)) {
-      found.reason = "only files are read, and nothing from the network";
-      continue;
-    }
-    const std::string path = path_of(url);
-    if (path.empty()) continue;
-    const auto target = resolve_inside(root_, (fs::path(folder) / path).string());
-    std::error_code failure;
-    if (!target || fs::path(path).is_absolute())
-      found.reason = "it is not inside the scene's folder";
-    else if (!fs::is_regular_file(*target, failure))
-      found.reason = "there is no such file";
-    else
-      return {target->lexically_relative(root_).generic_string(), ""};
-  }
-  return found;
+X3dFiles::Found X3dFiles::find(const std::string& url, const std::string& folder) const {
+  if (has_scheme(url)) return {.reason = "only files are read, and nothing from the network"};
+  const std::string path = path_of(url);
+  if (path.empty()) return {.reason = "it names no file"};
+  const auto target = resolve_inside(root_, (fs::path(folder) / path).string());
+  if (!target || fs::path(path).is_absolute())
+    return {.reason = "it is not inside the scene's folder"};
+  std::error_code failure;
+  if (!fs::is_regular_file(*target, failure)) return {.reason = "there is no such file"};
+  return {.file = target->lexically_relative(root_).generic_string()};
+}
+
+std::string X3dFiles::shown(const std::string& url) {
+  constexpr size_t kLongest = 40;
+  const bool is_cut = url.starts_with("data:") && url.size() > kLongest;
+  return is_cut ? url.substr(0, kLongest) + "..." : url;
 }
 
 }  // namespace tessera

@@ -24,11 +24,13 @@ class X3dFiles {
 
   /// What became of a URL.
   struct Found {
-    std::string file;    ///< empty: not found
-    std::string reason;  ///< then: why not
+    std::string file{};    ///< empty: not found
+    std::string reason{};  ///< then: why not
   };
-  /// The first of `urls`, as written in a file of `folder`, that names a file which is there.
-  Found find(const std::vector<std::string>& urls, const std::string& folder) const;
+  /// The file that `url` names, as written in a file of `folder`.
+  Found find(const std::string& url, const std::string& folder) const;
+  /// The URL as messages show it: what a data: URI holds is cut off.
+  static std::string shown(const std::string& url);
 
   /// The folder of a file found.
   static std::string folder_of(const std::string& file);

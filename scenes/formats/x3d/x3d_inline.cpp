@@ -28,51 +28,63 @@ std::string stem(const std::string& file) {
 
 }  // namespace
 
-/// What another file shows becomes an object, once for each file.
+/// What another file shows becomes an object, once for each file. The first URL whose file can be
+/// read holds.
 void X3dTranslator::add_inline(const X3dNode& node, const v1::Transform& path, v1::Node& out) {
   if (!values_.boolean(node, "load", true)) return;
-  X3dFiles& files = build_.files;
   const auto urls = values_.strings(node, "url");
   if (urls.empty()) return;
-  const X3dFiles::Found found =
-      files.has_folder() ? files.find(urls, folder_) : X3dFiles::Found{"", "no folder is known"};
-  const auto leave_out = [&](const std::string& reason) {
-    if (build_.options.x3d_strict)
-      throw document_.error(node.offset, fmt::format("Inline of '{}': {}", urls[0], reason),
-                            "a file that can be read");
-    warnings_.add(fmt::format("line {}: Inline of '{}' is left out: {}",
-                              document_.place(node.offset).line, urls[0], reason));
-  };
-  if (found.file.empty()) return leave_out(found.reason);
-  if (std::find(files.open.begin(), files.open.end(), found.file) != files.open.end())
+  std::string reasons;
+  for (const std::string& url : urls) {
+    const std::string reason = read_inline(node, url, path, out);
+    if (reason.empty()) return;
+    reasons += reasons.empty() ? reason : fmt::format("; '{}': {}", X3dFiles::shown(url), reason);
+  }
+  if (build_.options.x3d_strict)
     throw document_.error(node.offset,
-                          fmt::format("Inline of '{}', of which it is a part", urls[0]),
+                          fmt::format("Inline of '{}': {}", X3dFiles::shown(urls[0]), reasons),
+                          "a file that can be read");
+  warnings_.add(fmt::format("line {}: Inline of '{}' is left out: {}",
+                            document_.place(node.offset).line, X3dFiles::shown(urls[0]), reasons));
+}
+
+/// Why what the URL names is no part of the scene; empty where it is.
+std::string X3dTranslator::read_inline(const X3dNode& node, const std::string& url,
+                                       const v1::Transform& path, v1::Node& out) {
+  X3dFiles& files = build_.files;
+  if (!files.has_folder()) return "no folder is known";
+  const X3dFiles::Found found = files.find(url, folder_);
+  if (found.file.empty()) return found.reason;
+  if (std::find(files.open.begin(), files.open.end(), found.file) != files.open.end())
+    throw document_.error(node.offset, fmt::format("Inline of '{}', of which it is a part", url),
                           "files that are not a part of themselves");
   const auto known = files.objects.find(found.file);
-  if (known != files.objects.end()) return out.set_instance_of(known->second);
+  if (known != files.objects.end()) {
+    out.set_instance_of(known->second);
+    return "";
+  }
   if (files.open.size() >= X3dFiles::kMaxOpen || files.objects.size() >= X3dFiles::kMaxFiles)
     throw document_.error(node.offset, "too many Inlines",
                           fmt::format("at most {} files, {} one inside the other",
                                       X3dFiles::kMaxFiles, X3dFiles::kMaxOpen));
 
+  const bool is_other = is_other_format(found.file);
+  const std::string full = files.full(found.file);
+  std::optional<X3dDocument> parsed;
+  try {
+    if (!is_other) parsed = X3dDocument::parse(read_input_file(full, X3dDocument::kMaxBytes), full);
+  } catch (const Error& error) {  // as one that is missing
+    return error.what();
+  }
   const std::string name = build_.unique(build_.object_names, stem(found.file));
   files.objects.emplace(found.file, name);
   out.set_instance_of(name);
-  if (is_other_format(found.file)) {
+  if (is_other) {
     v1::Include& include = *out_.scene.add_includes();
     include.set_file(found.file);
     include.set_object(name);
     *include.mutable_transform() = path;
-    return;
-  }
-  const std::string full = files.full(found.file);
-  std::optional<X3dDocument> parsed;
-  try {
-    parsed = X3dDocument::parse(read_input_file(full, X3dDocument::kMaxBytes), full);
-  } catch (const Error& error) {  // as one that is missing
-    files.objects.erase(found.file);
-    out.clear_instance_of();
-    return leave_out(error.what());
+    return "";
   }
   const X3dDocument& document = *parsed;
   files.open.push_back(found.file);
@@ -82,6 +94,7 @@ void X3dTranslator::add_inline(const X3dNode& node, const v1::Transform& path, v
       .add_all(path, document_.metres_per_unit(), *object.mutable_nodes());
   *out_.scene.add_objects() = std::move(object);
   files.open.pop_back();
+  return "";
 }
 
 }  // namespace tessera

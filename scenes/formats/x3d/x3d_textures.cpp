@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
+#include "scenes/import/data_uri.h"
 #include "scenes/import/mip_levels.h"
 
 namespace tessera {
@@ -130,25 +131,78 @@ std::string X3dTranslator::add_texture(v1::Texture texture, const std::string& w
   return texture.name();
 }
 
-/// The first of `urls` that names a file which is there, else a placeholder and a warning.
+/// Why the URL names no picture; else "", with what Image.file calls it in `file`.
+std::string X3dTranslator::check_picture(const std::string& url, std::string& file,
+                                         bool& is_damaged) {
+  const PictureCheck& check = build_.options.check_picture;
+  const auto known = build_.data_pictures.find(url);
+  if (known != build_.data_pictures.end()) {
+    file = known->second;
+    return "";
+  }
+  std::string problem;
+  std::string compact = url.starts_with("data:") ? url : "";
+  std::erase_if(compact, [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; });
+  if (auto data = read_data_uri(compact)) {
+    problem = data->problem;
+    const std::string name = fmt::format(
+        "{}#picture {}", to_utf8(document_.name().substr(document_.name().rfind('/') + 1)),
+        out_.pictures.size() + 1);
+    if (problem.empty() && check) problem = check(name, &data->bytes);
+    is_damaged |= !problem.empty();
+    if (!problem.empty()) return problem;
+    out_.pictures[name] = std::move(data->bytes);
+    file = build_.data_pictures[url] = name;
+    return "";
+  }
+  if (!build_.files.has_folder()) {
+    file = url;
+    return "";
+  }
+  const X3dFiles::Found found = build_.files.find(url, folder_);
+  if (found.file.empty()) return found.reason;
+  if (check) problem = check(build_.files.full(found.file), nullptr);
+  is_damaged |= !problem.empty();
+  if (problem.empty()) file = found.file;
+  return problem;
+}
+
+X3dTranslator::Picture X3dTranslator::find_picture(const std::vector<std::string>& urls) {
+  Picture out;
+  for (const std::string& url : urls) {
+    const std::string reason = check_picture(url, out.file, out.is_damaged);
+    if (reason.empty()) break;
+    out.reasons +=
+        fmt::format("{}'{}': {}", out.reasons.empty() ? "" : "; ", X3dFiles::shown(url), reason);
+  }
+  return out;
+}
+
+/// The first of `urls` that names a picture, else a placeholder and a warning.
 std::string X3dTranslator::image_texture(const std::vector<std::string>& urls,
                                          v1::Texture::Image image, size_t offset) {
   if (urls.empty()) return "";
-  X3dFiles::Found found{urls[0], ""};
-  if (build_.files.has_folder()) found = build_.files.find(urls, folder_);
-  if (found.file.empty()) {
+  return picture_texture(find_picture(urls), std::move(image), offset);
+}
+
+std::string X3dTranslator::picture_texture(const Picture& picture, v1::Texture::Image image,
+                                           size_t offset) {
+  const auto line = [&] { return document_.place(offset).line; };
+  if (picture.file.empty()) {
     if (build_.options.x3d_strict)
-      throw document_.error(offset, fmt::format("no picture '{}': {}", urls[0], found.reason),
-                            "a file that is there");
-    warnings_.add(fmt::format("line {}: a placeholder stands for the picture '{}': {}",
-                              document_.place(offset).line, urls[0], found.reason));
+      throw document_.error(offset, fmt::format("no picture {}", picture.reasons),
+                            "a picture that can be read");
+    warnings_.add(
+        fmt::format("line {}: a placeholder stands for the picture {}", line(), picture.reasons));
     return placeholder_texture();
   }
+  if (picture.is_damaged)
+    warnings_.add(fmt::format("line {}: the picture is '{}', for of {}", line(),
+                              to_utf8(picture.file), picture.reasons));
   v1::Texture texture;
-  image.set_file(found.file);
+  image.set_file(picture.file);
   *texture.mutable_image() = std::move(image);
-  const std::string name = to_utf8(found.file.substr(found.file.rfind('/') + 1));
-  return add_texture(std::move(texture), name);
+  return add_texture(std::move(texture), to_utf8(picture.file.substr(picture.file.rfind('/') + 1)));
 }
 
 /// Squares of magenta and grey, which no scene wants.
@@ -198,11 +252,10 @@ std::string X3dTranslator::sky_texture(const X3dNode& node, const std::string& s
     // What is missing shows the colours, which stand behind the pictures for this.
     const auto all = values_.strings(node, urls);
     if (all.empty()) return "";
-    const auto found =
-        build_.files.has_folder() ? build_.files.find(all, folder_) : X3dFiles::Found{all[0], ""};
-    if (!found.file.empty()) return image_texture({all}, std::move(image), field->offset);
-    warnings_.add(fmt::format("line {}: the background has no picture '{}': {}",
-                              document_.place(field->offset).line, all[0], found.reason));
+    const Picture picture = find_picture(all);
+    if (!picture.file.empty()) return picture_texture(picture, std::move(image), field->offset);
+    warnings_.add(fmt::format("line {}: the background has no picture {}",
+                              document_.place(field->offset).line, picture.reasons));
     return "";
   }
   const X3dNode* child = node.child(side + "Texture");

@@ -26,6 +26,7 @@ struct X3dBuild {
   std::set<std::string> object_names{}, material_names{}, texture_names{}, camera_names{};
   bool has_fog = false, has_navigation = false, headlight = true;
   int depth = 0;
+  std::map<std::string, std::string> data_pictures{};  ///< what data: URIs hold, by the URI
   std::string placeholder{};  ///< the texture that stands for pictures which are missing
 
   /// `wish`, or that with a number behind it; from now on it is taken.
@@ -60,6 +61,8 @@ class X3dTranslator {
   void fill_node(const X3dNode& node, const v1::Transform& path, v1::Node& out);
   v1::Transform transform(const X3dNode& node) const;
   void add_inline(const X3dNode& node, const v1::Transform& path, v1::Node& out);
+  std::string read_inline(const X3dNode& node, const std::string& url, const v1::Transform& path,
+                          v1::Node& out);
   void check_names();
   void warn_unknown_field(const X3dNode& node, const X3dNodeType& type, const std::string& name);
   void list_ignored();
@@ -101,8 +104,17 @@ class X3dTranslator {
   // Textures (x3d_textures.cpp). All give a texture's name, or "" for none.
   std::string main_texture(const Look& look, const X3dNode* material, const char* field);
   std::string texture(const X3dNode* node, const Look& look, bool is_color);
+  /// The picture that the first good URL names, as Image.file calls it.
+  struct Picture {
+    std::string file{};       ///< empty: there is none
+    std::string reasons{};    ///< "'URL': why not" of each URL before it
+    bool is_damaged = false;  ///< one of those is there and is no picture
+  };
+  Picture find_picture(const std::vector<std::string>& urls);
+  std::string check_picture(const std::string& url, std::string& file, bool& is_damaged);
   std::string image_texture(const std::vector<std::string>& urls, v1::Texture::Image image,
                             size_t offset);
+  std::string picture_texture(const Picture& picture, v1::Texture::Image image, size_t offset);
   std::string pixel_texture(const X3dNode& node, v1::Texture::Image image);
   std::string add_texture(v1::Texture texture, const std::string& wish);
   std::string placeholder_texture();

@@ -87,6 +87,31 @@ TEST(Billboards, turn_to_the_viewer) {
   EXPECT_EQ(facing, 1600);
 }
 
+TEST(Billboards, without_an_axis_are_parallel_to_the_picture) {
+  // Far off the view's middle, in frames that turn, mirror and stretch: an upright rectangle.
+  for (const char* frame : {"x: 2 y: 2 z: 2", "x: -2 y: 2 z: 2", "x: 2 y: 2 z: 1"}) {
+    const auto tile = render_text(
+        std::string("cameras { world_from_camera { steps { translate { z: 6 } } } perspective { "
+                    "field_of_view: 90 } } materials { name: 'm' unlit {} } nodes { transform { "
+                    "steps { translate { x: 2.5 y: 2 } } steps { scale { ") +
+            frame +
+            " } } steps { rotate { axis { y: 1 } angle: 50 } } } billboard_axis {} children { "
+            "shape { materials: 'm' rectangle { corner { x: -.5 y: -.5 } edge_u { x: 1 } edge_v "
+            "{ y: 1 } } } } }",
+        120, 120);
+    int left = 120, right = -1, top = 120, bottom = -1;
+    for (int y = 0; y < 120; ++y) {
+      for (int x = 0; x < 120; ++x) {
+        if (!is_lit(tile, x, y)) continue;
+        left = std::min(left, x), right = std::max(right, x);
+        top = std::min(top, y), bottom = std::max(bottom, y);
+      }
+    }
+    EXPECT_EQ(bottom - top + 1, 20) << frame;
+    EXPECT_EQ(lit(tile).first, (right - left + 1) * (bottom - top + 1)) << frame;
+  }
+}
+
 TEST(Billboards, keep_their_place_with_the_viewer_on_the_axis) {
   const auto tile = render_text(
       "cameras { world_from_camera { steps { translate { z: 10 } } } } materials { name: 'm' unlit "

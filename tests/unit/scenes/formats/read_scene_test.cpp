@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "renderer/math/encodings.h"
 #include "renderer/math/vec.h"
 #include "scenes/formats/scene_summary.h"
 #include "scenes/generate/generate_scene.h"
@@ -284,6 +285,62 @@ TEST_F(ReadScene, LoadsPicturesFromBesideAndFromWithin) {
   EXPECT_EQ(loaded.scene.textures(1).image().width(), 1u);
   EXPECT_EQ(loaded.scene.materials(0).normal_map(), "") << "outside the folder";
   EXPECT_EQ(loaded.warnings.size(), 1u);
+}
+
+TEST_F(ReadScene, KeepsOfAPictureTheNumberThatAMapTakes) {
+  ReadOptions options;
+  options.decode_texture = [&](const std::string& path, bool) {
+    const bool has_alpha = fs::path(path).filename() == "alpha.png";
+    DecodedTexture blue{.width = 1, .height = 1, .channels = 3, .bits = 8, .texels = {}};
+    blue.texels = {std::byte{10}, std::byte{20}, std::byte{200}};
+    if (has_alpha) blue.channels = 4, blue.texels.push_back(std::byte{77});
+    return blue;
+  };
+  write("a.obj", std::string("mtllib a.mtl\nusemtl a\n") + kTriangle);
+  write("plain.png", "x");
+  write("alpha.png", "x");
+  const auto texel = [&](const std::string& statement) {
+    write("a.mtl", "newmtl a\n" + statement + "\n");
+    const LoadedScene loaded = read_scene((folder_ / "a.obj").string(), options);
+    const v1::Texture::Image& image = loaded.scene.textures(0).image();
+    EXPECT_EQ(image.channels(), 1u);
+    EXPECT_TRUE(loaded.picture_channels.empty());
+    if (image.bits() == 8)
+      return double{static_cast<double>(blob_values<uint8_t>(image.texels(), loaded.blobs).at(0))};
+    return double{half_to_float(blob_values<uint16_t>(image.texels(), loaded.blobs).at(0))};
+  };
+  EXPECT_EQ(texel("bump plain.png"), 31);  // .2126 * 10 + .7152 * 20 + .0722 * 200 = 30.87
+  EXPECT_EQ(texel("bump alpha.png"), 31);
+  EXPECT_EQ(texel("map_d plain.png"), 31);
+  EXPECT_EQ(texel("map_d alpha.png"), 77);
+  EXPECT_EQ(texel("map_d -imfchan l alpha.png"), 31);
+  // The light of the codes: .0030353, .0069954, .5775804.
+  EXPECT_NEAR(texel("bump -colorspace sRGB plain.png"), .047350, 5e-5);
+}
+
+TEST_F(ReadScene, TakesAMapThatCannotBeDecodedForAMissingOne) {
+  ReadOptions options;
+  int decoded = 0;
+  options.decode_texture = [&](const std::string& path, bool) {
+    ++decoded;
+    if (fs::path(path).filename() == "bad.png")
+      throw scene_error(SourcePlace{path}, "no picture", "one");
+    return DecodedTexture{
+        .width = 1, .height = 1, .channels = 1, .bits = 8, .texels = {std::byte{7}}};
+  };
+  write("bad.png", "x");
+  write("good.png", "x");
+  write("a.mtl",
+        "newmtl idle\nmap_Kd bad.png\nnewmtl a\nKd 0 0 0\nmap_Kd bad.png\nKs 1\nmap_Ks good.png\n");
+  const LoadedScene loaded =
+      read_scene(write("a.obj", std::string("mtllib a.mtl\nusemtl a\n") + kTriangle), options);
+  EXPECT_EQ(loaded.scene.textures_size(), 1);
+  EXPECT_EQ(loaded.scene.materials(0).classic().diffuse().value().r(), 0) << "as without map_Kd";
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_NE(loaded.warnings[0].find("a.mtl: picture 'bad.png' no picture; expected one"),
+            std::string::npos)
+      << loaded.warnings[0];
+  EXPECT_EQ(decoded, 2) << "each once";
 }
 
 TEST_F(ReadScene, ReadsPicturesOfMaterialsInsideTheFolderOnly) {

@@ -94,8 +94,8 @@ TEST(Mtl, MakesOneTextureOfEachPictureAndItsOptions) {
   EXPECT_EQ(b.diffuse().value().r(), 1) << "black beneath a map would hide it";
   EXPECT_EQ(b.ambient().texture(), "a b.png") << "ambient light meets the same picture";
   EXPECT_EQ(a.specular().texture(), "sub/c.png");
-  EXPECT_EQ(a.shininess().texture(), "c.png");
-  EXPECT_EQ(b.specular().texture(), "c.png#2");
+  EXPECT_EQ(a.shininess().texture(), "c.png (luminance)");
+  EXPECT_EQ(b.specular().texture(), "c.png");
   ASSERT_EQ(library.textures.all().size(), 4u);
   const v1::Texture& scaled = library.textures.all()[1];
   EXPECT_EQ(scaled.image().wrap_s(), Image::CLAMP);
@@ -127,6 +127,29 @@ TEST(Mtl, ReadsReliefAndCoverage) {
   EXPECT_EQ(library.textures.all().back().image().encoding(), Image::ENCODING_LINEAR);
 }
 
+TEST(Mtl, TakesTheLuminanceOfAPictureForANumber) {
+  Warnings warnings;
+  const MtlLibrary library = read_library(
+      "newmtl a\nmap_d -imfchan l c.png\nbump -imfchan r c.png\nmap_Ns c.png\nmap_Kd c.png\n"
+      "newmtl b\nmap_d c.png\nbump -imfchan z c.png\n",
+      warnings);
+  const v1::Material& a = library.materials.at("a");
+  EXPECT_EQ(a.opacity().texture(), "c.png (luminance)") << "though it is the colour's picture";
+  EXPECT_EQ(a.classic().shininess().texture(), "c.png (luminance)");
+  EXPECT_EQ(a.bump().texture(), "c.png#2");
+  EXPECT_EQ(a.bump().channel(), v1::FloatInput::RED);
+  const v1::Material& b = library.materials.at("b");
+  EXPECT_EQ(b.opacity().texture(), "c.png (alpha, luminance)");
+  EXPECT_EQ(b.bump().texture(), "c.png (luminance)");
+  EXPECT_EQ(library.picture_channels,
+            (std::map<std::string, PictureChannel>{
+                {"c.png (luminance)", PictureChannel::luminance},
+                {"c.png (alpha, luminance)", PictureChannel::alpha_or_luminance}}));
+  EXPECT_EQ(warnings.list("t.mtl"),
+            std::vector<std::string>{"t.mtl: line 8: bump -imfchan z asks for depths, which no "
+                                     "picture holds; luminance is taken"});
+}
+
 TEST(Mtl, MakesAPhysicalMaterialOfPhysicalNumbers) {
   Warnings warnings;
   const MtlLibrary library = read_library(
@@ -143,7 +166,7 @@ TEST(Mtl, MakesAPhysicalMaterialOfPhysicalNumbers) {
   EXPECT_FLOAT_EQ(a.emission().value().r(), 2);
   EXPECT_FLOAT_EQ(a.transparency().value(), .5f);
   const v1::Physical& b = library.materials.at("b").physical();
-  EXPECT_EQ(b.roughness().texture(), "r.png");
+  EXPECT_EQ(b.roughness().texture(), "r.png (luminance)");
   EXPECT_EQ(b.roughness().value(), 1);
   EXPECT_EQ(b.metallic().value(), 0);
   EXPECT_NEAR(library.materials.at("c").physical().roughness().value(), .5, 1e-12);
@@ -158,7 +181,8 @@ TEST(Mtl, ReadsNoPictureThatTheFinderRefuses) {
   Warnings warnings;
   MtlLibrary library;
   LineReader reader("newmtl m\nmap_Kd ../secret.png\nmap_Ks ok.png\nKs 1\n", "t.mtl");
-  const MtlPictureFinder finder = [](const std::string& written) {
+  const MtlPictureFinder finder = [](const std::string& written, const std::string& material) {
+    EXPECT_EQ(material, "m");
     return written == "ok.png" ? std::optional<std::string>("below/ok.png") : std::nullopt;
   };
   read_mtl(reader, finder, library, warnings);

@@ -318,5 +318,30 @@ TEST(X3dClosedForm, units_scale_lengths_and_angles) {
       .5, 0, .5, 1e-5);
 }
 
+/// The numbers of lit pixels in the rows that have any.
+std::vector<int> lit_rows(const std::vector<float>& pixels, int width) {
+  std::vector<int> rows;
+  for (size_t at = 0; at < pixels.size(); at += 3 * static_cast<size_t>(width)) {
+    int count = 0;
+    for (size_t x = 0; x < static_cast<size_t>(width); ++x) count += pixels[at + 3 * x] > 0;
+    if (count > 0) rows.push_back(count);
+  }
+  return rows;
+}
+
+TEST(X3dClosedForm, a_billboard_without_an_axis_is_parallel_to_the_screen) {
+  const std::string card = "Shape { geometry Rectangle2D { size 2 2 solid FALSE } } ";
+  const std::string at =
+      "Viewpoint { position 0 0 6 fieldOfView 1.5707963 } Transform { "
+      "translation 4 3 0 rotation 1 1 0 .4 children Billboard { ";
+  // As wide as high in each row: 2 m of the 12 m that 120 pixels see at that distance.
+  EXPECT_EQ(
+      lit_rows(render_x3d(at + "axisOfRotation 0 0 0 children " + card + "} }", 120, 120), 120),
+      std::vector<int>(20, 20));
+  // About y it turns to the viewer's place instead, and is seen aslant.
+  EXPECT_NE(lit_rows(render_x3d(at + "children " + card + "} }", 120, 120), 120),
+            std::vector<int>(20, 20));
+}
+
 }  // namespace
 }  // namespace tessera

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/file.h"
 #include "scenes/formats/read_scene.h"
 #include "tests/unit/scenes/formats/x3d/x3d_testing.h"
 
@@ -405,6 +406,89 @@ TEST_F(X3dFilesTest, StrictReadingTakesNothingForMissingFiles) {
       EXPECT_NE(std::string(error.what()).find("'none.png'"), std::string::npos) << error.what();
     }
   }
+}
+
+/// Decoders that take what begins with "good" for a white picture.
+ReadOptions picky_decoders() {
+  const auto decode = [](const std::string& text, const std::string& name) {
+    if (!text.starts_with("good")) throw scene_error(SourcePlace{name}, "no picture", "one");
+    return DecodedTexture{
+        .width = 1, .height = 1, .channels = 1, .bits = 8, .texels = {std::byte{255}}};
+  };
+  ReadOptions options;
+  options.decode_texture = [=](const std::string& path, bool) {
+    return decode(read_input_file(path, 1000), path);
+  };
+  options.decode_texture_bytes = [=](std::string_view bytes, const std::string& name) {
+    return decode(std::string(bytes), name);
+  };
+  return options;
+}
+
+TEST_F(X3dFilesTest, TheFirstPictureThatCanBeDecodedIsTaken) {
+  std::ofstream(folder_ / "bad.png") << "bad";
+  std::ofstream(folder_ / "good.png") << "good";
+  const auto read = [&](const std::string& urls, bool strict = false) {
+    ReadOptions options = picky_decoders();
+    options.x3d_strict = strict;
+    return read_scene(write("main.x3dv",
+                            "Shape { geometry Box { } appearance Appearance { texture "
+                            "ImageTexture { url [ " +
+                                urls + " ] } } }"),
+                      options);
+  };
+  const auto warning = [&](const LoadedScene& loaded) {
+    return loaded.warnings.size() == 1
+               ? loaded.warnings[0].substr(loaded.warnings[0].find(": line") + 2)
+               : std::to_string(loaded.warnings.size()) + " warnings";
+  };
+  const LoadedScene second = read("\"bad.png\" \"good.png\"");
+  EXPECT_EQ(second.scene.textures(0).image().file(), "good.png");
+  EXPECT_EQ(second.scene.textures(0).image().width(), 1u);
+  EXPECT_EQ(warning(second),
+            "line 2: the picture is 'good.png', for of 'bad.png': no picture; expected one");
+  const LoadedScene none = read("\"none.png\" \"bad.png\"");
+  EXPECT_EQ(none.scene.textures(0).image().width(), 2u) << "the placeholder";
+  EXPECT_EQ(warning(none),
+            "line 2: a placeholder stands for the picture 'none.png': there is no such file; "
+            "'bad.png': no picture; expected one");
+  EXPECT_THROW(read("\"none.png\" \"bad.png\"", true), Error);
+  EXPECT_EQ(read("\"none.png\" \"good.png\"", true).warnings.size(), 0u);
+}
+
+TEST_F(X3dFilesTest, PicturesMayStandInTheUrl) {
+  const auto read = [&](const std::string& url) {
+    return read_scene(write("main.x3dv",
+                            "Shape { geometry Box { } appearance Appearance { texture "
+                            "ImageTexture { url \"" +
+                                url + "\" } } }"),
+                      picky_decoders());
+  };
+  const LoadedScene good = read("data:image/png;base64,Z29v\n ZA==");
+  EXPECT_EQ(good.warnings.size(), 0u);
+  EXPECT_EQ(good.scene.textures(0).image().width(), 1u);
+  EXPECT_EQ(good.scene.textures(0).image().file(), "main.x3dv#picture 1");
+  for (const std::string wrong :
+       {"data:image/png;base64,", "data:image/png;base64,?", "data:text,"}) {
+    const LoadedScene bad = read(wrong + std::string(1000, 'A'));
+    ASSERT_EQ(bad.warnings.size(), 1u);
+    EXPECT_EQ(bad.scene.textures(0).image().width(), 2u) << "the placeholder";
+    EXPECT_NE(bad.warnings[0].find("AAAA...': "), std::string::npos) << bad.warnings[0];
+    EXPECT_LT(bad.warnings[0].size(), folder_.string().size() + 250) << bad.warnings[0];
+  }
+}
+
+TEST_F(X3dFilesTest, TheFirstInlineThatCanBeReadIsTaken) {
+  std::ofstream(folder_ / "broken.x3dv") << "#X3D V3.3 utf8\nShape { geometry Box {";
+  write("good.x3dv", "Shape { geometry Box { } }");
+  const LoadedScene loaded =
+      read_x3d(write("main.x3dv", "Inline { url [ \"broken.x3dv\" \"good.x3dv\" ] }"), {});
+  EXPECT_EQ(loaded.scene.nodes(0).instance_of(), "good");
+  const LoadedScene none =
+      read_x3d(write("main.x3dv", "Inline { url [ \"broken.x3dv\" \"none.x3dv\" ] }"), {});
+  ASSERT_EQ(none.warnings.size(), 1u);
+  EXPECT_NE(none.warnings[0].find("Inline of 'broken.x3dv' is left out: "), std::string::npos);
+  EXPECT_NE(none.warnings[0].find("; 'none.x3dv': there is no such file"), std::string::npos);
 }
 
 }  // namespace
