@@ -71,7 +71,8 @@ class WorkerDesk {
   void convict(ActiveJob& job, const Conviction& conviction, Time now);
   void set_aside(WorkerId id, const std::string& cause, Time now);
   void refuse(WorkerRecord& worker, Time now);
-  /// Whether all of its key are to be blamed: only where others are there to go on.
+  /// Whether what it does counts against its key: where no other of the key is there, which may be
+  /// honest, and one of another key is, to go on.
   bool key_is_blamed(const WorkerRecord& worker);
   void fail_undecided(ActiveJob& job, Time now);
   std::string name_of(WorkerId id);

@@ -101,16 +101,18 @@ void WorkerDesk::refuse(WorkerRecord& worker, Time now) {
 
 bool WorkerDesk::key_is_blamed(const WorkerRecord& worker) {
   if (worker.sender.key.empty()) return false;
-  const auto present = workers_.present();
-  return std::any_of(present.begin(), present.end(), [&](const WorkerRecord* other) {
-    return other->sender.key != worker.sender.key && workers_.blamed(*other) < kMaxFailuresOfWorker;
-  });
+  bool are_others = false;
+  for (const WorkerRecord* other : workers_.present()) {
+    if (other == &worker) continue;
+    if (other->sender.key == worker.sender.key) return false;
+    are_others |= workers_.blamed(*other) < kMaxFailuresOfWorker;
+  }
+  return are_others;
 }
 
 void WorkerDesk::judge_failures(WorkerRecord& worker, Time now) {
   const int failures = workers_.blame(worker);
   if (worker.state == WorkerState::lost) return;
-  // Of a key that all share, each is judged by itself.
   const bool by_key = key_is_blamed(worker);
   if ((by_key ? failures : worker.failures) < kMaxFailuresOfWorker) return;
   const auto present = workers_.present();
@@ -121,7 +123,7 @@ void WorkerDesk::judge_failures(WorkerRecord& worker, Time now) {
   // The last one is kept, for want of a better.
   if (!others) return;
   const std::string whose =
-      by_key ? fmt::format(" and others of its key ({})", worker.sender.name) : "";
+      by_key ? fmt::format(" and earlier ones of its key ({})", worker.sender.name) : "";
   set_aside(
       worker.id,
       fmt::format("worker {}{} failed {} tiles; expected none", worker.name(),
