@@ -28,7 +28,6 @@ struct AcceleratorStatistics {
 
 /// Bounded by the arrays that a leaf or node reference can number; more is refused by a check.
 inline constexpr size_t kMaxPrimitives = size_t{1} << 28;
-inline constexpr uint32_t kNoInstance = 0xFFFFFFFF;
 
 /// Finds hits among many primitives. Every kind returns the same bits, those of a linear scan.
 /// Immutable after construction; all calls may run on many threads and none allocates.

@@ -33,6 +33,9 @@ inline bool can_hit(const Ray& ray) {
   return is_finite(o - Point3{}) && is_finite(d) && d != Vec3{};
 }
 
+/// What no Hit::instance is.
+inline constexpr uint32_t kNoInstance = 0xFFFFFFFF;
+
 /// Where a ray met a surface, and no more: 40 bytes. Of hits at equal t the one with the smaller
 /// (instance, primitive) counts, whatever the accelerator.
 struct Hit {

@@ -302,7 +302,7 @@ class Ends(ServiceTest):
         self.assertEqual((self.folder / "alone.pfm").read_bytes(),
                          (self.folder / "fetched.pfm").read_bytes())
         self.stop(service)
-        self.assertIn("that was kept on disk", second.communicate(timeout=60)[1])
+        self.assertIn("kept on disk", second.communicate(timeout=60)[1])
 
 
 class Jobs(ServiceTest):
