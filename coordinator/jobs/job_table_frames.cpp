@@ -285,7 +285,8 @@ JobTable::FoundBlob JobTable::find_blob(const Digest& digest) {
 }
 
 void JobTable::reopen(const Digest& film) {
-  for (const auto& [id, job] : jobs_) {
+  for (const auto& [number, job] : jobs_) {
+    const uint64_t id = number;
     if (job->local() || job->kept().cancelled()) continue;
     for (uint32_t frame = 0; frame < job->frame_count(); ++frame) {
       const auto& end = job->end_of(frame);
