@@ -217,16 +217,21 @@ class Ends(ServiceTest):
                 self.stop(service)
                 self.assertEqual(b"STOPPING=1", manager.recv(100))
 
-    @unittest.skipIf(os.geteuid() != 0, "a small disk can be mounted by root alone")
-    def test_a_full_disk_pauses_the_job_until_there_is_room(self):
+    def begin_on_a_small_disk(self, size):
+        """A store on a disk of its own, a worker and a job that has filled it."""
         self.store.mkdir()
-        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=600k", "none", self.store],
-                          capture_output=True).returncode != 0:
-            self.skipTest("no small disk can be mounted here")
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "none", self.store],
+                                 capture_output=True, text=True)
+        if mounted.returncode != 0:
+            self.skipTest(f"no small disk can be mounted here, by root alone: {mounted.stderr}")
         self.addCleanup(subprocess.run, ["umount", "-l", self.store])
         service, worker = self.serve(), self.worker()
         job = self.submit()
         wait_until(lambda: "full" in self.status(job)["failure"], "the disk is full")
+        return service, worker, job
+
+    def test_a_full_disk_pauses_the_job_until_there_is_room(self):
+        service, worker, job = self.begin_on_a_small_disk("600k")
         done = self.status(job)["tiles"]["done"]
         time.sleep(0.5)
         self.assertLess(self.status(job)["tiles"]["done"], min(TILES, done + 12))
@@ -234,17 +239,8 @@ class Ends(ServiceTest):
         self.assertEqual(self.expected(), self.pixels(job))
         self.stop(service, worker)
 
-
-    @unittest.skipIf(os.geteuid() != 0, "a small disk can be mounted by root alone")
     def test_on_a_full_disk_orders_tell_what_they_did_and_a_start_waits_for_room(self):
-        self.store.mkdir()
-        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=700k", "none", self.store],
-                          capture_output=True).returncode != 0:
-            self.skipTest("no small disk can be mounted here")
-        self.addCleanup(subprocess.run, ["umount", "-l", self.store])
-        service, worker = self.serve(), self.worker()
-        job = self.submit()
-        wait_until(lambda: "full" in self.status(job)["failure"], "the disk is full")
+        service, worker, job = self.begin_on_a_small_disk("700k")
         result = self.run_program("pause", job, "--connect", self.endpoint)
         self.assertEqual("paused" == self.status(job)["state"], result.code == 0, result.err)
         service.kill()

@@ -58,18 +58,22 @@ TEST(Sphere, SurfaceHasNormalAndTextureCoordinatesOfX3d) {
   EXPECT_DOUBLE_EQ(sphere.surface(left, *closest(sphere, left)).uv.x, 0.25);
 }
 
-TEST(Sphere, WithoutTextureCoordinatesTheRestStays) {
-  const Sphere full({1, 2, 3}, 2), bare({1, 2, 3}, 2, false);
-  const Ray ray{{0.5, 2.5, 9}, {0.05, -0.1, -1}};
-  Hit hit;
-  ASSERT_TRUE(bare.closest_hit(ray, hit, counters));
-  const LocalSurface a = full.surface(ray, hit), b = bare.surface(ray, hit);
+/// That `b` is `a` without texture coordinates.
+void expect_bare(const LocalSurface& a, const LocalSurface& b) {
   EXPECT_EQ(a.point, b.point);
   EXPECT_EQ(a.point_error, b.point_error);
   EXPECT_EQ(a.geometric_normal, b.geometric_normal);
   EXPECT_NE(a.uv, Vec2{});
   EXPECT_EQ(b.uv, Vec2{});
   EXPECT_EQ(b.dpdu, Vec3{});
+}
+
+TEST(Sphere, WithoutTextureCoordinatesTheRestStays) {
+  const Sphere full({1, 2, 3}, 2), bare({1, 2, 3}, 2, false);
+  const Ray ray{{0.5, 2.5, 9}, {0.05, -0.1, -1}};
+  Hit hit;
+  ASSERT_TRUE(bare.closest_hit(ray, hit, counters));
+  expect_bare(full.surface(ray, hit), bare.surface(ray, hit));
 }
 
 TEST(Plane, SeesItsFrontAndItsBack) {
@@ -88,14 +92,7 @@ TEST(Plane, SeesItsFrontAndItsBack) {
 TEST(Plane, WithoutTextureCoordinatesTheRestStays) {
   const Plane full({0.1, 2, 0.3}, 1), bare({0.1, 2, 0.3}, 1, false);
   const Ray ray{{2, 4, 0}, {1, -1, 0}};
-  const LocalSurface a = full.surface(ray, *closest(full, ray));
-  const LocalSurface b = bare.surface(ray, *closest(bare, ray));
-  EXPECT_EQ(a.point, b.point);
-  EXPECT_EQ(a.point_error, b.point_error);
-  EXPECT_EQ(a.geometric_normal, b.geometric_normal);
-  EXPECT_NE(a.uv, Vec2{});
-  EXPECT_EQ(b.uv, Vec2{});
-  EXPECT_EQ(b.dpdu, Vec3{});
+  expect_bare(full.surface(ray, *closest(full, ray)), bare.surface(ray, *closest(bare, ray)));
 }
 
 TEST(Box, ReportsFaces) {
