@@ -3,6 +3,7 @@
 #include <array>
 #include <cerrno>
 #include <deque>
+#include <optional>
 #include <span>
 #include <utility>
 #include <zmq.hpp>
@@ -25,6 +26,10 @@ constexpr std::chrono::seconds kRevivePause{1};
 /// So long the bulk line may be away before it is trouble: a coordinator that is started anew is
 /// not.
 constexpr std::chrono::seconds kBulkPatience{3};
+/// So long nothing may come on it after something was sent there, before it is opened anew: what is
+/// in between may hold the connection and forward nothing. Each time in vain doubles that, for a
+/// slow line needs long for a message, and to chunks that are sent nothing answers there.
+constexpr std::chrono::seconds kBulkSilence{20};
 
 class ZmqClient final : public ClientTransport {
  public:
@@ -84,6 +89,10 @@ class ZmqClient final : public ClientTransport {
         if (parts.size() != 1) continue;
         ReceivedMessage message;
         message.channel = line == &control_ ? Channel::control : Channel::bulk;
+        if (line == &bulk_) {
+          bulk_unanswered_.reset();
+          bulk_silence_ = kBulkSilence;
+        }
         take_bytes(message, parts[0]);
         return message;
       }
@@ -97,6 +106,7 @@ class ZmqClient final : public ClientTransport {
     const bool full =
         line.kept.size() >= kMaxKept || line.kept_bytes + bytes.size() > kMaxKeptBytes;
     if (full && !line.kept.empty()) return;
+    if (channel == Channel::bulk && !bulk_unanswered_) bulk_unanswered_ = monotonic_now();
     line.kept_bytes += bytes.size();
     line.kept.push_back(wrap(std::move(bytes)));
     flush(line);
@@ -131,8 +141,15 @@ class ZmqClient final : public ClientTransport {
   /// libzmq tries no more once it was refused; the coordinator may have changed its mind since. The
   /// control line is opened again by who misses its messages.
   void revive_bulk() {
-    if (!bulk_.monitor || !bulk_.monitor->trouble()) return;
-    if (monotonic_now() - bulk_.opened < kRevivePause) return;
+    if (!bulk_.monitor) return;
+    const Time now = monotonic_now();
+    const bool refused = bulk_.monitor->trouble() && now - bulk_.opened >= kRevivePause;
+    const bool silent = bulk_unanswered_ && now - *bulk_unanswered_ >= bulk_silence_;
+    if (!refused && !silent) return;
+    if (silent) {
+      bulk_unanswered_.reset();
+      bulk_silence_ *= 2;
+    }
     open(bulk_, parse_endpoint(bulk_endpoint_), Channel::bulk);
   }
 
@@ -185,6 +202,8 @@ class ZmqClient final : public ClientTransport {
   std::string bulk_endpoint_;
   Line control_, bulk_;
   Time bulk_there_{};  ///< when it was last connected, or had no need to be
+  std::optional<Time> bulk_unanswered_;  ///< since when there was no message on it
+  std::chrono::seconds bulk_silence_ = kBulkSilence;
   WakeUp wake_;
 };
 

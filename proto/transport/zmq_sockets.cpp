@@ -16,8 +16,10 @@ namespace {
 constexpr int kHighWater = 256, kBulkHighWater = 16;
 constexpr int kLingerMs = 500;
 constexpr int kHandshakeMs = 5000;
-// Only whole messages count as a sign of life: on a slow line a chunk of a blob takes long.
-constexpr int kZmtpHeartbeatMs = 2000, kZmtpTimeoutMs = 10000, kZmtpBulkTimeoutMs = 20000;
+// A machine that is gone says nothing: its connections end after so many seconds without any sign
+// of it, be they idle or not. The system's own probes tell, for libzmq's heartbeats end the whole
+// process where a peer that sent more than was read yet closes (libzmq issues 4364 and 4767).
+constexpr int kProbeAfterSeconds = 5, kProbes = 3, kGoneMs = kProbeAfterSeconds * (kProbes + 1) * 1000;
 
 }  // namespace
 
@@ -42,10 +44,11 @@ void configure(zmq::socket_t& socket, Channel channel) {
   socket.set(zmq::sockopt::sndhwm, high_water);
   socket.set(zmq::sockopt::rcvhwm, high_water);
   socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
-  socket.set(zmq::sockopt::heartbeat_ivl, kZmtpHeartbeatMs);
-  socket.set(zmq::sockopt::heartbeat_timeout,
-             channel == Channel::control ? kZmtpTimeoutMs : kZmtpBulkTimeoutMs);
   socket.set(zmq::sockopt::tcp_keepalive, 1);
+  socket.set(zmq::sockopt::tcp_keepalive_idle, kProbeAfterSeconds);
+  socket.set(zmq::sockopt::tcp_keepalive_intvl, kProbeAfterSeconds);
+  socket.set(zmq::sockopt::tcp_keepalive_cnt, kProbes);
+  socket.set(zmq::sockopt::tcp_maxrt, kGoneMs);
 }
 
 zmq::message_t wrap(MessageBytes bytes) {

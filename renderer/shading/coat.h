@@ -8,7 +8,7 @@ namespace tessera {
 /// KHR_materials_clearcoat), and what of the light under it gets out again. Light that the base
 /// sends up against the coat comes down once more, so that a base which loses nothing loses nothing
 /// under a coat either, and all factors are the same from either end. Of tables worked out once, in
-/// some 100 ms, to a few thousandths; any thread. `alpha` in [0, 1], 0 being smooth; cosines in
+/// some 50 ms, to a few thousandths; any thread. `alpha` in [0, 1], 0 being smooth; cosines in
 /// [0, 1].
 ///
 /// What a base scatters evenly is multiplied by

@@ -134,6 +134,8 @@ class Relay:
         now = time.monotonic()
         for one in list(self.pairs):
             queue = self.queues.get(one)
+            if queue and self.pairs[one][2] in self.mute:
+                queue.clear()
             while queue and queue[0][0] <= now:
                 due, data = queue.pop(0)
                 try:

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -16,6 +17,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "proto/transport/endpoint.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
 #include "tests/temporary_folder.h"
@@ -235,6 +237,52 @@ TEST(ZmqTransport, TakesNoPathButOfASocketThatNobodyServes) {
   close(left);
   EXPECT_NO_THROW(bind_server(endpoint));
   EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+/// A frame of ZMTP 3.1 (RFC 37) with fewer than 256 bytes.
+std::string zmtp_frame(char flags, std::string_view body) {
+  return std::string{flags, static_cast<char>(body.size())} + std::string(body);
+}
+
+/// A connection that shakes hands as a DEALER does, sends `bytes`, and is reset.
+void send_and_reset(const std::string& endpoint, std::string_view bytes) {
+  std::string hello("\xff\0\0\0\0\0\0\0\x01\x7f\x03\x01NULL", 16);
+  hello.resize(64);
+  hello += zmtp_frame(4, std::string_view("\5READY\13Socket-Type\0\0\0\6DEALER", 28));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(static_cast<uint16_t>(parse_endpoint(endpoint).port));
+  const int descriptor = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(connect(descriptor, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  ASSERT_EQ(write(descriptor, hello.data(), hello.size()), static_cast<ssize_t>(hello.size()));
+  // The greeting of the other side, and its READY, which is told by its length.
+  char answer[66 + 255];
+  ASSERT_EQ(recv(descriptor, answer, 66, MSG_WAITALL), 66);
+  ASSERT_EQ(recv(descriptor, answer + 66, answer[65], MSG_WAITALL), answer[65]);
+  ASSERT_EQ(write(descriptor, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  std::this_thread::sleep_for(milliseconds(100));
+  const linger at_once{1, 0};
+  setsockopt(descriptor, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+  close(descriptor);
+}
+
+// libzmq's own heartbeats, two seconds apart, ended the whole process here.
+TEST(ZmqTransport, OutlivesWhoSendsMoreThanIsReadAndIsGone) {
+  const auto server = bind_server("tcp://127.0.0.1:*");
+  std::string flood;
+  for (int i = 0; i < 4000; ++i) flood += zmtp_frame(0, "a");
+  send_and_reset(server->endpoint(), flood);
+  std::this_thread::sleep_for(milliseconds(2500));
+  int count = 0;
+  for (int i = 0; i < 50; ++i) {
+    while (server->receive()) ++count;
+    server->wait(milliseconds(1));
+  }
+  EXPECT_GE(count, 256) << "the messages that had come are not lost";
+  const auto client = connect_client(server->endpoint());
+  client->send(Channel::control, bytes_of("still there"));
+  EXPECT_TRUE(next(*server, *client));
 }
 
 TEST(ZmqTransport, OnlyLoopbackIsBoundUnlessAllowed) {

@@ -446,7 +446,7 @@ TEST_F(X3dFilesTest, TheFirstPictureThatCanBeDecodedIsTaken) {
   EXPECT_EQ(second.scene.textures(0).image().file(), "good.png");
   EXPECT_EQ(second.scene.textures(0).image().width(), 1u);
   EXPECT_EQ(warning(second),
-            "line 2: the picture is 'good.png', for of 'bad.png': no picture; expected one");
+            "line 2: the picture is 'good.png', not 'bad.png': no picture; expected one");
   const LoadedScene none = read("\"none.png\" \"bad.png\"");
   EXPECT_EQ(none.scene.textures(0).image().width(), 2u) << "the placeholder";
   EXPECT_EQ(warning(none),
