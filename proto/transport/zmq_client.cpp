@@ -201,7 +201,7 @@ class ZmqClient final : public ClientTransport {
   std::optional<ClientKeys> keys_;
   std::string bulk_endpoint_;
   Line control_, bulk_;
-  Time bulk_there_{};  ///< when it was last connected, or had no need to be
+  Time bulk_there_{};                    ///< when it was last connected, or had no need to be
   std::optional<Time> bulk_unanswered_;  ///< since when there was no message on it
   std::chrono::seconds bulk_silence_ = kBulkSilence;
   WakeUp wake_;

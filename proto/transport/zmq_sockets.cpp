@@ -19,7 +19,8 @@ constexpr int kHandshakeMs = 5000;
 // A machine that is gone says nothing: its connections end after so many seconds without any sign
 // of it, be they idle or not. The system's own probes tell, for libzmq's heartbeats end the whole
 // process where a peer that sent more than was read yet closes (libzmq issues 4364 and 4767).
-constexpr int kProbeAfterSeconds = 5, kProbes = 3, kGoneMs = kProbeAfterSeconds * (kProbes + 1) * 1000;
+constexpr int kProbeAfterSeconds = 5, kProbes = 3,
+              kGoneMs = kProbeAfterSeconds * (kProbes + 1) * 1000;
 
 }  // namespace
 

@@ -14,6 +14,8 @@ constexpr double kInversePi = 1 / portable::kPi;
 constexpr double kSmoothestAlpha = 1e-4;
 /// What less is lost between facets than this is nothing.
 constexpr double kLeastLost = 1e-9;
+/// Where dielectrics reflect about what they do on the mean.
+constexpr double kMeanCosine = 0.5;
 
 double alpha_of(double roughness) {
   const double alpha = roughness * roughness;
@@ -59,6 +61,7 @@ Bsdf::Bsdf(const BsdfPoint& point)
   const double index = material.refractive_index;
   thin_ = material.thin;
   eta_ = point.from_inside && !thin_ ? 1 / index : index;
+  denser_beyond_ = thin_ ? 1 : eta_ * eta_;
   switch (material.model) {
     case MaterialModel::unlit:
       break;
@@ -170,12 +173,33 @@ void Bsdf::set_glass(const Material& material, double share, double roughness, c
   glass_ = share;
   // What bends nothing has no facets to be seen.
   const bool bends = std::abs(eta_ - 1) > 1e-4;
-  glass_alpha_ = thin_ || !bends ? 0 : alpha_of(roughness);
+  glass_alpha_ = bends ? alpha_of(roughness) : 0;
   tint_ = tint;
-  if (glass_alpha_ == 0 || !material.glass_albedo || !(wo_.z > 0)) return;
-  glass_albedo_ = material.glass_albedo;
-  between_glass_ = std::max(glass_albedo_->lost(from_inside_, glass_alpha_, wo_.z), 0.0);
-  goes_through_ = glass_albedo_->through(from_inside_, glass_alpha_);
+  if (glass_alpha_ == 0 || !(wo_.z > 0)) return;
+  if (!thin_) {
+    if (!material.glass_albedo) return;
+    glass_albedo_ = material.glass_albedo;
+  }
+  between_glass_ = glass_lost(from_inside_, wo_.z);
+  goes_through_ =
+      thin_ ? 1 - sheet_fresnel(kMeanCosine) : glass_albedo_->through(from_inside_, glass_alpha_);
+}
+
+/// What the facets of rough glass send neither back nor through at once.
+double Bsdf::glass_lost(bool inside, double cosine) const {
+  if (thin_) return std::max(1 - facet_albedo(glass_alpha_, cosine).of_white(), 0.0);
+  return std::max(glass_albedo_->lost(inside, glass_alpha_, cosine), 0.0);
+}
+
+double Bsdf::mean_glass_lost(bool inside) const {
+  if (thin_) return 1 - mean_facet_albedo(glass_alpha_).of_white();
+  return glass_albedo_->mean_lost(inside, glass_alpha_);
+}
+
+/// Both faces of a sheet reflect, and what is between them does so again and again.
+double Bsdf::sheet_fresnel(double cosine) const {
+  const double fresnel = fresnel_dielectric(std::min(cosine, 1.0), eta_);
+  return 2 * fresnel / (1 + fresnel);
 }
 
 /// What goes on between facets that reflect f0 straight on, over 1 - its mean.
@@ -303,19 +327,18 @@ BsdfValue Bsdf::evaluate_local(const Vec3& wi) const {
 }
 
 BsdfValue Bsdf::evaluate_glass(const Vec3& wi) const {
-  BsdfValue value = evaluate_glass_facets(wi);
-  if (!glass_albedo_) return value;
+  BsdfValue value = thin_ ? evaluate_sheet_facets(wi) : evaluate_glass_facets(wi);
   const bool beyond = wi.z < 0, there = from_inside_ != beyond;
   const double cosine = std::abs(wi.z), density = cosine * kInversePi;
   if (between_glass_ > 0) {
     const double way = beyond ? goes_through_ : 1 - goes_through_;
     value.density =
         value.density * (1 - between_glass_) + p_glass_ * between_glass_ * way * density;
-    const double lost = std::max(glass_albedo_->lost(there, glass_alpha_, cosine), 0.0);
+    const double lost = glass_lost(there, cosine);
     const double coat = beyond ? coat_before_beyond(cosine) : coat_over_even(cosine, coat_between_);
-    const double share = glass_ * coat * between_glass_ * way * lost /
-                         glass_albedo_->mean_lost(there, glass_alpha_) * density;
-    value.share += beyond ? tint_ * (share / (eta_ * eta_)) : kWhite * share;
+    const double share =
+        glass_ * coat * between_glass_ * way * lost / mean_glass_lost(there) * density;
+    value.share += beyond ? tint_ * (share / denser_beyond_) : kWhite * share;
   }
   if (turned_back_ == 0) return value;
   value.density *= 1 - turned_back_;
@@ -353,10 +376,24 @@ BsdfValue Bsdf::evaluate_glass_facets(const Vec3& wi) const {
   return {tint_ * share, p_glass_ * (1 - fresnel) * visible * jacobian};
 }
 
+/// A sheet's facets reflect, and let through what they do not, as if that were reflected and came
+/// out on the other side (KHR_materials_transmission).
+BsdfValue Bsdf::evaluate_sheet_facets(const Vec3& wi) const {
+  const bool beyond = wi.z < 0;
+  const Vec3 reflected{wi.x, wi.y, std::abs(wi.z)};
+  const Vec3 half = normalize(reflected + wo_);
+  const double fresnel = sheet_fresnel(dot(wo_, half)), way = beyond ? 1 - fresnel : fresnel;
+  const Ggx ggx(glass_alpha_);
+  const double d = ggx.distribution(half) * way / (4 * wo_.z);
+  const double passes = beyond
+                            ? coat_before_beyond(reflected.z)
+                            : coat_over_facets(CoatedFacets::dielectric, coat_dielectric_o_, wi.z);
+  const double share = glass_ * passes * d * ggx.shadowing(reflected, wo_);
+  return {(beyond ? tint_ : kWhite) * share, p_glass_ * d * ggx.masking(wo_)};
+}
+
 bool Bsdf::sample_smooth_glass(double choice, BsdfSample& sample, Vec3& wi) const {
-  double fresnel = fresnel_dielectric(std::min(wo_.z, 1.0), eta_);
-  // Both faces of a sheet reflect, and what is between them does so again and again.
-  if (thin_) fresnel = 2 * fresnel / (1 + fresnel);
+  double fresnel = thin_ ? sheet_fresnel(wo_.z) : fresnel_dielectric(std::min(wo_.z, 1.0), eta_);
   wi = -wo_;
   if ((thin_ || refract(-wo_, {0, 0, 1}, eta_, wi)) && under_coat_) {
     // What the coat turns back comes as what the glass mirrors.
@@ -391,6 +428,12 @@ bool Bsdf::sample_rough_glass(double choice, const Vec2& u, Vec3& wi) const {
   choice = (choice - between_glass_) / (1 - between_glass_);
   const Vec3 half = Ggx(glass_alpha_).sample_visible(wo_, u);
   const double cosine = std::clamp(dot(wo_, half), 0.0, 1.0);
+  if (thin_) {
+    wi = half * (2 * cosine) - wo_;
+    if (!(wi.z > 0)) return false;
+    if (choice >= sheet_fresnel(cosine)) wi.z = -wi.z;
+    return true;
+  }
   if (choice < fresnel_dielectric(cosine, eta_)) {
     wi = half * (2 * cosine) - wo_;
     return wi.z > 0;
@@ -443,7 +486,7 @@ bool Bsdf::sample(double choice, const Vec2& u, BsdfSample& sample) const {
   if (sample.is_mirror) return true;
   const BsdfValue value = evaluate_local(wi);
   if (!(value.density > 0)) return false;
-  if (sample.is_beyond) sample.radiance_scale = 1 / (eta_ * eta_);
+  if (sample.is_beyond) sample.radiance_scale = 1 / denser_beyond_;
   // Where nothing else was to choose the density cancels.
   sample.weight = p_base_ == 1 ? base(wi.z) : value.share * (1 / value.density);
   sample.density = value.density;

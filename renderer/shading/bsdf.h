@@ -84,7 +84,8 @@ class LambertBsdf {
 ///               colour above 1 is scaled down.
 ///   conductor   GGX facets, the same, or a mirror where roughness is 0.
 ///   dielectric  smooth or rough glass (Walter et al. 2007), the latter with what goes on between
-///               its facets (Kulla and Conty again), or a thin sheet of it.
+///               its facets (Kulla and Conty again), or a thin sheet of it, whose facets let
+///               light through into where they would reflect it to on the other side.
 ///
 /// A value of one point; lives while its BsdfPoint's material does.
 class Bsdf {
@@ -119,6 +120,9 @@ class Bsdf {
   double below_coat() const;
   /// What it leaves of light that goes through the glass.
   double coat_before_beyond(double cosine) const;
+  double glass_lost(bool inside, double cosine) const;
+  double mean_glass_lost(bool inside) const;
+  double sheet_fresnel(double cosine) const;
   /// What of light from inside, along `cosine`, a whole coat turns back into the glass.
   double turned_back(double cosine) const;
   /// What it leaves of an even base's light and of facets'.
@@ -129,6 +133,7 @@ class Bsdf {
   BsdfValue evaluate_local(const Vec3& wi) const;
   BsdfValue evaluate_glass(const Vec3& wi) const;
   BsdfValue evaluate_glass_facets(const Vec3& wi) const;
+  BsdfValue evaluate_sheet_facets(const Vec3& wi) const;
   bool sample_smooth_glass(double choice, BsdfSample& sample, Vec3& wi) const;
   bool sample_rough_glass(double choice, const Vec2& u, Vec3& wi) const;
 
@@ -164,6 +169,7 @@ class Bsdf {
   double mean_turned_back_ = 0;
   Color tint_ = kWhite;
   bool thin_ = false;
+  double denser_beyond_ = 1;  ///< radiance there over that on the viewer's side
   Color mirror_ = kBlack;
   double p_base_ = 0, p_facets_ = 0, p_coat_ = 0, p_mirror_ = 0, p_coat_mirror_ = 0, p_glass_ = 0;
 };

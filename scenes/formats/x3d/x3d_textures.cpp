@@ -197,8 +197,8 @@ std::string X3dTranslator::picture_texture(const Picture& picture, v1::Texture::
     return placeholder_texture();
   }
   if (picture.is_damaged)
-    warnings_.add(fmt::format("line {}: the picture is '{}', not {}", line(),
-                              to_utf8(picture.file), picture.reasons));
+    warnings_.add(fmt::format("line {}: the picture is '{}', not {}", line(), to_utf8(picture.file),
+                              picture.reasons));
   v1::Texture texture;
   image.set_file(picture.file);
   *texture.mutable_image() = std::move(image);

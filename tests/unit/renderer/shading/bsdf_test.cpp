@@ -71,6 +71,12 @@ Case seen_from_inside(Case c) {
   return c;
 }
 
+Case sheet(Case c) {
+  c.material.thin = true;
+  c.name += ", a sheet";
+  return c;
+}
+
 Case gold(double roughness) {
   Case result{"gold", {}};
   result.material.model = MaterialModel::conductor;
@@ -96,6 +102,8 @@ std::vector<Case> smooth_cases() {
           gold(0.5),
           glass("into rough glass", 0.5, false),
           glass("out of rough glass", 0.6, true),
+          sheet(glass("rough glass", 0.5, false)),
+          sheet(glass("rougher glass", 0.8, true)),
           whole(glass("into whole rough glass", 0.8, false)),
           whole(glass("out of whole rough glass", 0.7, true)),
           whole(physical("wholly frosted", 0, 0.9, 0, 0.7)),
@@ -217,12 +225,6 @@ Case silver(double roughness) {
   return result;
 }
 
-Case sheet() {
-  Case result = glass("sheet", 0, false);
-  result.material.thin = true;
-  return result;
-}
-
 Case coat_of(double roughness, Case c) {
   c.material.clearcoat_roughness = roughness;
   return c;
@@ -244,7 +246,10 @@ TEST(Bsdf, WhiteOnesGiveBackAllTheyGet) {  // N30
                              silver(0),
                              silver(0.4),
                              silver(0.9),
-                             sheet(),
+                             sheet(glass("glass", 0, false)),
+                             sheet(glass("rough glass", 0.5, false)),
+                             sheet(glass("the roughest glass", 1, false)),
+                             sheet(physical("partly frosted", 0.4, 0.6, 0, 0.6)),
                              glass("glass", 0, false),
                              glass("glass from inside", 0, true),
                              whole(glass("rough glass", 0.5, false)),
@@ -271,6 +276,7 @@ TEST(Bsdf, WhiteOnesGiveBackAllTheyGet) {  // N30
       cases.push_back(coat_of(coat, whole(physical(name, 0, roughness, 1, 1))));
       cases.push_back(seen_from_inside(cases.back()));
       cases.back().name += " from inside";
+      cases.push_back(sheet(coat_of(coat, physical(name, 0, roughness, 1, 1))));
     }
   }
   for (const double exponent : {0.0, 5.0, 20.0, 100.0, 1e4}) {
@@ -322,7 +328,7 @@ TEST(Bsdf, IsTheSameFromEitherEnd) {
           turned.from_inside = !c.from_inside;
           from.z = -b.z;
           to.z = -a.z;
-          const double eta = c.material.refractive_index;
+          const double eta = c.material.thin ? 1 : c.material.refractive_index;
           scale = c.from_inside ? eta * eta : 1 / (eta * eta);
         }
         const Color back = bsdf_of(turned, from).evaluate(to).share * (scale / std::abs(to.z));
