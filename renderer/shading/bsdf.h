@@ -103,7 +103,7 @@ class Bsdf {
   void set_classic(const BsdfPoint& point);
   void set_physical(const BsdfPoint& point);
   void set_conductor(const Material& material);
-  void set_glass(const Material& material, double share, double roughness, const Color& tint);
+  void set_glass(const Material& material, double share, double alpha, const Color& tint);
   void set_coat(const BsdfPoint& point);
   Color between_facets(const Color& f0) const;
   void set_probabilities();
