@@ -131,8 +131,9 @@ class InProcessFarm : public TracingFarm {
           run_worker(*client, options, stop_);
         }) {}
   ~InProcessFarm() override {
-    stop_ = true;
+    // In this order: a worker that has left already would be told of as lost.
     loop_.shut_down(kFrameIsDone);
+    stop_ = true;
     worker_.join();
   }
 
