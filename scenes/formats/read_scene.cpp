@@ -55,10 +55,11 @@ std::string head_of(const std::string& path) {
 
 /// For files whose ending says nothing.
 std::string format_by_content(const std::string& path) {
-  const std::string head = head_of(path);
+  const std::string bytes = head_of(path);
+  const std::string_view head = skip_byte_order_mark(bytes);
   if (head.starts_with("# proto-file: proto/tessera/v1/")) return "tessera";
   if (head.starts_with("ply\n") || head.starts_with("ply\r")) return "ply";
-  if (head.starts_with("solid ")) return "stl";
+  if (lower_case(std::string(head.substr(0, 6))) == "solid ") return "stl";
   if (head.starts_with("glTF")) return "glb";
   if (head.starts_with("#X3D") || head.starts_with("#VRML") ||
       head.find("<X3D") != std::string::npos) {

@@ -66,7 +66,7 @@ LoadedScene parse_crt(const std::string& text, const std::string& name, const st
 }
 
 LoadedScene read_crt(const std::string& path, const ReadOptions& options) {
-  const std::string text = to_utf8(read_input_file(path, kMaxBytes));
+  const std::string text = to_utf8(skip_byte_order_mark(read_input_file(path, kMaxBytes)));
   const std::string folder = fs::absolute(path).parent_path().string();
   return parse_crt(text, path, folder, options.frame);
 }

@@ -59,6 +59,19 @@ TEST_F(ReadScene, RefusesWhatIsNoSceneFile) {
   EXPECT_EQ(read_scene(write("by_content", "<X3D><Scene/></X3D>")).scene.cameras_size(), 1);
 }
 
+TEST_F(ReadScene, StepsOverAByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  const std::string facet =
+      "FACET NORMAL 0 0 1 OUTER LOOP VERTEX 0 0 0 VERTEX 1 0 0 VERTEX 0 1 0 ENDLOOP ENDFACET\n";
+  const LoadedScene part = read_scene(write("part", mark + "SOLID part\n" + facet));
+  EXPECT_TRUE(part.scene.nodes(0).shape().has_mesh()) << "the content says what the file is";
+  const std::string script =
+      "cam = Camera { position -> vec3(0, 0, -5) pointing -> vec3(0, 0, 0) fov -> 60 }\n"
+      "Settings { camera -> cam }\nScene { }\n";
+  EXPECT_EQ(read_scene(write("a.crt", mark + script)).scene.cameras_size(), 1);
+  EXPECT_EQ(error(write("b.crt", mark + "1 +")).substr(0, 8), "b.crt:1:");
+}
+
 TEST_F(ReadScene, ReadsAnEndingInAnyCase) {
   EXPECT_EQ(read_scene(write("T.OBJ", kTriangle)).scene.metadata().source_file(), "T.OBJ");
 }
