@@ -78,22 +78,31 @@ class PlyMesh {
   MeshData read(const PlyHeader& header) {
     for (size_t i = 0; i <= 255; ++i)
       codes_[i] = color_value(static_cast<double>(i), PlyType::uint8, false);
+    std::vector<std::pair<const PlyElement*, Source>> before_vertices;
     for (const PlyElement& element : header.elements) {
       if (element.properties.empty()) continue;
-      if (element.name == "vertex")
+      const bool has_faces = element.name == "face" || element.name == "tristrips";
+      if (element.name == "vertex") {
         vertices(element);
-      else if (element.name == "face" || element.name == "tristrips")
-        faces(element, element.name == "tristrips");
-      else
+      } else if (has_faces && mesh_.vertex_count() > 0) {
+        faces(element);
+      } else {
+        if (has_faces)
+          before_vertices.emplace_back(&element, in_);
+        else if (element.count > 0)
+          warnings_.add(fmt::format("element '{}' is left out", element.name), element.count);
         skip(element);
+      }
+    }
+    for (const auto& [element, begin] : before_vertices) {
+      in_ = begin;
+      faces(*element);
     }
     return std::move(mesh_);
   }
 
  private:
   void skip(const PlyElement& element) {
-    if (element.count > 0)
-      warnings_.add(fmt::format("element '{}' is left out", element.name), element.count);
     for (uint64_t row = 0; row < element.count; ++row)
       for (const PlyProperty& property : element.properties) skip(property);
   }
@@ -165,7 +174,8 @@ class PlyMesh {
     }
   }
 
-  void faces(const PlyElement& element, bool strips) {
+  void faces(const PlyElement& element) {
+    const bool strips = element.name == "tristrips";
     size_t list = element.properties.size();
     for (size_t p = 0; p < element.properties.size(); ++p) {
       const PlyProperty& property = element.properties[p];
@@ -198,7 +208,7 @@ class PlyMesh {
     const size_t count = mesh_.vertex_count();
     if (!(value >= 0 && value < static_cast<double>(count)) || value != std::floor(value))
       throw in_.error(row_name("face"), fmt::format("'{}' {}", list.name, value),
-                      count == 0 ? std::string("vertices before the faces")
+                      count == 0 ? std::string("a file with vertices")
                                  : fmt::format("an index of 0 to {}", count - 1));
     return static_cast<uint32_t>(value);
   }
@@ -288,6 +298,7 @@ void add_texture(const std::string& file, v1::Scene& scene, v1::Material& materi
 
 LoadedScene parse_ply(std::string_view bytes, const std::string& name,
                       const std::function<bool(const std::string& path)>& has_picture) {
+  bytes = skip_byte_order_mark(bytes);
   LoadedScene out;
   Warnings warnings;
   const PlyHeader header = read_ply_header(bytes, name);
