@@ -148,8 +148,6 @@ LoadedScene read(LineReader& reader, const fs::path* folder, const PictureCheck&
           read_library(name, *folder, check, file.materials, library, out, reader.name());
   }
   if (file.mesh.triangle_count() == 0) {
-    if (file.mesh.positions.empty())
-      throw scene_error({reader.name()}, "no vertex and no face", "the text of an OBJ file");
     warnings.add("no faces: there is nothing to see");
   } else {
     v1::Node& node = *out.scene.add_nodes();
