@@ -19,6 +19,10 @@ namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxBytes = uint64_t{1} << 40;
 
+constexpr std::array kNamed{"accessors", "animations", "bufferViews", "buffers", "cameras",
+                            "images",    "materials",  "meshes",      "nodes",   "samplers",
+                            "scenes",    "skins",      "textures"};
+
 constexpr std::array<std::string_view, 10> kExtensions{
     "EXT_texture_webp",        "KHR_lights_punctual",
     "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
@@ -82,6 +86,7 @@ class GltfReader {
   LoadedScene read() {
     check_version();
     check_extensions();
+    check_names();
     count_uses(roots());
     for (const Place& place : places_) node(place);
     for (const v1::Texture& texture : materials_.textures().all())
@@ -137,6 +142,14 @@ class GltfReader {
     for (size_t i = 0; i < used.size(); ++i)
       if (const std::string name = used.at(i).text(""); !is_read(name))
         warnings_.add(fmt::format("extension '{}' is not read", name));
+  }
+
+  /// Those of what is not shown too.
+  void check_names() {
+    for (const char* array : kNamed) {
+      const GltfValue all = file_.root()[array];
+      for (size_t i = 0; i < all.size(); ++i) all.at(i)["name"].text("");
+    }
   }
 
   size_t node_count() const { return file_.root()["nodes"].size(); }

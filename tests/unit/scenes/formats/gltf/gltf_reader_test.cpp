@@ -347,6 +347,10 @@ TEST(Gltf, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error("{\n  \"a\": [1,\n  }"),
             "t.gltf:3:3: what is no JSON; expected the JSON of a glTF "
             "file");
+  EXPECT_EQ(error("{\n  \"1e400\": 1e40,\n  \"a\": [-1e400]\n}"),
+            "t.gltf:3:9: the number -1e400; expected one that double precision can hold");
+  EXPECT_EQ(error("{\"asset\":{\"version\":\"2.0\"},\n\"skins\":[{},{\"name\":42}]}"),
+            "t.gltf:2:21: skins/1/name: a value of type number; expected text");
   EXPECT_EQ(error("[]"), "t.gltf: no JSON object; expected the JSON of a glTF file");
   EXPECT_EQ(error("{}"), "t.gltf: no asset/version; expected glTF 2.0");
   EXPECT_EQ(error(R"({"asset":{"version":"1.0"}})"),
