@@ -93,7 +93,10 @@ class GltfReader {
       *out_.scene.add_textures() = texture;
     if (const size_t count = file_.root()["animations"].size())
       warnings_.add("animations are not read", count);
-    list_unused("meshes", "mesh", [&](size_t i) { return uses_.contains(i); });
+    list_unused("meshes", "mesh", [&](size_t i) {
+      const auto at = uses_.lower_bound({i, {}});
+      return at != uses_.end() && at->first.first == i;
+    });
     list_unused("materials", "material", [&](size_t i) { return materials_.is_used(i); });
     list_unused("textures", "texture", [&](size_t i) { return materials_.is_texture_used(i); });
     list_unused("nodes", "node", [&](size_t i) { return seen_[i]; });
@@ -106,6 +109,14 @@ class GltfReader {
     size_t node;
     Affine world;
   };
+  /// A mesh that is shown with the same weights is one.
+  using MeshUse = std::pair<size_t, GltfMeshes::Weights>;
+
+  std::optional<MeshUse> mesh_of(const GltfValue& node) const {
+    const auto mesh = node["mesh"].index(file_.root()["meshes"].size(), "mesh");
+    if (!mesh) return std::nullopt;
+    return MeshUse(*mesh, meshes_.weights(node, *mesh));
+  }
 
   template <typename Test>
   void list_unused(const char* array, const char* what, const Test& is_used) {
@@ -197,7 +208,7 @@ class GltfReader {
         for (const double value : row)
           if (!std::isfinite(value))
             throw in.error("a transform beyond all numbers", "a smaller one");
-      if (const auto mesh = in["mesh"].index(file_.root()["meshes"].size(), "mesh")) ++uses_[*mesh];
+      if (const auto mesh = mesh_of(in)) ++uses_[*mesh];
       push(children(in["children"]), place.world);
       places_.push_back(place);
     }
@@ -206,7 +217,7 @@ class GltfReader {
   void node(const Place& place) {
     const GltfValue in = file_.element("nodes", place.node);
     const std::string name = in["name"].text("");
-    if (const auto mesh = in["mesh"].whole()) show(*mesh, name, place.world);
+    if (const auto mesh = mesh_of(in)) show(*mesh, name, place.world);
     if (in["mesh"] && in["skin"]) warnings_.add("meshes with a skin are shown unbent");
     if (in["camera"]) camera(in["camera"], name, place.world);
     const GltfValue light_index = in["extensions"]["KHR_lights_punctual"]["light"];
@@ -215,12 +226,13 @@ class GltfReader {
     light(lights.at(*light_index.index(lights.size(), "light")), name, place.world);
   }
 
-  void show(size_t mesh, const std::string& name, const Affine& world) {
-    const auto [known, is_new] = shown_.try_emplace(mesh);
-    const bool shared = uses_[mesh] > 1;
+  void show(const MeshUse& use, const std::string& name, const Affine& world) {
+    const auto& [mesh, weights] = use;
+    const auto [known, is_new] = shown_.try_emplace(use);
+    const bool shared = uses_[use] > 1;
     const std::string own = file_.element("meshes", mesh)["name"].text("");
     if (is_new) {
-      known->second.shapes = meshes_.read(mesh);
+      known->second.shapes = meshes_.read(mesh, weights);
       if (shared && !known->second.shapes.empty()) {
         v1::Object& object = *out_.scene.add_objects();
         object.set_name(unique_object_(own.empty() ? fmt::format("mesh {}", mesh) : own));
@@ -334,8 +346,8 @@ class GltfReader {
   UniqueNames unique_object_, unique_camera_, unique_light_;
   std::vector<Place> places_;
   std::vector<bool> seen_;  ///< the nodes that places_ holds
-  std::map<size_t, size_t> uses_;
-  std::map<size_t, Shown> shown_;
+  std::map<MeshUse, size_t> uses_;
+  std::map<MeshUse, Shown> shown_;
 };
 
 }  // namespace
