@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #include "base/error.h"
@@ -94,9 +95,9 @@ std::string format_of(const std::string& path, const std::string& asked) {
 LoadedScene read_format(const std::string& path, const std::string& format,
                         const ReadOptions& options) {
   if (format == "obj") return read_obj(path, options);
-  if (format == "ply") return read_ply(path);
+  if (format == "ply") return read_ply(path, options);
   if (format == "stl") return read_stl(path);
-  if (format == "gltf" || format == "glb") return read_gltf(path);
+  if (format == "gltf" || format == "glb") return read_gltf(path, options);
   if (format == "x3d" || format == "x3dv" || format == "wrl") return read_x3d(path, options);
   if (format == "crt") return read_crt(path, options);
   const SceneEncoding encoding = format == "json"       ? SceneEncoding::json
@@ -129,9 +130,21 @@ void place_itself(v1::Scene& scene, const v1::Transform& transform) {
 
 }  // namespace
 
-LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
+LoadedScene read_scene(const std::string& path, const ReadOptions& given) {
+  ReadOptions options = given;
+  std::map<std::string, LoadedScene> checked;  // until they are placed
   const IncludeResolver::Reader read = [&](const std::string& file, const std::string& format) {
-    return read_one(file, format, options);
+    const auto known = format.empty() ? checked.find(file) : checked.end();
+    return known == checked.end() ? read_one(file, format, options)
+                                  : std::move(checked.extract(known).mapped());
+  };
+  options.check_scene = [&](const std::string& file) -> std::string {
+    try {
+      checked.emplace(file, read_one(file, "", options));
+      return "";
+    } catch (const Error& error) {
+      return error.what();
+    }
   };
   const IncludeResolver::Reader read_whole = [&](const std::string& file,
                                                  const std::string& format) {

@@ -55,6 +55,10 @@ using TextureBytesDecoder =
 /// then only names; empty where one can.
 using PictureCheck = std::function<std::string(const std::string& name, const std::string* bytes)>;
 
+/// Why no scene can be made of the file at `path`, which includes are not looked at for; empty where
+/// one can.
+using SceneCheck = std::function<std::string(const std::string& path)>;
+
 /// How a file is read. The defaults are what a user expects who gives no option.
 struct ReadOptions {
   enum class Color { display, linear };
@@ -74,6 +78,7 @@ struct ReadOptions {
   TextureDecoder decode_texture{};             ///< none: textures keep the names of their files
   TextureBytesDecoder decode_texture_bytes{};  ///< of pictures inside the scene's file
   PictureCheck check_picture{};                ///< read_scene brings it where there are decoders
+  SceneCheck check_scene{};                    ///< read_scene brings it
   /// Files to place beside what the scene itself includes: each from a folder of its own, by a path
   /// as the system takes it. One without a file places the scene itself, its cameras apart.
   std::vector<v1::Include> placements{};

@@ -11,6 +11,7 @@
 #include "renderer/math/elementary.h"
 #include "renderer/math/transform.h"
 #include "scenes/formats/gltf/gltf_mesh.h"
+#include "scenes/import/picture_problem.h"
 
 namespace tessera {
 namespace {
@@ -78,7 +79,7 @@ Affine transform_of(const GltfValue& node) {
 
 class GltfReader {
  public:
-  GltfReader(GltfFile& file, GltfPictureCheck check)
+  GltfReader(GltfFile& file, PictureCheck check)
       : file_(file),
         materials_(file, std::move(check), out_, warnings_),
         meshes_(file, materials_, out_, warnings_) {}
@@ -352,22 +353,19 @@ class GltfReader {
 
 }  // namespace
 
-LoadedScene read_gltf(const std::string& path) {
+LoadedScene read_gltf(const std::string& path, const ReadOptions& options) {
   const std::string bytes = read_input_file(path, kMaxBytes);
   const fs::path folder = fs::path(path).parent_path();
-  const auto inside = [&](const std::string& name) {
-    return fs::path(name).is_absolute() ? std::nullopt : resolve_inside(folder, name);
-  };
   GltfFile file(bytes, path, [&](const std::string& name) {
-    const auto found = inside(name);
+    const auto found = resolve_inside(folder, name);
     if (!found) throw scene_error(fmt::format("'{}' is not inside the scene's folder", name));
     return read_input_file(found->string(), kMaxBytes);
   });
   return GltfReader(file,
-                    [&](const std::string& name) {
-                      const auto found = inside(name);
-                      std::error_code ignored;
-                      return found && fs::is_regular_file(*found, ignored);
+                    [&](const std::string& name, const std::string* held) {
+                      const PictureCheck& check = options.check_picture;
+                      if (!held) return picture_problem(folder, name, check);
+                      return check ? check(name, held) : "";
                     })
       .read();
 }

@@ -11,6 +11,7 @@
 #include "scenes/formats/obj/line_reader.h"
 #include "scenes/formats/obj/mtl_reader.h"
 #include "scenes/formats/obj/obj_parser.h"
+#include "scenes/import/picture_problem.h"
 #include "scenes/import/plain_material.h"
 
 namespace tessera {
@@ -44,17 +45,9 @@ std::optional<std::string> find_picture(const std::string& written, const fs::pa
                                         const fs::path& below, const PictureCheck& check,
                                         Warnings& warnings) {
   const std::string name = (below / written).lexically_normal().generic_string();
-  const auto file = fs::path(written).is_absolute() ? std::nullopt : resolve_inside(folder, name);
-  std::error_code ignored;
-  if (file && fs::is_regular_file(*file, ignored)) {
-    const std::string problem = check ? check(file->string(), nullptr) : "";
-    if (problem.empty()) return name;
-    warnings.add(fmt::format("picture '{}' {}", written, problem));
-    return std::nullopt;
-  }
-  warnings.add(
-      fmt::format("picture '{}' {}", written,
-                  file ? "is not there" : "lies outside the scene's folder and is not read"));
+  const std::string problem = picture_problem(folder, name, check);
+  if (problem.empty()) return name;
+  warnings.add(fmt::format("picture '{}' {}", written, problem));
   return std::nullopt;
 }
 

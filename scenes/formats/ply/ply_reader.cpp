@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "renderer/math/encodings.h"
 #include "scenes/formats/ply/ply_source.h"
+#include "scenes/import/picture_problem.h"
 #include "scenes/import/plain_material.h"
 #include "scenes/import/warnings.h"
 #include "scenes/mesh/mesh_data.h"
@@ -297,7 +298,7 @@ void add_texture(const std::string& file, v1::Scene& scene, v1::Material& materi
 }  // namespace
 
 LoadedScene parse_ply(std::string_view bytes, const std::string& name,
-                      const std::function<bool(const std::string& path)>& has_picture) {
+                      const PictureCheck& check) {
   bytes = skip_byte_order_mark(bytes);
   LoadedScene out;
   Warnings warnings;
@@ -311,13 +312,14 @@ LoadedScene parse_ply(std::string_view bytes, const std::string& name,
     v1::Material& material = *out.scene.add_materials();
     material = plain_material("default", !mesh.colors.empty());
     if (const std::string& file = header.texture_file; !file.empty()) {
-      if (mesh.uvs.empty() || (has_picture && !has_picture(file)))
-        warnings.add(fmt::format("picture '{}' is {}", file,
-                                 mesh.uvs.empty()
-                                     ? "left out, for vertices have no texture coordinates"
-                                     : "not in the scene's folder; it is left out"));
-      else
+      const std::string problem =
+          mesh.uvs.empty() ? "is left out, for vertices have no texture coordinates"
+          : check          ? check(file, nullptr)
+                           : "";
+      if (problem.empty())
         add_texture(file, out.scene, material);
+      else
+        warnings.add(fmt::format("picture '{}' {}", file, problem));
     }
     node.mutable_shape()->add_materials("default");
     *node.mutable_shape()->mutable_mesh() = store_mesh(std::move(mesh), out.blobs);
@@ -326,13 +328,12 @@ LoadedScene parse_ply(std::string_view bytes, const std::string& name,
   return out;
 }
 
-LoadedScene read_ply(const std::string& path) {
+LoadedScene read_ply(const std::string& path, const ReadOptions& options) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  return parse_ply(read_input_file(path, kMaxBytes), path, [&](const std::string& name) {
-    const auto file = resolve_inside(folder, name);
-    std::error_code ignored;
-    return file && std::filesystem::is_regular_file(*file, ignored);
-  });
+  return parse_ply(read_input_file(path, kMaxBytes), path,
+                   [&](const std::string& name, const std::string* /*bytes*/) {
+                     return picture_problem(folder, name, options.check_picture);
+                   });
 }
 
 }  // namespace tessera

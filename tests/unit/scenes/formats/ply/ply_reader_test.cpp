@@ -154,9 +154,10 @@ TEST(Ply, ShowsThePictureThatACommentNames) {
   ASSERT_EQ(shown.scene.textures_size(), 1);
   EXPECT_EQ(shown.scene.textures(0).image().file(), "a b.png");
   EXPECT_EQ(shown.scene.materials(0).classic().diffuse().texture(), shown.scene.textures(0).name());
-  const LoadedScene missing = parse_ply(mapped, "t.ply", [](const std::string&) { return false; });
+  const LoadedScene missing = parse_ply(
+      mapped, "t.ply", [](const std::string&, const std::string*) { return "is not there"; });
   EXPECT_EQ(missing.scene.textures_size(), 0);
-  EXPECT_EQ(missing.warnings.size(), 1u);
+  EXPECT_EQ(missing.warnings, std::vector<std::string>{"t.ply: picture 'a b.png' is not there"});
   EXPECT_EQ(parse_ply(text(""), "t.ply").scene.textures_size(), 0);
 }
 
