@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 
@@ -116,9 +117,36 @@ LoadedScene read_one(const std::string& path, const std::string& asked,
   CheckedPictures pictures(options);
   const ReadOptions reading = pictures.reading();
   LoadedScene loaded = read_format(path, format_of(path, asked), reading);
-  load_textures(loaded, fs::absolute(path).parent_path(), reading);
+  load_textures(loaded, AssetFolder(path, options.assets), reading);
   return loaded;
 }
+
+/// Reads files one by one. What was only checked is kept until it is asked for.
+class FileReader {
+ public:
+  explicit FileReader(ReadOptions options) : options_(std::move(options)) {
+    options_.check_scene = [this](const std::string& file) -> std::string {
+      try {
+        checked_.insert_or_assign(file, read_one(file, "", options_));
+        return "";
+      } catch (const Error& error) {
+        return error.what();
+      }
+    };
+  }
+  FileReader(const FileReader&) = delete;
+  FileReader& operator=(const FileReader&) = delete;
+
+  LoadedScene operator()(const std::string& file, const std::string& format) {
+    const auto known = format.empty() ? checked_.find(file) : checked_.end();
+    return known == checked_.end() ? read_one(file, format, options_)
+                                   : std::move(checked_.extract(known).mapped());
+  }
+
+ private:
+  ReadOptions options_;
+  std::map<std::string, LoadedScene> checked_;
+};
 
 /// Moves all that stands in the scene, under one node.
 void place_itself(v1::Scene& scene, const v1::Transform& transform) {
@@ -130,30 +158,18 @@ void place_itself(v1::Scene& scene, const v1::Transform& transform) {
 
 }  // namespace
 
-LoadedScene read_scene(const std::string& path, const ReadOptions& given) {
-  ReadOptions options = given;
-  std::map<std::string, LoadedScene> checked;  // until they are placed
-  const IncludeResolver::Reader read = [&](const std::string& file, const std::string& format) {
-    const auto known = format.empty() ? checked.find(file) : checked.end();
-    return known == checked.end() ? read_one(file, format, options)
-                                  : std::move(checked.extract(known).mapped());
-  };
-  options.check_scene = [&](const std::string& file) -> std::string {
-    try {
-      checked.emplace(file, read_one(file, "", options));
-      return "";
-    } catch (const Error& error) {
-      return error.what();
-    }
-  };
+LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
+  ReadOptions without_assets = options;
+  without_assets.assets.clear();
+  FileReader read(options), read_placed(without_assets);
   const IncludeResolver::Reader read_whole = [&](const std::string& file,
                                                  const std::string& format) {
-    LoadedScene whole = read(file, format);
-    IncludeResolver(file, read).resolve(whole);
+    LoadedScene whole = read_placed(file, format);
+    IncludeResolver(file, "", std::ref(read_placed)).resolve(whole);
     return whole;
   };
   LoadedScene loaded = read(path, options.format);
-  IncludeResolver resolver(path, read);
+  IncludeResolver resolver(path, options.assets, std::ref(read));
   resolver.resolve(loaded);
   for (const v1::Include& placement : options.placements) {
     if (placement.file().empty())

@@ -1,12 +1,10 @@
 #include "scenes/import/picture_problem.h"
 
-#include "base/file.h"
-
 namespace tessera {
 
-std::string picture_problem(const std::filesystem::path& folder, const std::string& name,
+std::string picture_problem(const AssetFolder& assets, const std::string& name,
                             const PictureCheck& check) {
-  const auto file = resolve_inside(folder, name);
+  const auto file = assets.find(name);
   std::error_code ignored;
   if (!file) return "lies outside the scene's folder and is not read";
   if (!std::filesystem::is_regular_file(*file, ignored)) return "is not there";

@@ -355,16 +355,16 @@ class GltfReader {
 
 LoadedScene read_gltf(const std::string& path, const ReadOptions& options) {
   const std::string bytes = read_input_file(path, kMaxBytes);
-  const fs::path folder = fs::path(path).parent_path();
+  const AssetFolder assets(path, options.assets);
   GltfFile file(bytes, path, [&](const std::string& name) {
-    const auto found = resolve_inside(folder, name);
+    const auto found = assets.find(name);
     if (!found) throw scene_error(fmt::format("'{}' is not inside the scene's folder", name));
     return read_input_file(found->string(), kMaxBytes);
   });
   return GltfReader(file,
                     [&](const std::string& name, const std::string* held) {
                       const PictureCheck& check = options.check_picture;
-                      if (!held) return picture_problem(folder, name, check);
+                      if (!held) return picture_problem(assets, name, check);
                       return check ? check(name, held) : "";
                     })
       .read();

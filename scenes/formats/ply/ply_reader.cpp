@@ -297,8 +297,7 @@ void add_texture(const std::string& file, v1::Scene& scene, v1::Material& materi
 
 }  // namespace
 
-LoadedScene parse_ply(std::string_view bytes, const std::string& name,
-                      const PictureCheck& check) {
+LoadedScene parse_ply(std::string_view bytes, const std::string& name, const PictureCheck& check) {
   bytes = skip_byte_order_mark(bytes);
   LoadedScene out;
   Warnings warnings;
@@ -312,10 +311,10 @@ LoadedScene parse_ply(std::string_view bytes, const std::string& name,
     v1::Material& material = *out.scene.add_materials();
     material = plain_material("default", !mesh.colors.empty());
     if (const std::string& file = header.texture_file; !file.empty()) {
-      const std::string problem =
-          mesh.uvs.empty() ? "is left out, for vertices have no texture coordinates"
-          : check          ? check(file, nullptr)
-                           : "";
+      const std::string problem = mesh.uvs.empty()
+                                      ? "is left out, for vertices have no texture coordinates"
+                                  : check ? check(file, nullptr)
+                                          : "";
       if (problem.empty())
         add_texture(file, out.scene, material);
       else
@@ -329,10 +328,10 @@ LoadedScene parse_ply(std::string_view bytes, const std::string& name,
 }
 
 LoadedScene read_ply(const std::string& path, const ReadOptions& options) {
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const AssetFolder assets(path, options.assets);
   return parse_ply(read_input_file(path, kMaxBytes), path,
                    [&](const std::string& name, const std::string* /*bytes*/) {
-                     return picture_problem(folder, name, options.check_picture);
+                     return picture_problem(assets, name, options.check_picture);
                    });
 }
 

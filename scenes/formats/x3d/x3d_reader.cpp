@@ -21,7 +21,8 @@ LoadedScene read_first(std::string_view bytes, const std::string& name, const Re
 }  // namespace
 
 LoadedScene read_x3d(const std::string& path, const ReadOptions& options) {
-  return read_first(read_input_file(path, X3dDocument::kMaxBytes), path, options, X3dFiles(path));
+  return read_first(read_input_file(path, X3dDocument::kMaxBytes), path, options,
+                    X3dFiles(path, options.assets));
 }
 
 LoadedScene parse_x3d(std::string_view bytes, const std::string& name, const ReadOptions& options) {
