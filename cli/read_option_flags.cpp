@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <filesystem>
 
 #include "base/error.h"
 #include "cli/option_values.h"
@@ -36,6 +37,18 @@ void add_read_options(CLI::App& command, ReadOptions& options) {
   using Color = ReadOptions::Color;
   using Shadows = ReadOptions::Shadows;
   using Texture = ReadOptions::X3dTexture;
+  command
+      .add_option_function<std::string>(
+          "--assets",
+          [&options](const std::string& folder) {
+            if (!std::filesystem::is_directory(folder))
+              throw usage_error(fmt::format("--assets: there is no folder '{}'", folder));
+            options.assets = folder;
+          },
+          "The folder that holds all files which SCENE names: pictures, materials, other scenes "
+          "[SCENE's own]")
+      ->type_name("DIR")
+      ->group("Scene");
   add_choice(command, "--x3d-color", "display|linear",
              "Colours as they are, or decoded from sRGB and lit in linear light [display]",
              options.x3d_color,

@@ -125,9 +125,9 @@ void IncludeResolver::put(LoadedScene& into, const v1::Include& include, const P
   }
 }
 
-IncludeResolver::IncludeResolver(const fs::path& file, Reader reader)
-    : root_(fs::weakly_canonical(fs::absolute(file)).parent_path()),
-      first_(fs::weakly_canonical(fs::absolute(file))),
+IncludeResolver::IncludeResolver(const std::string& file, const std::string& assets, Reader reader)
+    : first_(fs::weakly_canonical(fs::absolute(file))),
+      assets_(file, assets),
       reader_(std::move(reader)) {}
 
 void IncludeResolver::resolve(LoadedScene& loaded) { resolve(loaded, first_); }
@@ -200,13 +200,12 @@ void IncludeResolver::resolve(LoadedScene& loaded, const fs::path& file) {
     throw scene_error({file.string()}, "files included too deep",
                       fmt::format("at most {} levels", kMaxDepth));
   open_.push_back(file);
+  AssetFolder assets = assets_;
+  if (file != first_) assets.folder = file.parent_path();
   const auto includes = std::move(*loaded.scene.mutable_includes());
   loaded.scene.clear_includes();
   for (const v1::Include& include : includes) {
-    const fs::path folder = file.parent_path().lexically_relative(root_);
-    const auto target = fs::path(include.file()).is_absolute()
-                            ? std::nullopt
-                            : resolve_inside(root_, (folder / include.file()).string());
+    const auto target = assets.find(include.file());
     if (!target)
       throw scene_error(
           {file.string()},

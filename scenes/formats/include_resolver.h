@@ -6,19 +6,20 @@
 #include <string>
 #include <vector>
 
+#include "scenes/import/asset_folder.h"
 #include "scenes/import/loaded_scene.h"
 
 namespace tessera {
 
 /// Places the files that a scene includes into it, and what those include. Nothing outside the
-/// folder of the first file is read, but for what place() is told to. Each file becomes one object,
+/// assets of the first file is read, but for what place() is told to. Each file becomes one object,
 /// however often it is placed.
 class IncludeResolver {
  public:
   using Reader = std::function<LoadedScene(const std::string& path, const std::string& format)>;
 
   /// `reader` reads one file without its includes.
-  IncludeResolver(const std::filesystem::path& file, Reader reader);
+  IncludeResolver(const std::string& file, const std::string& assets, Reader reader);
   /// Places one file, of whatever folder, as `include` says; `read_whole` reads it with its
   /// includes.
   void place(LoadedScene& into, const v1::Include& include, const Reader& read_whole);
@@ -45,7 +46,8 @@ class IncludeResolver {
                   const std::filesystem::path& file);
   std::string unique_prefix(const std::filesystem::path& file);
 
-  std::filesystem::path root_, first_;
+  std::filesystem::path first_;
+  AssetFolder assets_;  ///< of the first file
   Reader reader_;
   std::map<std::string, Part> parts_;
   std::map<std::string, int> prefixes_;

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <memory>
 
 #include "base/error.h"
@@ -55,10 +57,11 @@ std::string head_of(const std::string& path) {
 
 /// For files whose ending says nothing.
 std::string format_by_content(const std::string& path) {
-  const std::string head = head_of(path);
+  const std::string bytes = head_of(path);
+  const std::string_view head = skip_byte_order_mark(bytes);
   if (head.starts_with("# proto-file: proto/tessera/v1/")) return "tessera";
   if (head.starts_with("ply\n") || head.starts_with("ply\r")) return "ply";
-  if (head.starts_with("solid ")) return "stl";
+  if (lower_case(std::string(head.substr(0, 6))) == "solid ") return "stl";
   if (head.starts_with("glTF")) return "glb";
   if (head.starts_with("#X3D") || head.starts_with("#VRML") ||
       head.find("<X3D") != std::string::npos) {
@@ -93,9 +96,9 @@ std::string format_of(const std::string& path, const std::string& asked) {
 LoadedScene read_format(const std::string& path, const std::string& format,
                         const ReadOptions& options) {
   if (format == "obj") return read_obj(path, options);
-  if (format == "ply") return read_ply(path);
+  if (format == "ply") return read_ply(path, options);
   if (format == "stl") return read_stl(path);
-  if (format == "gltf" || format == "glb") return read_gltf(path);
+  if (format == "gltf" || format == "glb") return read_gltf(path, options);
   if (format == "x3d" || format == "x3dv" || format == "wrl") return read_x3d(path, options);
   if (format == "crt") return read_crt(path, options);
   const SceneEncoding encoding = format == "json"       ? SceneEncoding::json
@@ -114,9 +117,36 @@ LoadedScene read_one(const std::string& path, const std::string& asked,
   CheckedPictures pictures(options);
   const ReadOptions reading = pictures.reading();
   LoadedScene loaded = read_format(path, format_of(path, asked), reading);
-  load_textures(loaded, fs::absolute(path).parent_path(), reading);
+  load_textures(loaded, AssetFolder(path, options.assets), reading);
   return loaded;
 }
+
+/// Reads files one by one. What was only checked is kept until it is asked for.
+class FileReader {
+ public:
+  explicit FileReader(ReadOptions options) : options_(std::move(options)) {
+    options_.check_scene = [this](const std::string& file) -> std::string {
+      try {
+        checked_.insert_or_assign(file, read_one(file, "", options_));
+        return "";
+      } catch (const Error& error) {
+        return error.what();
+      }
+    };
+  }
+  FileReader(const FileReader&) = delete;
+  FileReader& operator=(const FileReader&) = delete;
+
+  LoadedScene operator()(const std::string& file, const std::string& format) {
+    const auto known = format.empty() ? checked_.find(file) : checked_.end();
+    return known == checked_.end() ? read_one(file, format, options_)
+                                   : std::move(checked_.extract(known).mapped());
+  }
+
+ private:
+  ReadOptions options_;
+  std::map<std::string, LoadedScene> checked_;
+};
 
 /// Moves all that stands in the scene, under one node.
 void place_itself(v1::Scene& scene, const v1::Transform& transform) {
@@ -129,17 +159,17 @@ void place_itself(v1::Scene& scene, const v1::Transform& transform) {
 }  // namespace
 
 LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
-  const IncludeResolver::Reader read = [&](const std::string& file, const std::string& format) {
-    return read_one(file, format, options);
-  };
+  ReadOptions without_assets = options;
+  without_assets.assets.clear();
+  FileReader read(options), read_placed(without_assets);
   const IncludeResolver::Reader read_whole = [&](const std::string& file,
                                                  const std::string& format) {
-    LoadedScene whole = read(file, format);
-    IncludeResolver(file, read).resolve(whole);
+    LoadedScene whole = read_placed(file, format);
+    IncludeResolver(file, "", std::ref(read_placed)).resolve(whole);
     return whole;
   };
   LoadedScene loaded = read(path, options.format);
-  IncludeResolver resolver(path, read);
+  IncludeResolver resolver(path, options.assets, std::ref(read));
   resolver.resolve(loaded);
   for (const v1::Include& placement : options.placements) {
     if (placement.file().empty())

@@ -8,7 +8,8 @@
 namespace tessera {
 
 /// Reads a scene file of any known format, with all that it includes. Throws scene_error with the
-/// place for whatever is wrong with it. Nothing outside the file's folder is read.
+/// place for whatever is wrong with it. Nothing outside the file's folder, or
+/// options.assets, is read.
 LoadedScene read_scene(const std::string& path, const ReadOptions& options = {});
 
 /// The endings of the files that read_scene reads, with a dot, in the order of the documentation.

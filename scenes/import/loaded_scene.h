@@ -55,6 +55,10 @@ using TextureBytesDecoder =
 /// then only names; empty where one can.
 using PictureCheck = std::function<std::string(const std::string& name, const std::string* bytes)>;
 
+/// Why no scene can be made of the file at `path`, which includes are not looked at for; empty
+/// where one can.
+using SceneCheck = std::function<std::string(const std::string& path)>;
+
 /// How a file is read. The defaults are what a user expects who gives no option.
 struct ReadOptions {
   enum class Color { display, linear };
@@ -63,6 +67,10 @@ struct ReadOptions {
 
   std::string format{};  ///< obj, ply, stl, gltf, glb, x3d, crt, tessera, tesserab, json; empty: by
                          ///< the ending
+  /// The folder in which, and in which alone, the files are that the scene names: looked for from
+  /// the folder of the file that names them where that is inside, then from this one. Empty: that
+  /// of the scene's file. Placements keep to their own.
+  std::string assets{};
   Color x3d_color = Color::display;   ///< how the numbers of X3D colours are meant
   Shadows x3d_shadows = Shadows::on;  ///< `file`: as the lights' own fields say
   /// What a coloured texture does to the material's colour: by the letter it takes its place up to
@@ -74,6 +82,7 @@ struct ReadOptions {
   TextureDecoder decode_texture{};             ///< none: textures keep the names of their files
   TextureBytesDecoder decode_texture_bytes{};  ///< of pictures inside the scene's file
   PictureCheck check_picture{};                ///< read_scene brings it where there are decoders
+  SceneCheck check_scene{};                    ///< read_scene brings it
   /// Files to place beside what the scene itself includes: each from a folder of its own, by a path
   /// as the system takes it. One without a file places the scene itself, its cameras apart.
   std::vector<v1::Include> placements{};

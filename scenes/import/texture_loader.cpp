@@ -7,7 +7,6 @@
 #include <tuple>
 
 #include "base/error.h"
-#include "base/file.h"
 #include "scenes/import/mip_levels.h"
 #include "scenes/import/picture_channel.h"
 
@@ -39,10 +38,10 @@ v1::Texture::Image store(DecodedTexture decoded, const v1::Texture::Image& wante
   return image;
 }
 
-std::filesystem::path file_of(const v1::Texture& texture, const std::filesystem::path& folder) {
-  auto file = resolve_inside(folder, texture.image().file());
+std::filesystem::path file_of(const v1::Texture& texture, const AssetFolder& assets) {
+  auto file = assets.find(texture.image().file());
   if (!file)
-    throw scene_error({folder.string()},
+    throw scene_error({assets.root.string()},
                       fmt::format("texture '{}' names the file '{}', which is not inside the "
                                   "scene's folder",
                                   texture.name(), texture.image().file()),
@@ -52,8 +51,7 @@ std::filesystem::path file_of(const v1::Texture& texture, const std::filesystem:
 
 }  // namespace
 
-void load_textures(LoadedScene& loaded, const std::filesystem::path& folder,
-                   const ReadOptions& options) {
+void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOptions& options) {
   using Kept = std::optional<PictureChannel>;
   std::map<std::tuple<std::filesystem::path, int, bool, bool, Kept>, v1::Texture::Image> known;
   for (v1::Texture& texture : *loaded.scene.mutable_textures()) {
@@ -64,7 +62,7 @@ void load_textures(LoadedScene& loaded, const std::filesystem::path& folder,
     const auto held = loaded.pictures.find(image.file());
     const bool is_held = held != loaded.pictures.end();
     if (is_held ? !options.decode_texture_bytes : !options.decode_texture) continue;
-    const auto file = is_held ? std::filesystem::path(image.file()) : file_of(texture, folder);
+    const auto file = is_held ? std::filesystem::path(image.file()) : file_of(texture, assets);
     const bool to_srgb = loaded.profiled_pictures.contains(image.file());
     const auto channel = loaded.picture_channels.find(texture.name());
     const Kept kept =

@@ -191,6 +191,25 @@ class BadScenes(TesseraTest):
         self.refused("scene.tessera", 'includes { file: "/etc/passwd" format: "obj" }\n')
         self.refused("dots.tessera", 'includes { file: "../../etc/passwd" format: "obj" }\n')
 
+    def test_assets(self):
+        """Files that a scene names are looked for in --assets, and nowhere else."""
+        triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+        (self.folder / "inside").mkdir()
+        self.write("inside/t.obj", triangle)
+        self.write("beside.obj", triangle)
+        scene = self.write("scene.tessera", scenes.ONE_SPHERE + 'includes { file: "t.obj" }\n')
+        self.assert_error(self.run_program("info", scene), 1, "t.obj", "no such file")
+        for command in [("info", scene), ("convert", scene, "out.tessera"),
+                        ("render", scene, "--size", "16x16", "--workers", "0", "-o", "x.png")]:
+            result = self.run_program(*command, "--assets", "inside")
+            self.assertEqual(0, result.code, result.err)
+        for name, says in [("beside.obj", "no such file"), ("../beside.obj", "not inside")]:
+            self.write("scene.tessera", f'includes {{ file: "{name}" }}\n')
+            result = self.run_program("info", scene, "--assets", "inside")
+            self.assert_error(result, 1, "beside.obj", says)
+        result = self.run_program("info", scene, "--assets", "nowhere")
+        self.assert_error(result, 2, "--assets", "'nowhere'")
+
     def test_unreadable(self):
         self.write("secret.obj", "v 0 0 0\n").chmod(0)
         self.refused("secret.obj", None, "Permission denied", preexec_fn=heed_permissions)

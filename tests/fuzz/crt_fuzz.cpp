@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string text = to_utf8({reinterpret_cast<const char*>(data), size});
   LoadedScene loaded;
   try {
-    loaded = parse_crt(text, "fuzz.crt", "", static_cast<int32_t>(size % 3));
+    loaded = parse_crt(text, "fuzz.crt", {}, static_cast<int32_t>(size % 3));
   } catch (const Error&) {
     return 0;  // how a wrong script is refused
   }

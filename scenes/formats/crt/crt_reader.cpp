@@ -16,14 +16,14 @@ namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxBytes = uint64_t{8} << 20;
 
-void check_file(const std::string& written, CrtSpan where, const std::string& folder,
+void check_file(const std::string& written, CrtSpan where, const AssetFolder& assets,
                 CrtDiagnostics& diagnostics) {
   const std::string reference = crt_file_reference(written);
   if (reference.empty() || reference.find('\0') != std::string::npos) {
     diagnostics.error(where, "a file without a name", "a file in the folder of the script");
     return;
   }
-  const auto file = resolve_inside(folder, reference);
+  const auto file = assets.find(reference);
   std::error_code ignored;
   if (!file)
     diagnostics.error(where, fmt::format("'{}' is not inside the script's folder", written),
@@ -33,27 +33,27 @@ void check_file(const std::string& written, CrtSpan where, const std::string& fo
                       "a file in the folder of the script or below it");
 }
 
-void check_files(const CrtProgram& program, const std::string& folder,
+void check_files(const CrtProgram& program, const AssetFolder& assets,
                  CrtDiagnostics& diagnostics) {
   const CrtBackground* background = program.background;
   if (background && background->message.has_panorama())
-    check_file(background->image, background->image_span, folder, diagnostics);
+    check_file(background->image, background->image_span, assets, diagnostics);
   for (const CrtEntity* entity : program.entities)
     if (entity->kind == CrtEntity::Kind::include)
-      check_file(entity->include.file(), entity->span, folder, diagnostics);
+      check_file(entity->include.file(), entity->span, assets, diagnostics);
 }
 
 }  // namespace
 
-LoadedScene parse_crt(const std::string& text, const std::string& name, const std::string& folder,
-                      int32_t frame) {
+LoadedScene parse_crt(const std::string& text, const std::string& name,
+                      const std::optional<AssetFolder>& assets, int32_t frame) {
   CrtDiagnostics diagnostics(name, text);
   CrtSyntaxPool pool;
   const CrtSyntax& script = CrtParser(text, pool, diagnostics).parse();
   diagnostics.throw_if_any();
   CrtHeap heap;
   const CrtProgram program = CrtEvaluator(heap, diagnostics).run(script, frame);
-  if (!folder.empty()) check_files(program, folder, diagnostics);
+  if (assets) check_files(program, *assets, diagnostics);
   diagnostics.throw_if_any();
   LoadedScene loaded;
   loaded.scene = write_crt_scene(program);
@@ -66,9 +66,8 @@ LoadedScene parse_crt(const std::string& text, const std::string& name, const st
 }
 
 LoadedScene read_crt(const std::string& path, const ReadOptions& options) {
-  const std::string text = to_utf8(read_input_file(path, kMaxBytes));
-  const std::string folder = fs::absolute(path).parent_path().string();
-  return parse_crt(text, path, folder, options.frame);
+  const std::string text = to_utf8(skip_byte_order_mark(read_input_file(path, kMaxBytes)));
+  return parse_crt(text, path, AssetFolder(path, options.assets), options.frame);
 }
 
 }  // namespace tessera

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "scenes/import/asset_folder.h"
 #include "scenes/import/loaded_scene.h"
 
 namespace tessera {
@@ -11,9 +13,8 @@ namespace tessera {
 /// holds all that is wrong, each with its place, source line and caret.
 LoadedScene read_crt(const std::string& path, const ReadOptions& options);
 
-/// As read_crt, of a script in memory; files that it names must lie in `folder`, and are not looked
-/// for where that is empty.
-LoadedScene parse_crt(const std::string& text, const std::string& name, const std::string& folder,
-                      int32_t frame);
+/// As read_crt, of a script in memory; without `assets` the files that it names are not looked for.
+LoadedScene parse_crt(const std::string& text, const std::string& name,
+                      const std::optional<AssetFolder>& assets, int32_t frame);
 
 }  // namespace tessera

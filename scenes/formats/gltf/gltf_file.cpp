@@ -22,6 +22,32 @@ uint32_t word_at(std::string_view bytes, size_t offset) {
   return word;
 }
 
+/// Finds where a text stops being JSON of numbers that double precision can hold.
+struct JsonFault final : nlohmann::json_sax<nlohmann::json> {
+  size_t begin = 0;      ///< of the word that is wrong
+  std::string number{};  ///< that is too large; empty: the text is no JSON
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_object(size_t) override { return true; }
+  bool key(string_t&) override { return true; }
+  bool end_object() override { return true; }
+  bool start_array(size_t) override { return true; }
+  bool end_array() override { return true; }
+  bool parse_error(size_t read, const std::string& word,
+                   const nlohmann::json::exception& problem) override {
+    constexpr int kNumberTooLarge = 406;
+    if (problem.id == kNumberTooLarge) number = word;
+    begin = read - std::min(read, number.empty() ? 1 : word.size());
+    return false;
+  }
+};
+
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
@@ -89,17 +115,21 @@ void GltfFile::parse() {
   };
   try {
     json_ = std::make_unique<nlohmann::json>(nlohmann::json::parse(json_text_, count));
-  } catch (const nlohmann::json::exception& problem) {
-    const auto* const syntax = dynamic_cast<const nlohmann::json::parse_error*>(&problem);
+  } catch (const nlohmann::json::exception&) {
+    JsonFault fault;
+    nlohmann::json::sax_parse(json_text_, &fault);
     SourcePlace place{text_.name};
-    if (syntax && !text_.text.empty()) {
-      const std::string_view before = json_text_.substr(0, syntax->byte > 0 ? syntax->byte - 1 : 0);
+    if (!text_.text.empty()) {
+      const std::string_view before = json_text_.substr(0, fault.begin);
       place.line = 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n'));
       const size_t line = before.rfind('\n');
       place.column = static_cast<int>(line == std::string_view::npos ? before.size()
                                                                      : before.size() - line - 1) +
                      1;
     }
+    if (!fault.number.empty())
+      throw scene_error(place, fmt::format("the number {}", fault.number),
+                        "one that double precision can hold");
     throw scene_error(place, "what is no JSON", "the JSON of a glTF file");
   }
   if (!json_->is_object()) throw root().error("no JSON object", "the JSON of a glTF file");

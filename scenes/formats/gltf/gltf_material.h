@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -14,14 +13,12 @@
 
 namespace tessera {
 
-/// Whether a picture of that relative path may be read and is there.
-using GltfPictureCheck = std::function<bool(const std::string& path)>;
-
 /// A glTF file's textures and samplers as ours. Pictures that the file holds itself go to
 /// LoadedScene::pictures.
 class GltfTextures {
  public:
-  GltfTextures(GltfFile& file, GltfPictureCheck check, LoadedScene& out, Warnings& warnings)
+  /// `check` is asked about a relative path, or the bytes of what the file holds itself.
+  GltfTextures(GltfFile& file, PictureCheck check, LoadedScene& out, Warnings& warnings)
       : file_(file), check_(std::move(check)), out_(out), warnings_(warnings) {}
 
   /// The name of the texture that a textureInfo object refers to, empty where there is none.
@@ -31,12 +28,13 @@ class GltfTextures {
   const TextureSet& all() const { return textures_; }
 
  private:
+  std::optional<size_t> readable_image(const GltfValue& texture);
   std::string picture(const GltfValue& image, size_t index);
   static void sample(const GltfValue& sampler, v1::Texture::Image& image);
   static void place(const GltfValue& transform, v1::Texture& texture);
 
   GltfFile& file_;
-  GltfPictureCheck check_;
+  PictureCheck check_;
   LoadedScene& out_;
   Warnings& warnings_;
   TextureSet textures_;
@@ -47,7 +45,7 @@ class GltfTextures {
 /// A glTF file's materials as ours, each made when it is first used.
 class GltfMaterials {
  public:
-  GltfMaterials(GltfFile& file, GltfPictureCheck check, LoadedScene& out, Warnings& warnings)
+  GltfMaterials(GltfFile& file, PictureCheck check, LoadedScene& out, Warnings& warnings)
       : file_(file),
         textures_(file, std::move(check), out, warnings),
         out_(out),

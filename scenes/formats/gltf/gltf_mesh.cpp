@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 
 #include "scenes/mesh/mesh_data.h"
@@ -49,17 +51,38 @@ std::string GltfMeshes::Attributes::key() const {
     const auto index = value->whole();
     key += index ? fmt::format("{} ", *index) : "- ";
   }
+  for (const auto& [target, weight] : targets)
+    for (const char* attribute : {"POSITION", "NORMAL"}) {
+      const auto index = target[attribute].whole();
+      key += index ? fmt::format("{} ", *index) : "- ";
+    }
   return key;
 }
 
 GltfMeshes::Attributes GltfMeshes::attributes_of(const GltfValue& primitive,
-                                                 std::optional<size_t> material) {
+                                                 std::optional<size_t> material,
+                                                 const Weights& weights) {
   const GltfValue in = primitive["attributes"];
   const std::string uv = fmt::format("TEXCOORD_{}", materials_.uv_set(material));
-  return {in["POSITION"], in["NORMAL"], in[uv.c_str()], in["COLOR_0"]};
+  Attributes out{in["POSITION"], in["NORMAL"], in[uv.c_str()], in["COLOR_0"], {}};
+  const GltfValue targets = primitive["targets"];
+  if (!weights.empty() && targets.size() != weights.size())
+    throw primitive.error(fmt::format("{} morph targets", targets.size()),
+                          fmt::format("{}, one a weight", weights.size()));
+  for (size_t i = 0; i < weights.size(); ++i)
+    if (weights[i] != 0) out.targets.emplace_back(targets.at(i), weights[i]);
+  return out;
 }
 
-std::vector<v1::Shape> GltfMeshes::read(size_t index) {
+GltfMeshes::Weights GltfMeshes::weights(const GltfValue& node, size_t index) const {
+  const GltfValue own = node["weights"];
+  const GltfValue given = own ? own : file_.element("meshes", index)["weights"];
+  Weights out = given.numbers(given.size()).value_or(Weights{});
+  if (std::all_of(out.begin(), out.end(), [](double weight) { return weight == 0; })) out.clear();
+  return out;
+}
+
+std::vector<v1::Shape> GltfMeshes::read(size_t index, const Weights& weights) {
   const GltfValue primitives = file_.element("meshes", index)["primitives"];
   std::vector<Group> groups;
   std::map<std::string, size_t> by_key;
@@ -71,9 +94,8 @@ std::vector<v1::Shape> GltfMeshes::read(size_t index) {
       warnings_.add("points and lines have no surface and are left out");
       continue;
     }
-    if (primitive["targets"]) warnings_.add("morph targets are not read");
     const auto material = primitive["material"].index(file_.root()["materials"].size(), "material");
-    Attributes attributes = attributes_of(primitive, material);
+    Attributes attributes = attributes_of(primitive, material, weights);
     if (!attributes.position) {
       warnings_.add("primitives without POSITION are left out");
       continue;
@@ -129,6 +151,24 @@ std::vector<float> GltfMeshes::rows(const GltfAccessor& from, size_t width, cons
   return from.floats(group.first, group.last, width);
 }
 
+/// Of a target without the attribute nothing is added.
+void GltfMeshes::add_targets(const char* attribute, const Group& group, std::vector<float>& to) {
+  for (const auto& [target, weight] : group.attributes.targets) {
+    const GltfValue reference = target[attribute];
+    if (!reference) continue;
+    const GltfAccessor from(file_, reference);
+    if (from.components() != 3) throw reference.error("offsets that are no VEC3", "VEC3");
+    const std::vector<float> offsets = rows(from, 3, group);
+    for (size_t i = 0; i < to.size(); ++i) {
+      const double sum = to[i] + weight * double{offsets[i]};
+      if (!(std::abs(sum) <= std::numeric_limits<float>::max()))
+        throw target.error(
+            fmt::format("{} beyond single precision with weight {}", attribute, weight), "less");
+      to[i] = static_cast<float>(sum);
+    }
+  }
+}
+
 v1::Shape GltfMeshes::finish(Group& group) {
   const auto [least, most] = std::minmax_element(group.triangles.begin(), group.triangles.end());
   group.first = *least;
@@ -136,7 +176,11 @@ v1::Shape GltfMeshes::finish(Group& group) {
   MeshData mesh;
   const Attributes& from = group.attributes;
   mesh.positions = rows(GltfAccessor(file_, from.position), 3, group);
-  if (from.normal) mesh.normals = rows(GltfAccessor(file_, from.normal), 3, group);
+  add_targets("POSITION", group, mesh.positions);
+  if (from.normal) {
+    mesh.normals = rows(GltfAccessor(file_, from.normal), 3, group);
+    add_targets("NORMAL", group, mesh.normals);
+  }
   if (from.uv) {
     mesh.uvs = rows(GltfAccessor(file_, from.uv), 2, group);
     for (size_t i = 1; i < mesh.uvs.size(); i += 2) mesh.uvs[i] = 1 - mesh.uvs[i];

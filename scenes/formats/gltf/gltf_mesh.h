@@ -1,5 +1,6 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "scenes/formats/gltf/gltf_accessor.h"
@@ -16,22 +17,29 @@ class GltfMeshes {
   GltfMeshes(GltfFile& file, GltfMaterials& materials, LoadedScene& out, Warnings& warnings)
       : file_(file), materials_(materials), out_(out), warnings_(warnings) {}
 
+  /// How much of each morph target is added; empty: nothing of any.
+  using Weights = std::vector<double>;
+  /// Those of a node that shows mesh `index`, else the mesh's own.
+  Weights weights(const GltfValue& node, size_t index) const;
   /// The shapes of mesh `index`, with their data among the scene's blobs.
-  std::vector<v1::Shape> read(size_t index);
+  std::vector<v1::Shape> read(size_t index, const Weights& weights);
 
  private:
   /// Where the numbers of a primitive's vertices stand: accessors' values, empty where there is
   /// none.
   struct Attributes {
     GltfValue position, normal, uv, color;
-    std::string key() const;  ///< equal for equal accessors
+    std::vector<std::pair<GltfValue, double>> targets;  ///< with their weights
+    std::string key() const;                            ///< equal for equal accessors
   };
   struct Group;
 
-  Attributes attributes_of(const GltfValue& primitive, std::optional<size_t> material);
+  Attributes attributes_of(const GltfValue& primitive, std::optional<size_t> material,
+                           const Weights& weights);
   void add(const GltfValue& primitive, std::optional<size_t> material, Group& group);
   v1::Shape finish(Group& group);
   std::vector<float> rows(const GltfAccessor& from, size_t width, const Group& group);
+  void add_targets(const char* attribute, const Group& group, std::vector<float>& to);
 
   GltfFile& file_;
   GltfMaterials& materials_;

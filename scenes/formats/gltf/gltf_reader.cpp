@@ -11,6 +11,7 @@
 #include "renderer/math/elementary.h"
 #include "renderer/math/transform.h"
 #include "scenes/formats/gltf/gltf_mesh.h"
+#include "scenes/import/picture_problem.h"
 
 namespace tessera {
 namespace {
@@ -18,6 +19,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxBytes = uint64_t{1} << 40;
+
+constexpr std::array kNamed{"accessors", "animations", "bufferViews", "buffers", "cameras",
+                            "images",    "materials",  "meshes",      "nodes",   "samplers",
+                            "scenes",    "skins",      "textures"};
 
 constexpr std::array<std::string_view, 10> kExtensions{
     "EXT_texture_webp",        "KHR_lights_punctual",
@@ -74,7 +79,7 @@ Affine transform_of(const GltfValue& node) {
 
 class GltfReader {
  public:
-  GltfReader(GltfFile& file, GltfPictureCheck check)
+  GltfReader(GltfFile& file, PictureCheck check)
       : file_(file),
         materials_(file, std::move(check), out_, warnings_),
         meshes_(file, materials_, out_, warnings_) {}
@@ -82,13 +87,17 @@ class GltfReader {
   LoadedScene read() {
     check_version();
     check_extensions();
+    check_names();
     count_uses(roots());
     for (const Place& place : places_) node(place);
     for (const v1::Texture& texture : materials_.textures().all())
       *out_.scene.add_textures() = texture;
     if (const size_t count = file_.root()["animations"].size())
       warnings_.add("animations are not read", count);
-    list_unused("meshes", "mesh", [&](size_t i) { return uses_.contains(i); });
+    list_unused("meshes", "mesh", [&](size_t i) {
+      const auto at = uses_.lower_bound({i, {}});
+      return at != uses_.end() && at->first.first == i;
+    });
     list_unused("materials", "material", [&](size_t i) { return materials_.is_used(i); });
     list_unused("textures", "texture", [&](size_t i) { return materials_.is_texture_used(i); });
     list_unused("nodes", "node", [&](size_t i) { return seen_[i]; });
@@ -101,6 +110,14 @@ class GltfReader {
     size_t node;
     Affine world;
   };
+  /// A mesh that is shown with the same weights is one.
+  using MeshUse = std::pair<size_t, GltfMeshes::Weights>;
+
+  std::optional<MeshUse> mesh_of(const GltfValue& node) const {
+    const auto mesh = node["mesh"].index(file_.root()["meshes"].size(), "mesh");
+    if (!mesh) return std::nullopt;
+    return MeshUse(*mesh, meshes_.weights(node, *mesh));
+  }
 
   template <typename Test>
   void list_unused(const char* array, const char* what, const Test& is_used) {
@@ -137,6 +154,14 @@ class GltfReader {
     for (size_t i = 0; i < used.size(); ++i)
       if (const std::string name = used.at(i).text(""); !is_read(name))
         warnings_.add(fmt::format("extension '{}' is not read", name));
+  }
+
+  /// Those of what is not shown too.
+  void check_names() {
+    for (const char* array : kNamed) {
+      const GltfValue all = file_.root()[array];
+      for (size_t i = 0; i < all.size(); ++i) all.at(i)["name"].text("");
+    }
   }
 
   size_t node_count() const { return file_.root()["nodes"].size(); }
@@ -184,7 +209,7 @@ class GltfReader {
         for (const double value : row)
           if (!std::isfinite(value))
             throw in.error("a transform beyond all numbers", "a smaller one");
-      if (const auto mesh = in["mesh"].index(file_.root()["meshes"].size(), "mesh")) ++uses_[*mesh];
+      if (const auto mesh = mesh_of(in)) ++uses_[*mesh];
       push(children(in["children"]), place.world);
       places_.push_back(place);
     }
@@ -193,7 +218,7 @@ class GltfReader {
   void node(const Place& place) {
     const GltfValue in = file_.element("nodes", place.node);
     const std::string name = in["name"].text("");
-    if (const auto mesh = in["mesh"].whole()) show(*mesh, name, place.world);
+    if (const auto mesh = mesh_of(in)) show(*mesh, name, place.world);
     if (in["mesh"] && in["skin"]) warnings_.add("meshes with a skin are shown unbent");
     if (in["camera"]) camera(in["camera"], name, place.world);
     const GltfValue light_index = in["extensions"]["KHR_lights_punctual"]["light"];
@@ -202,12 +227,13 @@ class GltfReader {
     light(lights.at(*light_index.index(lights.size(), "light")), name, place.world);
   }
 
-  void show(size_t mesh, const std::string& name, const Affine& world) {
-    const auto [known, is_new] = shown_.try_emplace(mesh);
-    const bool shared = uses_[mesh] > 1;
+  void show(const MeshUse& use, const std::string& name, const Affine& world) {
+    const auto& [mesh, weights] = use;
+    const auto [known, is_new] = shown_.try_emplace(use);
+    const bool shared = uses_[use] > 1;
     const std::string own = file_.element("meshes", mesh)["name"].text("");
     if (is_new) {
-      known->second.shapes = meshes_.read(mesh);
+      known->second.shapes = meshes_.read(mesh, weights);
       if (shared && !known->second.shapes.empty()) {
         v1::Object& object = *out_.scene.add_objects();
         object.set_name(unique_object_(own.empty() ? fmt::format("mesh {}", mesh) : own));
@@ -321,28 +347,25 @@ class GltfReader {
   UniqueNames unique_object_, unique_camera_, unique_light_;
   std::vector<Place> places_;
   std::vector<bool> seen_;  ///< the nodes that places_ holds
-  std::map<size_t, size_t> uses_;
-  std::map<size_t, Shown> shown_;
+  std::map<MeshUse, size_t> uses_;
+  std::map<MeshUse, Shown> shown_;
 };
 
 }  // namespace
 
-LoadedScene read_gltf(const std::string& path) {
+LoadedScene read_gltf(const std::string& path, const ReadOptions& options) {
   const std::string bytes = read_input_file(path, kMaxBytes);
-  const fs::path folder = fs::path(path).parent_path();
-  const auto inside = [&](const std::string& name) {
-    return fs::path(name).is_absolute() ? std::nullopt : resolve_inside(folder, name);
-  };
+  const AssetFolder assets(path, options.assets);
   GltfFile file(bytes, path, [&](const std::string& name) {
-    const auto found = inside(name);
+    const auto found = assets.find(name);
     if (!found) throw scene_error(fmt::format("'{}' is not inside the scene's folder", name));
     return read_input_file(found->string(), kMaxBytes);
   });
   return GltfReader(file,
-                    [&](const std::string& name) {
-                      const auto found = inside(name);
-                      std::error_code ignored;
-                      return found && fs::is_regular_file(*found, ignored);
+                    [&](const std::string& name, const std::string* held) {
+                      const PictureCheck& check = options.check_picture;
+                      if (!held) return picture_problem(assets, name, check);
+                      return check ? check(name, held) : "";
                     })
       .read();
 }

@@ -11,7 +11,7 @@ namespace tessera {
 /// mesh that several nodes show is one object; lights and cameras stand in the world's frame. What
 /// is read of the format and its extensions is in docs/scenes.md. Throws scene_error with the
 /// place.
-LoadedScene read_gltf(const std::string& path);
+LoadedScene read_gltf(const std::string& path, const ReadOptions& options = {});
 /// The same from memory; other files are not read.
 LoadedScene parse_gltf(std::string_view bytes, const std::string& name);
 

@@ -61,18 +61,34 @@ std::string GltfTextures::picture(const GltfValue& image, size_t index) {
     bytes = file_.view(*view).bytes;
     file_.spend(bytes->size(), image);
   }
-  if (bytes) {
-    known->second =
-        fmt::format("{}#images/{}", std::filesystem::path(file_.name()).filename().string(), index);
-    out_.pictures[known->second] = std::move(*bytes);
-  } else {
-    std::string path = GltfFile::path_of_uri(uri);
-    if (check_ && !check_(path))
-      warnings_.add(fmt::format("picture '{}' is not in the scene's folder; it is left out", path));
-    else
-      known->second = std::move(path);
+  const std::string name =
+      bytes ? fmt::format("{}#images/{}", std::filesystem::path(file_.name()).filename().string(),
+                          index)
+            : GltfFile::path_of_uri(uri);
+  const std::string problem = check_ ? check_(name, bytes ? &*bytes : nullptr) : "";
+  if (!problem.empty()) {
+    const int line = image.place().line;
+    warnings_.add(fmt::format("{}picture '{}' {}", line > 0 ? fmt::format("line {}: ", line) : "",
+                              name, problem));
+    return "";
   }
-  return known->second;
+  if (bytes) out_.pictures[name] = std::move(*bytes);
+  return known->second = name;
+}
+
+/// The first image of a texture that can be read.
+std::optional<size_t> GltfTextures::readable_image(const GltfValue& texture) {
+  const GltfValue webp = texture["extensions"]["EXT_texture_webp"]["source"];
+  const GltfValue images = file_.root()["images"];
+  bool is_given = false;
+  for (const GltfValue& source : {webp, texture["source"]}) {
+    const auto index = source.index(images.size(), "image");
+    if (!index) continue;
+    is_given = true;
+    if (!picture(images.at(*index), *index).empty()) return index;
+  }
+  if (!is_given) warnings_.add("textures without an image that is read are left out");
+  return std::nullopt;
 }
 
 std::string GltfTextures::use(const GltfValue& info, v1::Texture::Image::Encoding encoding) {
@@ -81,17 +97,12 @@ std::string GltfTextures::use(const GltfValue& info, v1::Texture::Image::Encodin
   if (!index) throw info.error("no texture", "its index");
   used_.insert(*index);
   const GltfValue in = file_.element("textures", *index);
-  const GltfValue webp = in["extensions"]["EXT_texture_webp"]["source"];
-  const auto source = (webp ? webp : in["source"]).index(file_.root()["images"].size(), "image");
-  if (!source) {
-    warnings_.add("textures without an image that is read are left out");
-    return "";
-  }
+  const auto source = readable_image(in);
+  if (!source) return "";
   const GltfValue source_image = file_.element("images", *source);
   v1::Texture texture;
   v1::Texture::Image& image = *texture.mutable_image();
   image.set_file(picture(source_image, *source));
-  if (image.file().empty()) return "";
   image.set_encoding(encoding);
   const auto sampler = in["sampler"].index(file_.root()["samplers"].size(), "sampler");
   if (sampler) sample(file_.element("samplers", *sampler), image);

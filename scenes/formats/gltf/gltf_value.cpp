@@ -179,16 +179,19 @@ Error GltfValue::wrong_type(std::string_view expected) const {
   return error(type_name(*json_), expected);
 }
 
-Error GltfValue::error(std::string_view found, std::string_view expected) const {
+SourcePlace GltfValue::place() const {
   SourcePlace place{text_->name};
-  // An absent member has the place of the nearest value that is there.
   for (std::string path = path_; place.line == 0 && !path.empty();) {
     std::tie(place.line, place.column) = find_json_place(text_->text, path);
     const size_t slash = path.rfind('/');
     path.resize(slash == std::string::npos ? 0 : slash);
   }
+  return place;
+}
+
+Error GltfValue::error(std::string_view found, std::string_view expected) const {
   return scene_error(
-      place, path_.empty() ? std::string(found) : fmt::format("{}: {}", path_, found), expected);
+      place(), path_.empty() ? std::string(found) : fmt::format("{}: {}", path_, found), expected);
 }
 
 }  // namespace tessera

@@ -42,6 +42,8 @@ class GltfValue {
   std::optional<std::vector<double>> numbers(size_t count) const;
 
   const std::string& path() const { return path_; }
+  /// An absent value has the place of the nearest one that is there.
+  SourcePlace place() const;
   Error error(std::string_view found, std::string_view expected) const;
 
  private:

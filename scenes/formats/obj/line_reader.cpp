@@ -82,9 +82,8 @@ bool LineReader::refill() {
   }
   pending_.assign(buffer_, cut);
   buffer_.resize(cut);
-  const bool first = std::exchange(at_start_, false);
-  const size_t mark = first ? cut - skip_byte_order_mark(buffer_).size() : 0;
-  at_ = word_ = buffer_.data() + mark;
+  if (std::exchange(at_start_, false)) buffer_.erase(0, cut - skip_byte_order_mark(buffer_).size());
+  at_ = word_ = buffer_.data();
   end_ = buffer_.data() + buffer_.size();
   return at_ != end_;
 }

@@ -27,11 +27,20 @@ bool is_text(std::string_view word) {
 }  // namespace
 
 ObjFile ObjParser::parse() {
+  SourcePlace first{in_.name()};
+  std::string begins_with;
   while (in_.next_line()) {
     const std::string_view keyword = in_.word();
     if (keyword.empty() || keyword.front() == '#') continue;
+    if (begins_with.empty()) {
+      first = in_.place();
+      begins_with = fmt::format(", which begins with {}", in_.quoted_word());
+    }
     statement(keyword);
   }
+  if (file_.mesh.positions.empty())
+    throw scene_error(first, fmt::format("no vertex (v) in the whole file{}", begins_with),
+                      "the text of an OBJ file");
   return std::move(file_);
 }
 

@@ -11,6 +11,7 @@
 #include "scenes/formats/obj/line_reader.h"
 #include "scenes/formats/obj/mtl_reader.h"
 #include "scenes/formats/obj/obj_parser.h"
+#include "scenes/import/picture_problem.h"
 #include "scenes/import/plain_material.h"
 
 namespace tessera {
@@ -19,8 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The files that the text after mtllib names: one whose name has spaces, or several.
-std::vector<std::string> library_names(const std::string& written, const fs::path& folder) {
-  const auto whole = resolve_inside(folder, written);
+std::vector<std::string> library_names(const std::string& written, const AssetFolder& assets) {
+  const auto whole = assets.find(written);
   std::error_code ignored;
   if (whole && fs::exists(*whole, ignored)) return {written};
   // Some programs put a backslash before the spaces of a name.
@@ -38,34 +39,25 @@ std::vector<std::string> library_names(const std::string& written, const fs::pat
   return names;
 }
 
-/// A picture that an MTL file in the folder `below` of `folder` names: what it is called from
-/// there. Without `check` it need only be there.
-std::optional<std::string> find_picture(const std::string& written, const fs::path& folder,
-                                        const fs::path& below, const PictureCheck& check,
+/// A picture that an MTL file names, whose assets these are: what it is called from `folder`.
+/// Without `check` it need only be there.
+std::optional<std::string> find_picture(const std::string& written, const AssetFolder& assets,
+                                        const fs::path& folder, const PictureCheck& check,
                                         Warnings& warnings) {
-  const std::string name = (below / written).lexically_normal().generic_string();
-  const auto file = fs::path(written).is_absolute() ? std::nullopt : resolve_inside(folder, name);
-  std::error_code ignored;
-  if (file && fs::is_regular_file(*file, ignored)) {
-    const std::string problem = check ? check(file->string(), nullptr) : "";
-    if (problem.empty()) return name;
-    warnings.add(fmt::format("picture '{}' {}", written, problem));
-    return std::nullopt;
-  }
-  warnings.add(
-      fmt::format("picture '{}' {}", written,
-                  file ? "is not there" : "lies outside the scene's folder and is not read"));
+  const std::string problem = picture_problem(assets, written, check);
+  if (problem.empty()) return assets.find(written)->lexically_relative(folder).generic_string();
+  warnings.add(fmt::format("picture '{}' {}", written, problem));
   return std::nullopt;
 }
 
 /// Of the materials named in `used` pictures are checked.
-void read_library(const std::string& written, const fs::path& folder, const PictureCheck& check,
+void read_library(const std::string& written, const AssetFolder& assets, const PictureCheck& check,
                   const std::vector<std::string>& used, MtlLibrary& library, LoadedScene& out,
                   const std::string& path) {
   std::string name = written;
   for (char& c : name)
     if (c == '\\') c = '/';
-  const auto file = resolve_inside(folder, name);
+  const auto file = assets.find(name);
   std::error_code ignored;
   if (!file) {
     out.warnings.push_back(
@@ -76,11 +68,14 @@ void read_library(const std::string& written, const fs::path& folder, const Pict
         fmt::format("{}: material library '{}' is not there", path, to_utf8(written)));
   } else if (fs::is_regular_file(*file, ignored) && fs::file_size(*file, ignored) > 0) {
     Warnings warnings;
-    LineReader reader((folder / name).string());
-    const fs::path below = fs::path(name).parent_path();
+    LineReader reader(assets.searches_root ? file->string()
+                                           : (fs::path(path).parent_path() / name).string());
+    AssetFolder below = assets;
+    below.folder = file->parent_path();
     const auto finder = [&](const std::string& picture, const std::string& material) {
       const bool is_used = std::find(used.begin(), used.end(), material) != used.end();
-      return find_picture(picture, folder, below, is_used ? check : PictureCheck{}, warnings);
+      return find_picture(picture, below, assets.folder, is_used ? check : PictureCheck{},
+                          warnings);
     };
     read_mtl(reader, finder, library, warnings);
     for (std::string& line : warnings.list(reader.name())) out.warnings.push_back(std::move(line));
@@ -135,21 +130,19 @@ void make_names_unique(v1::Scene& scene) {
   }
 }
 
-LoadedScene read(LineReader& reader, const fs::path* folder, const PictureCheck& check) {
+LoadedScene read(LineReader& reader, const AssetFolder* assets, const PictureCheck& check) {
   LoadedScene out;
   Warnings warnings;
   ObjFile file = ObjParser(reader, warnings).parse();
   MtlLibrary library;
-  if (folder) {
+  if (assets) {
     std::set<std::string> seen;
     for (const std::string& written : file.libraries)
-      for (const std::string& name : library_names(written, *folder))
+      for (const std::string& name : library_names(written, *assets))
         if (seen.insert(name).second)
-          read_library(name, *folder, check, file.materials, library, out, reader.name());
+          read_library(name, *assets, check, file.materials, library, out, reader.name());
   }
   if (file.mesh.triangle_count() == 0) {
-    if (file.mesh.positions.empty())
-      throw scene_error({reader.name()}, "no vertex and no face", "the text of an OBJ file");
     warnings.add("no faces: there is nothing to see");
   } else {
     v1::Node& node = *out.scene.add_nodes();
@@ -166,8 +159,8 @@ LoadedScene read(LineReader& reader, const fs::path* folder, const PictureCheck&
 
 LoadedScene read_obj(const std::string& path, const ReadOptions& options) {
   LineReader reader(path);
-  const fs::path folder = fs::path(path).parent_path();
-  return read(reader, &folder, options.check_picture);
+  const AssetFolder assets(path, options.assets);
+  return read(reader, &assets, options.check_picture);
 }
 
 LoadedScene parse_obj(std::string_view text, const std::string& name) {

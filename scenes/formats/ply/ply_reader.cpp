@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "renderer/math/encodings.h"
 #include "scenes/formats/ply/ply_source.h"
+#include "scenes/import/picture_problem.h"
 #include "scenes/import/plain_material.h"
 #include "scenes/import/warnings.h"
 #include "scenes/mesh/mesh_data.h"
@@ -78,22 +79,31 @@ class PlyMesh {
   MeshData read(const PlyHeader& header) {
     for (size_t i = 0; i <= 255; ++i)
       codes_[i] = color_value(static_cast<double>(i), PlyType::uint8, false);
+    std::vector<std::pair<const PlyElement*, Source>> before_vertices;
     for (const PlyElement& element : header.elements) {
       if (element.properties.empty()) continue;
-      if (element.name == "vertex")
+      const bool has_faces = element.name == "face" || element.name == "tristrips";
+      if (element.name == "vertex") {
         vertices(element);
-      else if (element.name == "face" || element.name == "tristrips")
-        faces(element, element.name == "tristrips");
-      else
+      } else if (has_faces && mesh_.vertex_count() > 0) {
+        faces(element);
+      } else {
+        if (has_faces)
+          before_vertices.emplace_back(&element, in_);
+        else if (element.count > 0)
+          warnings_.add(fmt::format("element '{}' is left out", element.name), element.count);
         skip(element);
+      }
+    }
+    for (const auto& [element, begin] : before_vertices) {
+      in_ = begin;
+      faces(*element);
     }
     return std::move(mesh_);
   }
 
  private:
   void skip(const PlyElement& element) {
-    if (element.count > 0)
-      warnings_.add(fmt::format("element '{}' is left out", element.name), element.count);
     for (uint64_t row = 0; row < element.count; ++row)
       for (const PlyProperty& property : element.properties) skip(property);
   }
@@ -165,7 +175,8 @@ class PlyMesh {
     }
   }
 
-  void faces(const PlyElement& element, bool strips) {
+  void faces(const PlyElement& element) {
+    const bool strips = element.name == "tristrips";
     size_t list = element.properties.size();
     for (size_t p = 0; p < element.properties.size(); ++p) {
       const PlyProperty& property = element.properties[p];
@@ -198,7 +209,7 @@ class PlyMesh {
     const size_t count = mesh_.vertex_count();
     if (!(value >= 0 && value < static_cast<double>(count)) || value != std::floor(value))
       throw in_.error(row_name("face"), fmt::format("'{}' {}", list.name, value),
-                      count == 0 ? std::string("vertices before the faces")
+                      count == 0 ? std::string("a file with vertices")
                                  : fmt::format("an index of 0 to {}", count - 1));
     return static_cast<uint32_t>(value);
   }
@@ -286,8 +297,8 @@ void add_texture(const std::string& file, v1::Scene& scene, v1::Material& materi
 
 }  // namespace
 
-LoadedScene parse_ply(std::string_view bytes, const std::string& name,
-                      const std::function<bool(const std::string& path)>& has_picture) {
+LoadedScene parse_ply(std::string_view bytes, const std::string& name, const PictureCheck& check) {
+  bytes = skip_byte_order_mark(bytes);
   LoadedScene out;
   Warnings warnings;
   const PlyHeader header = read_ply_header(bytes, name);
@@ -300,13 +311,14 @@ LoadedScene parse_ply(std::string_view bytes, const std::string& name,
     v1::Material& material = *out.scene.add_materials();
     material = plain_material("default", !mesh.colors.empty());
     if (const std::string& file = header.texture_file; !file.empty()) {
-      if (mesh.uvs.empty() || (has_picture && !has_picture(file)))
-        warnings.add(fmt::format("picture '{}' is {}", file,
-                                 mesh.uvs.empty()
-                                     ? "left out, for vertices have no texture coordinates"
-                                     : "not in the scene's folder; it is left out"));
-      else
+      const std::string problem = mesh.uvs.empty()
+                                      ? "is left out, for vertices have no texture coordinates"
+                                  : check ? check(file, nullptr)
+                                          : "";
+      if (problem.empty())
         add_texture(file, out.scene, material);
+      else
+        warnings.add(fmt::format("picture '{}' {}", file, problem));
     }
     node.mutable_shape()->add_materials("default");
     *node.mutable_shape()->mutable_mesh() = store_mesh(std::move(mesh), out.blobs);
@@ -315,13 +327,12 @@ LoadedScene parse_ply(std::string_view bytes, const std::string& name,
   return out;
 }
 
-LoadedScene read_ply(const std::string& path) {
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  return parse_ply(read_input_file(path, kMaxBytes), path, [&](const std::string& name) {
-    const auto file = resolve_inside(folder, name);
-    std::error_code ignored;
-    return file && std::filesystem::is_regular_file(*file, ignored);
-  });
+LoadedScene read_ply(const std::string& path, const ReadOptions& options) {
+  const AssetFolder assets(path, options.assets);
+  return parse_ply(read_input_file(path, kMaxBytes), path,
+                   [&](const std::string& name, const std::string* /*bytes*/) {
+                     return picture_problem(assets, name, options.check_picture);
+                   });
 }
 
 }  // namespace tessera

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "base/file.h"
+#include "base/lower_case.h"
 #include "scenes/import/plain_material.h"
 #include "scenes/import/token_reader.h"
 #include "scenes/import/warnings.h"
@@ -59,7 +60,7 @@ uint32_t announced_triangles(std::string_view bytes) {
 /// that fit its length by no chance, and no zero.
 bool is_text(std::string_view bytes) {
   if (bytes.size() == kDataBegin + uint64_t{announced_triangles(bytes)} * kRecord) return false;
-  return TokenReader(bytes, "").word() == "solid" &&
+  return lower_case(std::string(TokenReader(bytes, "").word())) == "solid" &&
          bytes.substr(0, kDataBegin).find('\0') == std::string_view::npos;
 }
 
@@ -96,7 +97,7 @@ class StlText {
 
   void read() {
     for (;;) {
-      const std::string_view keyword = in_.word();
+      const std::string keyword = next();
       if (keyword.empty()) return;
       if (keyword == "facet") {
         facet();
@@ -112,8 +113,11 @@ class StlText {
   }
 
  private:
+  /// Some programs write keywords in capitals.
+  std::string next() { return lower_case(std::string(in_.word())); }
+
   void expect(std::string_view wanted) {
-    if (in_.word() != wanted) throw in_.error(in_.quoted_word(), fmt::format("'{}'", wanted));
+    if (next() != wanted) throw in_.error(in_.quoted_word(), fmt::format("'{}'", wanted));
   }
 
   void facet() {
@@ -140,6 +144,7 @@ class StlText {
 }  // namespace
 
 LoadedScene parse_stl(std::string_view bytes, const std::string& name) {
+  bytes = skip_byte_order_mark(bytes);
   LoadedScene out;
   Warnings warnings;
   StlMesh builder(warnings);

@@ -37,11 +37,10 @@ bool has_scheme(const std::string& url) {
 
 }  // namespace
 
-X3dFiles::X3dFiles(const std::string& first_file) {
+X3dFiles::X3dFiles(const std::string& first_file, const std::string& assets)
+    : assets_(AssetFolder(first_file, assets)) {
   const fs::path whole = fs::weakly_canonical(fs::absolute(first_file));
-  root_ = whole.parent_path();
-  first_ = whole.filename().generic_string();
-  open.push_back(first_);
+  open.push_back(whole.lexically_relative(assets_->folder).generic_string());
 }
 
 std::string X3dFiles::folder_of(const std::string& file) {
@@ -53,12 +52,13 @@ X3dFiles::Found X3dFiles::find(const std::string& url, const std::string& folder
   if (has_scheme(url)) return {.reason = "only files are read, and nothing from the network"};
   const std::string path = path_of(url);
   if (path.empty()) return {.reason = "it names no file"};
-  const auto target = resolve_inside(root_, (fs::path(folder) / path).string());
-  if (!target || fs::path(path).is_absolute())
-    return {.reason = "it is not inside the scene's folder"};
+  AssetFolder from = *assets_;
+  from.folder = (from.folder / folder).lexically_normal();
+  const auto target = from.find(path);
+  if (!target) return {.reason = "it is not inside the scene's folder"};
   std::error_code failure;
   if (!fs::is_regular_file(*target, failure)) return {.reason = "there is no such file"};
-  return {.file = target->lexically_relative(root_).generic_string()};
+  return {.file = target->lexically_relative(assets_->folder).generic_string()};
 }
 
 std::string X3dFiles::shown(const std::string& url) {

@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "scenes/import/asset_folder.h"
+
 namespace tessera {
 
-/// The files that an X3D scene may name: those in the folder of its first file. Names are relative
-/// to that folder, with '/' between. Nothing is on the network.
+/// The files that an X3D scene may name: those in the assets of its first file. Names are relative
+/// to the folder where its own begin, with '/' between. Nothing is on the network.
 class X3dFiles {
  public:
   static constexpr size_t kMaxFiles = 1000;  ///< that are read as parts of one scene
@@ -17,10 +19,9 @@ class X3dFiles {
 
   /// Without a folder no file is looked for.
   X3dFiles() = default;
-  explicit X3dFiles(const std::string& first_file);
+  X3dFiles(const std::string& first_file, const std::string& assets);
 
-  bool has_folder() const { return !root_.empty(); }
-  const std::string& first() const { return first_; }
+  bool has_folder() const { return assets_.has_value(); }
 
   /// What became of a URL.
   struct Found {
@@ -34,15 +35,16 @@ class X3dFiles {
 
   /// The folder of a file found.
   static std::string folder_of(const std::string& file);
-  std::string full(const std::string& file) const { return (root_ / file).string(); }
+  std::string full(const std::string& file) const {
+    return (assets_->folder / file).lexically_normal().string();
+  }
 
   /// The files that are being read, outermost first, and the objects that those read became.
   std::vector<std::string> open;
   std::map<std::string, std::string> objects;
 
  private:
-  std::filesystem::path root_;
-  std::string first_;
+  std::optional<AssetFolder> assets_;
 };
 
 }  // namespace tessera

@@ -27,6 +27,12 @@ bool holds_one_node(const X3dNodeType& type, std::string_view field) {
          field != "attrib";
 }
 
+bool has_transform(std::string_view type) {
+  return type == "Transform" || type.starts_with("HAnim");
+}
+
+bool is_viewpoint(std::string_view type) { return type == "Viewpoint" || type == "OrthoViewpoint"; }
+
 bool is_light(std::string_view type) {
   return type == "DirectionalLight" || type == "PointLight" || type == "SpotLight";
 }
@@ -112,17 +118,48 @@ void X3dTranslator::list_ignored() {
   if (!list.empty()) warnings_.add("ignored: " + list);
 }
 
-void X3dTranslator::add_children(const X3dNode& parent, const v1::Transform& path, Nodes& out) {
+std::vector<const X3dNode*> X3dTranslator::shown_children(const X3dNode& parent) const {
   // What is shown of a Switch and a LOD is one child; a Collision's proxy is never shown.
   int64_t only = -1;
   if (parent.type == "Switch") only = values_.integer(parent, "whichChoice", -1);
   if (parent.type == "LOD") only = 0;
   const bool selects = parent.type == "Switch" || parent.type == "LOD";
   int64_t number = 0;
+  std::vector<const X3dNode*> shown;
   for (const X3dNode::Child& child : parent.children) {
     if (!is_shown(child.container)) continue;
-    if (!selects || number++ == only) add_node(*child.node, path, out);
+    if (!selects || number++ == only) shown.push_back(child.node);
   }
+  return shown;
+}
+
+void X3dTranslator::add_children(const X3dNode& parent, const v1::Transform& path, Nodes& out) {
+  for (const X3dNode* child : shown_children(parent)) add_node(*child, path, out);
+}
+
+/// As add_children goes, but into no Inline.
+bool X3dTranslator::find_view(const X3dNode& parent, const v1::Transform& path, int depth,
+                              v1::Camera& out) {
+  if (depth > X3dBuild::kMaxDepth || !without_view_.insert(&parent).second) return false;
+  for (const X3dNode* child : shown_children(parent)) {
+    if (is_viewpoint(child->type)) {
+      out = make_camera(*child, path);
+      return true;
+    }
+    if (!is_group(child->type)) continue;
+    v1::Transform inner = path;
+    if (has_transform(child->type)) inner.MergeFrom(transform(*child));
+    if (find_view(*child, inner, depth + 1, out)) return true;
+  }
+  return false;
+}
+
+v1::Camera X3dTranslator::first_view() {
+  v1::Transform path;
+  if (document_.metres_per_unit() != 1)
+    put_vec3(Vec3{1, 1, 1} * document_.metres_per_unit(), path.add_steps()->mutable_scale());
+  v1::Camera out;
+  return find_view(document_.scene(), path, 0, out) ? out : default_camera();
 }
 
 void X3dTranslator::add_node(const X3dNode& node, const v1::Transform& path, Nodes& out) {
@@ -131,7 +168,7 @@ void X3dTranslator::add_node(const X3dNode& node, const v1::Transform& path, Nod
     return fill_node(node, path, *out.Add());
   }
   if (is_light(node.type)) return add_light(node, out);
-  if (node.type == "Viewpoint" || node.type == "OrthoViewpoint") return add_camera(node, path);
+  if (is_viewpoint(node.type)) return add_camera(node, path);
   // Of the nodes that can be bound, the first one of its kind is.
   const bool is_background = node.type == "Background" || node.type == "TextureBackground";
   if (is_background && !out_.scene.has_background()) set_background(node, path);
@@ -162,9 +199,9 @@ void X3dTranslator::fill_node(const X3dNode& node, const v1::Transform& path, v1
                           fmt::format("at most {} levels", X3dBuild::kMaxDepth));
   out.set_name(node.def);
   if (!values_.boolean(node, "visible", true)) out.set_hidden(true);
-  if (node.type == "Shape") return add_shape(node, out);
+  if (node.type == "Shape") return add_shape(node, path, out);
   v1::Transform inner = path;
-  if (node.type == "Transform" || node.type.starts_with("HAnim")) {
+  if (has_transform(node.type)) {
     *out.mutable_transform() = transform(node);
     inner.MergeFrom(out.transform());
   }

@@ -73,6 +73,9 @@ std::string X3dTranslator::read_inline(const X3dNode& node, const std::string& u
   std::optional<X3dDocument> parsed;
   try {
     if (!is_other) parsed = X3dDocument::parse(read_input_file(full, X3dDocument::kMaxBytes), full);
+    const SceneCheck& check = build_.options.check_scene;
+    if (const std::string problem = is_other && check ? check(full) : ""; !problem.empty())
+      return problem;
   } catch (const Error& error) {  // as one that is missing
     return error.what();
   }

@@ -11,6 +11,7 @@ LoadedScene read_first(std::string_view bytes, const std::string& name, const Re
                        X3dFiles files) {
   const X3dDocument document = X3dDocument::parse(bytes, name);
   X3dBuild build{.options = options, .files = std::move(files)};
+  build.view = X3dTranslator(document, build, "").first_view();  // whose warnings come again
   X3dTranslator translator(document, build, "");
   translator.add_all({}, 1, *build.out.scene.mutable_nodes());
   translator.finish();
@@ -20,7 +21,8 @@ LoadedScene read_first(std::string_view bytes, const std::string& name, const Re
 }  // namespace
 
 LoadedScene read_x3d(const std::string& path, const ReadOptions& options) {
-  return read_first(read_input_file(path, X3dDocument::kMaxBytes), path, options, X3dFiles(path));
+  return read_first(read_input_file(path, X3dDocument::kMaxBytes), path, options,
+                    X3dFiles(path, options.assets));
 }
 
 LoadedScene parse_x3d(std::string_view bytes, const std::string& name, const ReadOptions& options) {

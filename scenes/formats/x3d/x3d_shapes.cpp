@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include "renderer/math/elementary.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
+#include "scenes/import/to_affine.h"
 
 namespace tessera {
 namespace {
@@ -59,19 +61,6 @@ void set_disc(const X3dNode& node, const X3dValues& values, v1::Disc& disc) {
   disc.set_inner_radius(inner);
 }
 
-/// Where the texture is read; only the generator says other than at the texture coordinates.
-v1::Texture::Mapping mapping_of(const X3dNode& geometry, const X3dValues& values) {
-  const X3dNode* node = geometry.child("texCoord");
-  if (!node || node->type != "TextureCoordinateGenerator") return v1::Texture::UV;
-  const std::string mode = values.text(*node, "mode");
-  if (mode == "COORD") return v1::Texture::OBJECT;
-  if (mode == "SPHERE-LOCAL") return v1::Texture::OBJECT_NORMAL;
-  if (!mode.empty() && mode != "SPHERE")
-    values.warnings().add(
-        fmt::format("TextureCoordinateGenerator of mode '{}' is read as SPHERE", mode));
-  return v1::Texture::VIEW_NORMAL;
-}
-
 bool is_textured(const X3dNode* appearance) {
   if (!appearance) return false;
   if (appearance->child("texture")) return true;
@@ -84,20 +73,50 @@ bool is_textured(const X3dNode* appearance) {
 
 }  // namespace
 
-const X3dMesh& X3dTranslator::mesh(const X3dNode& geometry, bool textured) {
-  const auto key = std::make_pair(&geometry, textured);
+/// A prism shows four fifths of its width: one to two pixels of a picture of 450 to 900. What
+/// LineProperties multiply it by is 1 at least, the narrowest line (12.4.3).
+X3dPen X3dTranslator::pen(const X3dNode* line_properties, const v1::Transform& path) {
+  constexpr double kWidth = 1. / 360;  // of the picture's smaller side
+  double width = kWidth;
+  if (line_properties && values_.boolean(*line_properties, "applied", true)) {
+    width *= std::max(1., values_.number(*line_properties, "linewidthScaleFactor", 0));
+    if (values_.integer(*line_properties, "linetype", 1) != 1)
+      warnings_.add("lines of any linetype are drawn solid");
+  }
+  const v1::Camera& view = build_.view;
+  const Affine world_from_camera = to_affine(view.world_from_camera());
+  X3dPen out{.camera_from_node = inverse(world_from_camera) * to_affine(path)};
+  if (view.has_orthographic()) {
+    const v1::Orthographic& window = view.orthographic();
+    constexpr double kDefaultSide = 2;
+    const double side = window.has_min_x() ? std::min(window.max_x() - window.min_x(),
+                                                      window.max_y() - window.min_y())
+                                           : kDefaultSide;
+    out.width = width * side;
+  } else {
+    const double half = portable::radians(view.perspective().field_of_view()) / 2;
+    out.width_per_depth = width * 2 * portable::sin(half) / portable::cos(half);
+  }
+  return out;
+}
+
+const X3dMesh& X3dTranslator::mesh(const X3dNode& geometry, const MeshLook& look,
+                                   const v1::Transform& path) {
+  const auto key = std::make_pair(&geometry, look);
   const auto known = meshes_.find(key);
   if (known != meshes_.end()) return known->second;
-  const X3dMeshOptions options{.linear = build_.options.x3d_color == ReadOptions::Color::linear,
-                               .weld = build_.options.x3d_weld,
-                               .textured = textured};
+  X3dMeshOptions options{.linear = build_.options.x3d_color == ReadOptions::Color::linear,
+                         .weld = build_.options.x3d_weld,
+                         .textured = look.textured};
+  if (is_x3d_lines(geometry.type)) options.pen = pen(look.line_properties, path);
   return meshes_.emplace(key, build_x3d_mesh(geometry, values_, options, out_.blobs)).first->second;
 }
 
-bool X3dTranslator::set_geometry(const X3dNode& geometry, bool textured, v1::Shape& shape) {
+bool X3dTranslator::set_geometry(const X3dNode& geometry, const MeshLook& look,
+                                 const v1::Transform& path, v1::Shape& shape) {
   const std::string& type = geometry.type;
   if (is_x3d_mesh(type)) {
-    const X3dMesh& made = mesh(geometry, textured);
+    const X3dMesh& made = mesh(geometry, look, path);
     if (made.empty) {
       warnings_.add(fmt::format("{} without a face is left out", type));
       return false;
@@ -121,17 +140,19 @@ bool X3dTranslator::set_geometry(const X3dNode& geometry, bool textured, v1::Sha
   return true;
 }
 
-void X3dTranslator::add_shape(const X3dNode& node, v1::Node& out) {
+void X3dTranslator::add_shape(const X3dNode& node, const v1::Transform& path, v1::Node& out) {
   const X3dNode* geometry = node.child("geometry");
   if (!geometry) return;
   Look look{.appearance = node.child("appearance")};
-  const bool textured = is_textured(look.appearance);
-  v1::Shape shape;
-  if (!set_geometry(*geometry, textured, shape)) return;
-  shape.set_name(geometry->def);
   const std::string& type = geometry->type;
-  const bool flat = type == "Rectangle2D" || type == "Disk2D" || type == "Text";
   look.lines = is_x3d_lines(type);
+  MeshLook mesh_look{.textured = is_textured(look.appearance)};
+  if (look.lines && look.appearance && type != "PointSet")
+    mesh_look.line_properties = look.appearance->child("lineProperties");
+  v1::Shape shape;
+  if (!set_geometry(*geometry, mesh_look, path, shape)) return;
+  shape.set_name(geometry->def);
+  const bool flat = type == "Rectangle2D" || type == "Disk2D" || type == "Text";
   // What has no breadth hides no light. shadowCaster is an extension of older files.
   const bool casts = !look.lines && values_.boolean(node, "castShadow", true) &&
                      (!look.appearance || values_.boolean(*look.appearance, "shadowCaster", true));
@@ -139,11 +160,11 @@ void X3dTranslator::add_shape(const X3dNode& node, v1::Node& out) {
   look.two_sided =
       look.lines || build_.options.x3d_two_sided || !values_.boolean(*geometry, "solid", !flat);
   if (shape.has_mesh()) {
-    const X3dMesh& made = mesh(*geometry, textured);
+    const X3dMesh& made = mesh(*geometry, mesh_look, path);
     look.colors = made.has_colors;
     look.color_alpha = made.has_color_alpha;
   }
-  if (textured) look.mapping = mapping_of(*geometry, values_);
+  if (mesh_look.textured) look.coordinates = coordinates_of(*geometry, values_);
   shape.add_materials(material(look));
   *out.mutable_shape() = std::move(shape);
 }

@@ -15,6 +15,14 @@ void add_rotation(const X3dRotation& turn, v1::Transform& out) {
   rotate.set_angle(degrees_from_radians(turn.angle));
 }
 
+v1::Camera default_camera() {
+  v1::Camera camera;
+  camera.set_name("default");
+  add_translation({0, 0, 10}, *camera.mutable_world_from_camera());
+  camera.mutable_perspective()->set_field_of_view(45);
+  return camera;
+}
+
 double mean_scale(const v1::Transform& transform) {
   double volume = 1;
   for (const v1::Transform::Step& step : transform.steps())

@@ -7,6 +7,7 @@
 #include "scenes/formats/x3d/x3d_translator.h"
 #include "scenes/import/data_uri.h"
 #include "scenes/import/mip_levels.h"
+#include "scenes/import/to_affine.h"
 
 namespace tessera {
 namespace {
@@ -46,7 +47,50 @@ v1::Texture::Image::Wrap wrap_of(const std::string& mode, v1::Texture::Image::Wr
   return mode.starts_with("CLAMP") ? v1::Texture::Image::CLAMP : otherwise;
 }
 
+void add_matrix(const Affine& affine, v1::Transform& out) {
+  v1::Matrix& matrix = *out.add_steps()->mutable_matrix();
+  for (const auto& row : affine.m)
+    for (const double value : row) matrix.add_rows(value);
+}
+
 }  // namespace
+
+X3dTranslator::Coordinates X3dTranslator::coordinates_of(const X3dNode& geometry,
+                                                         const X3dValues& values) {
+  const X3dNode* node = geometry.child("texCoord");
+  if (!node || node->type != "TextureCoordinateGenerator") return Coordinates::uv;
+  const std::string mode = values.text(*node, "mode");
+  if (mode == "COORD") return Coordinates::coord;
+  if (mode == "COORD-EYE" || mode == "CAMERASPACEPOSITION") return Coordinates::coord_eye;
+  if (mode == "SPHERE-LOCAL") return Coordinates::sphere_local;
+  if (mode == "CAMERASPACENORMAL") return Coordinates::camera_space_normal;
+  if (!mode.empty() && mode != "SPHERE")
+    values.warnings().add(
+        fmt::format("TextureCoordinateGenerator of mode '{}' is read as SPHERE", mode));
+  return Coordinates::sphere;
+}
+
+/// The step from what the mapping gives to the coordinate that X3D means comes before all others.
+void X3dTranslator::set_coordinates(Coordinates coordinates, v1::Texture& texture) const {
+  switch (coordinates) {
+    case Coordinates::uv:
+      return;
+    case Coordinates::coord:
+      return texture.set_mapping(v1::Texture::OBJECT);
+    case Coordinates::coord_eye:
+      texture.set_mapping(v1::Texture::WORLD);
+      return add_matrix(inverse(to_affine(build_.view.world_from_camera())),
+                        *texture.mutable_transform());
+    case Coordinates::sphere:
+      return texture.set_mapping(v1::Texture::VIEW_NORMAL);
+    case Coordinates::sphere_local:
+      return texture.set_mapping(v1::Texture::OBJECT_NORMAL);
+    case Coordinates::camera_space_normal:  // n, where the mapping gives (n + 1) / 2
+      texture.set_mapping(v1::Texture::VIEW_NORMAL);
+      return add_matrix(translation({-1, -1, 0}) * scaling({2, 2, 1}),
+                        *texture.mutable_transform());
+  }
+}
 
 v1::Texture::Image::Encoding X3dTranslator::color_encoding() const {
   return build_.options.x3d_color == ReadOptions::Color::linear
@@ -77,7 +121,7 @@ std::string X3dTranslator::texture(const X3dNode* node, const Look& look, bool i
     turn = all.empty() ? nullptr : all.front().node;
   }
   if (turn && turn->type != "TextureTransform") turn = nullptr;
-  const auto key = std::make_tuple(node, turn, look.mapping, is_color);
+  const auto key = std::make_tuple(node, turn, look.coordinates, is_color);
   const auto known = textures_.find(key);
   if (known != textures_.end()) return known->second;
 
@@ -88,10 +132,10 @@ std::string X3dTranslator::texture(const X3dNode* node, const Look& look, bool i
                                                   : image_texture(values_.strings(*node, "url"),
                                                                   std::move(image), node->offset);
   const bool own = !name.empty() && name != build_.placeholder;
-  if (own && (turn || look.mapping != v1::Texture::UV)) {
+  if (own && (turn || look.coordinates != Coordinates::uv)) {
     v1::Texture& made = *out_.scene.mutable_textures()->rbegin();
-    made.set_mapping(look.mapping);
     if (turn) *made.mutable_transform() = texture_transform(*turn);
+    set_coordinates(look.coordinates, made);
   }
   return textures_.emplace(key, name).first->second;
 }

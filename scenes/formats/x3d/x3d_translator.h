@@ -28,6 +28,7 @@ struct X3dBuild {
   int depth = 0;
   std::map<std::string, std::string> data_pictures{};  ///< what data: URIs hold, by the URI
   std::string placeholder{};  ///< the texture that stands for pictures which are missing
+  v1::Camera view{};          ///< from which the scene is seen unless another one is asked for
 
   /// `wish`, or that with a number behind it; from now on it is taken.
   static std::string unique(std::set<std::string>& taken, const std::string& wish);
@@ -52,10 +53,13 @@ class X3dTranslator {
   void add_all(const v1::Transform& path, double unit, Nodes& out);
   /// What only the first file has: settings and metadata.
   void finish();
+  /// The first viewpoint of the file itself, else the one that a file without any has.
+  v1::Camera first_view();
 
  private:
   // The graph (x3d_graph.cpp). `path` leads from the frame of the children to the world.
   void add_children(const X3dNode& parent, const v1::Transform& path, Nodes& out);
+  std::vector<const X3dNode*> shown_children(const X3dNode& parent) const;
   void add_node(const X3dNode& node, const v1::Transform& path, Nodes& out);
   void add_instance(const X3dNode& node, const v1::Transform& path, Nodes& out);
   void fill_node(const X3dNode& node, const v1::Transform& path, v1::Node& out);
@@ -69,6 +73,8 @@ class X3dTranslator {
 
   // Cameras, lights and what surrounds the scene (x3d_view.cpp, x3d_lights.cpp, x3d_sky.cpp).
   void add_camera(const X3dNode& node, const v1::Transform& path);
+  v1::Camera make_camera(const X3dNode& node, const v1::Transform& path) const;
+  bool find_view(const X3dNode& parent, const v1::Transform& path, int depth, v1::Camera& out);
   void add_light(const X3dNode& node, Nodes& out);
   void set_attenuation(const X3dNode& node, v1::Light& light);
   void set_background(const X3dNode& node, const v1::Transform& path);
@@ -79,16 +85,29 @@ class X3dTranslator {
   void set_metadata();
 
   // Shapes (x3d_shapes.cpp).
-  void add_shape(const X3dNode& node, v1::Node& out);
-  bool set_geometry(const X3dNode& geometry, bool textured, v1::Shape& shape);
-  const X3dMesh& mesh(const X3dNode& geometry, bool textured);
+  void add_shape(const X3dNode& node, const v1::Transform& path, v1::Node& out);
+  /// What decides over a geometry node's mesh beside itself; of lines used more than once the first
+  /// use decides over their width.
+  struct MeshLook {
+    bool textured = false;
+    const X3dNode* line_properties = nullptr;
+    friend auto operator<=>(const MeshLook&, const MeshLook&) = default;
+  };
+  bool set_geometry(const X3dNode& geometry, const MeshLook& look, const v1::Transform& path,
+                    v1::Shape& shape);
+  const X3dMesh& mesh(const X3dNode& geometry, const MeshLook& look, const v1::Transform& path);
+  X3dPen pen(const X3dNode* line_properties, const v1::Transform& path);
 
   // Materials (x3d_materials.cpp).
+  /// What textures are looked up by: modes of a TextureCoordinateGenerator (18.4.8), but for uv.
+  enum class Coordinates { uv, coord, coord_eye, sphere, sphere_local, camera_space_normal };
+  static Coordinates coordinates_of(const X3dNode& geometry, const X3dValues& values);
+  void set_coordinates(Coordinates coordinates, v1::Texture& texture) const;
   /// What decides over the material of a shape.
   struct Look {
     const X3dNode* appearance = nullptr;
     bool two_sided = false, colors = false, color_alpha = false, lines = false;
-    v1::Texture::Mapping mapping = v1::Texture::UV;
+    Coordinates coordinates = Coordinates::uv;
     friend auto operator<=>(const Look&, const Look&) = default;
   };
   std::string material(const Look& look);
@@ -133,10 +152,10 @@ class X3dTranslator {
   X3dValues values_;
 
   std::map<const X3dNode*, std::string> objects_;  ///< by what is used more than once
-  std::map<std::pair<const X3dNode*, bool>, X3dMesh> meshes_;
+  std::set<const X3dNode*> without_view_;          ///< groups that find_view has been through
+  std::map<std::pair<const X3dNode*, MeshLook>, X3dMesh> meshes_;
   std::map<Look, std::string> materials_;
-  std::map<std::tuple<const X3dNode*, const X3dNode*, v1::Texture::Mapping, bool>, std::string>
-      textures_;
+  std::map<std::tuple<const X3dNode*, const X3dNode*, Coordinates, bool>, std::string> textures_;
 };
 
 }  // namespace tessera

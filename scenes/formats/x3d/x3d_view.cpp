@@ -19,12 +19,17 @@ void X3dBuild::put(const Color& color, v1::Color* out_color) const {
 }
 
 void X3dTranslator::add_camera(const X3dNode& node, const v1::Transform& path) {
-  v1::Camera& camera = *out_.scene.add_cameras();
-  const std::string description = values_.text(node, "description");
-  camera.set_name(build_.unique(build_.camera_names, !node.def.empty()      ? node.def
-                                                     : !description.empty() ? description
-                                                                            : "Viewpoint"));
-  camera.set_description(description);
+  v1::Camera made = make_camera(node, path);
+  const std::string& description = made.description();
+  made.set_name(build_.unique(build_.camera_names, !node.def.empty()      ? node.def
+                                                   : !description.empty() ? description
+                                                                          : "Viewpoint"));
+  *out_.scene.add_cameras() = std::move(made);
+}
+
+v1::Camera X3dTranslator::make_camera(const X3dNode& node, const v1::Transform& path) const {
+  v1::Camera camera;
+  camera.set_description(values_.text(node, "description"));
   v1::Transform& frame = *camera.mutable_world_from_camera();
   frame = path;
   add_translation(values_.vec3(node, "position", {0, 0, 10}), frame);
@@ -52,16 +57,12 @@ void X3dTranslator::add_camera(const X3dNode& node, const v1::Transform& path) {
   camera.set_near_distance(std::max(0., values_.number(node, "nearDistance", -1)));
   camera.set_far_distance(std::max(0., values_.number(node, "farDistance", -1)));
   camera.set_frame_all(values_.boolean(node, "viewAll", false));
+  return camera;
 }
 
 /// Every file has a viewpoint and a headlight, whether it says so or not.
 void X3dTranslator::finish_cameras() {
-  if (out_.scene.cameras_size() == 0) {
-    v1::Camera& camera = *out_.scene.add_cameras();
-    camera.set_name("default");
-    add_translation({0, 0, 10}, *camera.mutable_world_from_camera());
-    camera.mutable_perspective()->set_field_of_view(45);
-  }
+  if (out_.scene.cameras_size() == 0) *out_.scene.add_cameras() = default_camera();
   if (!build_.headlight) return;
   for (v1::Camera& camera : *out_.scene.mutable_cameras()) {
     v1::Light& headlight = *camera.mutable_headlight();

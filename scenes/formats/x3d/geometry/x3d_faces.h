@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scenes/formats/x3d/document/x3d_values.h"
+#include "scenes/formats/x3d/geometry/x3d_polygons.h"
 #include "scenes/mesh/crease_normals.h"
 
 namespace tessera {
@@ -40,9 +41,8 @@ X3dFaces read_x3d_grid(const X3dNode& node, const X3dValues& values);
 X3dFaces read_x3d_extrusion(const X3dNode& node, const X3dValues& values);
 /// Text: flat lines of our own stroke font, in the plane z = 0.
 X3dFaces read_x3d_text(const X3dNode& node, const X3dValues& values);
-/// IndexedLineSet, LineSet and PointSet as thin prisms and octahedra of kX3dLineWidth times the
-/// diagonal of their bounding box.
-X3dFaces read_x3d_lines(const X3dNode& node, const X3dValues& values);
-inline constexpr double kX3dLineWidth = 1. / 400;
+/// IndexedLineSet, LineSet and PointSet as prisms and octahedra as thin as the pen is where they
+/// begin and end.
+X3dFaces read_x3d_lines(const X3dNode& node, const X3dValues& values, const X3dPen& pen);
 
 }  // namespace tessera

@@ -4,26 +4,17 @@
 #include <array>
 #include <cmath>
 
-#include "renderer/math/bounds.h"
 #include "scenes/formats/x3d/geometry/x3d_faces.h"
 
 namespace tessera {
 namespace {
 
-constexpr double kLeastWidth = 0.01;  // metres, of what is all in one point
-
 class LineBuilder {
  public:
-  LineBuilder(const X3dNode& node, const X3dValues& values) : node_(node), values_(values) {
+  LineBuilder(const X3dNode& node, const X3dValues& values, const X3dPen& pen)
+      : node_(node), values_(values), pen_(pen) {
     if (const X3dNode* coord = node.child("coord"))
       coordinates_ = values.floats(*coord, "point", 3);
-    Bounds3 all;
-    for (size_t i = 0; i < coordinates_.size() / 3; ++i) {
-      const Vec3 p = coordinate(i);
-      all.extend(Point3{p.x, p.y, p.z});
-    }
-    const double diagonal = coordinates_.empty() ? 0 : length(all.diagonal());
-    radius_ = (diagonal > 0 ? diagonal * kX3dLineWidth : kLeastWidth) / 2;
   }
 
   X3dFaces make() {
@@ -104,21 +95,37 @@ class LineBuilder {
     out_.numbers.back() = static_cast<uint32_t>(number);
   }
 
-  /// A prism of three sides, which looks as wide from everywhere to within a seventh.
+  /// A place on a line, with the coordinate whose colour it has.
+  struct End {
+    Vec3 at;
+    size_t coordinate, slot;
+  };
+
+  /// What is as wide as it is deep in view is so between its ends too, but not through the camera.
   void add_line(size_t from, size_t to, size_t from_slot, size_t to_slot, size_t number) {
-    const Vec3 a = coordinate(from), b = coordinate(to);
-    if (!(length_squared(b - a) > 0)) return;
+    const End a{coordinate(from), from, from_slot}, b{coordinate(to), to, to_slot};
+    const double depth_a = pen_.depth(a.at), depth_b = pen_.depth(b.at);
+    if (pen_.width_per_depth == 0 || depth_a * depth_b >= 0) return add_prism(a, b, number);
+    const Vec3 beside = a.at + (b.at - a.at) * (depth_a / (depth_a - depth_b));
+    add_prism(a, {beside, from, from_slot}, number);
+    add_prism({beside, to, to_slot}, b, number);
+  }
+
+  /// Of three sides, so that it looks as wide from everywhere to within a seventh.
+  void add_prism(const End& from, const End& to, size_t number) {
+    const Vec3 &a = from.at, &b = to.at;
+    const double radius_a = pen_.radius(a), radius_b = pen_.radius(b);
+    if (!(length_squared(b - a) > 0 && std::max(radius_a, radius_b) > 0)) return;
     const Vec3 along = normalize(b - a);
     const Vec3 x = normalize(cross(along, std::abs(along.x) < .5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
     const Vec3 y = cross(along, x);
-    const std::array<Vec3, 3> around{x * radius_, x * (-radius_ / 2) + y * (radius_ * 0.8660254),
-                                     x * (-radius_ / 2) - y * (radius_ * 0.8660254)};
+    const std::array<Vec3, 3> around{x, x * -0.5 + y * 0.8660254, x * -0.5 - y * 0.8660254};
     std::array<Corner, 3> begin, end;
     for (size_t k = 0; k < 3; ++k) {
-      begin[k] = {add_vertex(a + around[k]), static_cast<uint32_t>(from),
-                  static_cast<uint32_t>(from_slot)};
-      end[k] = {add_vertex(b + around[k]), static_cast<uint32_t>(to),
-                static_cast<uint32_t>(to_slot)};
+      begin[k] = {add_vertex(a + around[k] * radius_a), static_cast<uint32_t>(from.coordinate),
+                  static_cast<uint32_t>(from.slot)};
+      end[k] = {add_vertex(b + around[k] * radius_b), static_cast<uint32_t>(to.coordinate),
+                static_cast<uint32_t>(to.slot)};
     }
     for (size_t k = 0; k < 3; ++k) {
       const size_t next = (k + 1) % 3;
@@ -133,10 +140,12 @@ class LineBuilder {
   /// An octahedron.
   void add_point(size_t i) {
     const Vec3 p = coordinate(i);
+    const double radius = pen_.radius(p);
+    if (!(radius > 0)) return;
     std::array<Corner, 6> tips;  // -x +x -y +y -z +z
     for (size_t k = 0; k < 6; ++k) {
       Vec3 step;
-      step[static_cast<int>(k / 2)] = k % 2 ? radius_ : -radius_;
+      step[static_cast<int>(k / 2)] = k % 2 ? radius : -radius;
       tips[k] = {add_vertex(p + step), static_cast<uint32_t>(i), static_cast<uint32_t>(i)};
     }
     for (size_t octant = 0; octant < 8; ++octant) {
@@ -150,15 +159,27 @@ class LineBuilder {
 
   const X3dNode& node_;
   const X3dValues& values_;
+  const X3dPen& pen_;
   std::vector<float> coordinates_;
-  double radius_ = 0;
   X3dFaces out_;
 };
 
 }  // namespace
 
-X3dFaces read_x3d_lines(const X3dNode& node, const X3dValues& values) {
-  return LineBuilder(node, values).make();
+double X3dPen::depth(const Vec3& point) const { return -camera_from_node(Point3{} + point).z; }
+
+double X3dPen::radius(const Vec3& point) const {
+  constexpr double kLeast = 1e-3;  // of the distance, beside the camera
+  constexpr double kMost = 1e30;   // well within single precision
+  const Point3 seen = camera_from_node(Point3{} + point);
+  const double deep = std::max(std::abs(seen.z), kLeast * length(seen - Point3{}));
+  const double scale = std::cbrt(std::abs(camera_from_node.determinant()));
+  const double radius = (width + width_per_depth * deep) / scale / 2;
+  return radius < kMost ? radius : 0;  // 0 for no number, too
+}
+
+X3dFaces read_x3d_lines(const X3dNode& node, const X3dValues& values, const X3dPen& pen) {
+  return LineBuilder(node, values, pen).make();
 }
 
 }  // namespace tessera

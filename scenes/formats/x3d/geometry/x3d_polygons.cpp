@@ -34,10 +34,7 @@ ReadFaces find_reader(std::string_view type) {
       {"QuadSet", &read_x3d_polygons},
       {"ElevationGrid", &read_x3d_grid},
       {"Extrusion", &read_x3d_extrusion},
-      {"Text", &read_x3d_text},
-      {"IndexedLineSet", &read_x3d_lines},
-      {"LineSet", &read_x3d_lines},
-      {"PointSet", &read_x3d_lines}};
+      {"Text", &read_x3d_text}};
   const auto at = kReaders.find(type);
   return at == kReaders.end() ? nullptr : at->second;
 }
@@ -48,7 +45,8 @@ class MeshBuilder {
       : node_(node),
         values_(values),
         options_(options),
-        faces_(find_reader(node.type)(node, values)),
+        faces_(is_x3d_lines(node.type) ? read_x3d_lines(node, values, options.pen)
+                                       : find_reader(node.type)(node, values)),
         points_(faces_.points) {
     corners_.resize(faces_.polygons.corners.size());
     for (size_t c = 0; c < corners_.size(); ++c) corners_[c].position = faces_.polygons.corners[c];
@@ -272,7 +270,7 @@ class MeshBuilder {
 
 }  // namespace
 
-bool is_x3d_mesh(std::string_view type) { return find_reader(type) != nullptr; }
+bool is_x3d_mesh(std::string_view type) { return is_x3d_lines(type) || find_reader(type); }
 
 bool is_x3d_lines(std::string_view type) {
   return type == "IndexedLineSet" || type == "LineSet" || type == "PointSet";

@@ -59,6 +59,19 @@ TEST_F(ReadScene, RefusesWhatIsNoSceneFile) {
   EXPECT_EQ(read_scene(write("by_content", "<X3D><Scene/></X3D>")).scene.cameras_size(), 1);
 }
 
+TEST_F(ReadScene, StepsOverAByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  const std::string facet =
+      "FACET NORMAL 0 0 1 OUTER LOOP VERTEX 0 0 0 VERTEX 1 0 0 VERTEX 0 1 0 ENDLOOP ENDFACET\n";
+  const LoadedScene part = read_scene(write("part", mark + "SOLID part\n" + facet));
+  EXPECT_TRUE(part.scene.nodes(0).shape().has_mesh()) << "the content says what the file is";
+  const std::string script =
+      "cam = Camera { position -> vec3(0, 0, -5) pointing -> vec3(0, 0, 0) fov -> 60 }\n"
+      "Settings { camera -> cam }\nScene { }\n";
+  EXPECT_EQ(read_scene(write("a.crt", mark + script)).scene.cameras_size(), 1);
+  EXPECT_EQ(error(write("b.crt", mark + "1 +")).substr(0, 8), "b.crt:1:");
+}
+
 TEST_F(ReadScene, ReadsAnEndingInAnyCase) {
   EXPECT_EQ(read_scene(write("T.OBJ", kTriangle)).scene.metadata().source_file(), "T.OBJ");
 }
@@ -341,6 +354,129 @@ TEST_F(ReadScene, TakesAMapThatCannotBeDecodedForAMissingOne) {
             std::string::npos)
       << loaded.warnings[0];
   EXPECT_EQ(decoded, 2) << "each once";
+}
+
+TEST_F(ReadScene, TakesAPictureOfAModelThatCannotBeDecodedForAMissingOne) {
+  ReadOptions options;
+  options.decode_texture = [](const std::string& path, bool) -> DecodedTexture {
+    if (fs::path(path).filename() == "bad.png")
+      throw scene_error(SourcePlace{path}, "no picture", "one");
+    return {.width = 1, .height = 1, .channels = 1, .bits = 8, .texels = {std::byte{7}}};
+  };
+  options.decode_texture_bytes = [](std::string_view, const std::string& name) -> DecodedTexture {
+    throw scene_error(SourcePlace{name}, "no picture", "one");
+  };
+  write("bad.png", "x");
+  write("good.png", "x");
+  const LoadedScene ply =
+      read_scene(write("a.ply",
+                       "ply\nformat ascii 1.0\ncomment TextureFile bad.png\nelement vertex 3\n"
+                       "property float x\nproperty float y\nproperty float z\nproperty float u\n"
+                       "property float v\nelement face 1\nproperty list uchar int vertex_indices\n"
+                       "end_header\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"),
+                 options);
+  EXPECT_EQ(ply.scene.textures_size(), 0);
+  ASSERT_EQ(ply.warnings.size(), 1u);
+  EXPECT_TRUE(ply.warnings[0].ends_with("a.ply: picture 'bad.png' no picture; expected one"))
+      << ply.warnings[0];
+  const LoadedScene gltf = read_scene(
+      write("a.gltf",
+            "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":0}],"
+            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}],"
+            "\"accessors\":[{\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
+            "\"materials\":[{\"normalTexture\":{\"index\":0},\"pbrMetallicRoughness\":{"
+            "\"baseColorTexture\":{\"index\":1}},"
+            "\"occlusionTexture\":{\"index\":2}}],\"textures\":[{\"source\":0},{\"source\":1},"
+            "{\"source\":2,\"extensions\":{\"EXT_texture_webp\":{\"source\":0}}}],\"images\":[\n"
+            "{\"uri\":\"bad.png\"},\n{\"uri\":\"data:;base64,YWJj\"},\n{\"uri\":\"good.png\"}]}"),
+      options);
+  ASSERT_EQ(gltf.scene.textures_size(), 1) << "the next image of a texture that has two";
+  EXPECT_EQ(gltf.scene.textures(0).image().file(), "good.png");
+  EXPECT_EQ(gltf.scene.materials(0).normal_map(), "");
+  ASSERT_EQ(gltf.warnings.size(), 2u);
+  EXPECT_TRUE(gltf.warnings[0].ends_with("a.gltf: line 3: picture 'a.gltf#images/1' no picture; "
+                                         "expected one") ||
+              gltf.warnings[1].ends_with("a.gltf: line 3: picture 'a.gltf#images/1' no picture; "
+                                         "expected one"))
+      << testing::PrintToString(gltf.warnings);
+}
+
+TEST_F(ReadScene, LeavesOutInlinesThatCannotBeReadWhateverTheirFormat) {
+  write("bad.obj", "v 0 0 0\nf 1 2 3\n");
+  write("good.obj", kTriangle);
+  write("bad.gltf", "{");
+  const LoadedScene loaded =
+      read_scene(write("a.x3d",
+                       "<X3D><Scene><Inline url='\"bad.obj\" \"good.obj\"'/>\n"
+                       "<Inline url='\"bad.gltf\"'/><Inline url='\"good.obj\"'/></Scene></X3D>"));
+  EXPECT_EQ(loaded.scene.objects_size(), 2) << "good.obj and what the Inlines refer to";
+  EXPECT_EQ(loaded.scene.nodes(0).instance_of(), loaded.scene.nodes(2).instance_of());
+  EXPECT_EQ(loaded.scene.nodes(1).instance_of(), "");
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_NE(loaded.warnings[0].find("a.x3d: line 2: Inline of 'bad.gltf' is left out: "),
+            std::string::npos)
+      << loaded.warnings[0];
+  EXPECT_NE(loaded.warnings[0].find("bad.gltf:1:2: what is no JSON"), std::string::npos);
+  ReadOptions strict;
+  strict.x3d_strict = true;
+  EXPECT_NE(error_of([&] {
+              read_scene((folder_ / "a.x3d").string(), strict);
+            }).find("a.x3d:2:2: Inline of 'bad.gltf': "),
+            std::string::npos);
+  EXPECT_EQ(error(write("b.tessera", "includes { file: 'bad.gltf' }")).substr(0, 12),
+            "bad.gltf:1:2")
+      << "an include that is not read is an error";
+}
+
+TEST_F(ReadScene, LooksForFilesInTheAssetsAlone) {
+  ReadOptions options;
+  options.assets = (outside_ / "assets").string();
+  std::vector<std::string> decoded;
+  options.decode_texture = [&](const std::string& path, bool) -> DecodedTexture {
+    decoded.push_back(fs::path(path).lexically_relative(fs::canonical(outside_)).string());
+    return {.width = 1, .height = 1, .channels = 1, .bits = 8, .texels = {std::byte{7}}};
+  };
+  // "scene" is the folder beside; what lies there is not to be found.
+  for (const std::string folder : {"../assets/", "../assets/models/", ""}) {
+    const std::string colour = folder.empty() ? "1 0 0" : "0 1 0";
+    write(folder + "a.mtl", "newmtl a\nKd " + colour + "\nmap_Kd a.png\n");
+    write(folder + "a.png", "x");
+  }
+  write("../assets/a.obj", std::string("mtllib a.mtl\nusemtl a\n") + kTriangle);
+  write("../assets/models/m.obj", std::string("mtllib a.mtl\nusemtl a\n") + kTriangle);
+  write("../assets/models/m.x3d",
+        "<X3D><Scene><Inline url='m.obj'/><Inline url='../a.obj'/><Inline "
+        "url='models/m.obj'/></Scene></X3D>");
+  const auto read = [&](const std::string& name, const std::string& text) {
+    decoded.clear();
+    return read_scene(write(name, text), options);
+  };
+  const std::string obj = std::string("mtllib a.mtl\nusemtl a\n") + kTriangle;
+  const LoadedScene beside = read("s.obj", obj);
+  EXPECT_EQ(beside.scene.materials(0).classic().diffuse().value().g(), 1);
+  EXPECT_EQ(decoded, std::vector<std::string>{"assets/a.png"});
+  read("../assets/models/s.obj", obj);
+  EXPECT_EQ(decoded, std::vector<std::string>{"assets/models/a.png"}) << "its own folder is first";
+  const LoadedScene inlines =
+      read("s.x3d",
+           "<X3D><Scene><Inline url='models/m.x3d'/><Shape><Appearance><ImageTexture "
+           "url='models/a.png'/></Appearance><Sphere/></Shape><Inline url='../scene/s.obj'/>"
+           "</Scene></X3D>");
+  EXPECT_EQ(decoded, (std::vector<std::string>{"assets/models/a.png", "assets/a.png",
+                                               "assets/models/a.png"}))
+      << testing::PrintToString(decoded);
+  ASSERT_EQ(inlines.warnings.size(), 1u) << testing::PrintToString(inlines.warnings);
+  EXPECT_NE(inlines.warnings[0].find("not inside"), std::string::npos);
+  const std::string both =
+      "includes { file: 'models/m.obj' }\ntextures { name: 't' image { file: 'models/a.png' } }";
+  read("s.tessera", both);
+  EXPECT_EQ(decoded.size(), 2u);
+  read("../assets/models/s.tessera", both);
+  EXPECT_EQ(decoded.size(), 2u) << "from the assets' folder where the file's own has none";
+  EXPECT_NE(error_of([&] {
+              read("t.tessera", "includes { file: '../scene/s.obj' }");
+            }).find("not inside"),
+            std::string::npos);
 }
 
 TEST_F(ReadScene, ReadsPicturesOfMaterialsInsideTheFolderOnly) {

@@ -14,7 +14,7 @@ inline const std::string kCamera =
 inline const std::string kMaterial = "m = Material { color -> rgb(1, 1, 1) }\n";
 
 inline LoadedScene read(const std::string& text, int32_t frame = 0) {
-  return parse_crt(text, "x.crt", "", frame);
+  return parse_crt(text, "x.crt", {}, frame);
 }
 
 /// A whole script around what stands before Settings and what stands in Scene.

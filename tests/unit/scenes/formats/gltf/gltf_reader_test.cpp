@@ -162,6 +162,44 @@ TEST(Gltf, MakesOneMeshOfPrimitivesOverTheSameVertices) {
 const std::string kTriangle = mesh(R"({"attributes":{"POSITION":0}})") + R"(,"accessors":[)" +
                               accessor(0, 5126, 3, "VEC3") + "]";
 
+TEST(Gltf, AddsMorphTargetsByTheirWeights) {
+  // Accessors: 0 positions, 1 normals, 2 offsets up, 3 offsets of one vertex (sparse), 4 its turn.
+  const auto file = [](const std::string& nodes, const std::string& weights) {
+    return Binary()
+        .put(kSquare)
+        .put(Floats{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1})
+        .put(Floats{0, 0, 2, 0, 0, 2, 0, 0, 2, 0, 0, 2})
+        .put(std::vector<uint8_t>{2})
+        .put(Floats{4, 0, 0})
+        .glb("\"nodes\":[" + nodes + "]," + R"("meshes":[{)" + weights +
+             R"("primitives":[{"attributes":{"POSITION":0,"NORMAL":1},)"
+             R"("mode":6,"targets":[{"POSITION":2},{"POSITION":3,"NORMAL":3}]}]}],"accessors":[)" +
+             accessor(0, 5126, 4, "VEC3") + "," + accessor(1, 5126, 4, "VEC3") + "," +
+             accessor(2, 5126, 4, "VEC3") +
+             R"(,{"componentType":5126,"count":4,"type":"VEC3","sparse":{"count":1,"indices":)"
+             R"({"bufferView":3,"componentType":5121},"values":{"bufferView":4}}}])");
+  };
+  const Mesh own = first_mesh(read(file(R"({"mesh":0})", R"("weights":[0.5,0.25],)")));
+  EXPECT_EQ(own.positions, (Floats{0, 0, 1, 1, 0, 1, 2, 1, 1, 0, 1, 1}));
+  EXPECT_EQ(own.normals, (Floats{0, 0, 1, 0, 0, 1, 1, 0, 1, 0, 0, 1}));
+  const LoadedScene three =
+      read(file(R"({"mesh":0,"weights":[1,0]},{"mesh":0},{"mesh":0})", R"("weights":[0,-0.25],)"));
+  EXPECT_EQ(first_mesh(three).positions, (Floats{0, 0, 2, 1, 0, 2, 1, 1, 2, 0, 1, 2}))
+      << "the node's go before";
+  ASSERT_EQ(three.scene.objects_size(), 1) << "of the two that show the mesh by its own weights";
+  EXPECT_EQ(mesh_of(three.scene.objects(0).nodes(0).shape(), three.blobs).positions,
+            (Floats{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0}));
+  EXPECT_EQ(three.unused, std::vector<std::string>{});
+  const LoadedScene rest = read(file(R"({"mesh":0})", R"("weights":[0,0],)"));
+  EXPECT_EQ(first_mesh(rest).positions, kSquare);
+  EXPECT_EQ(rest.warnings, std::vector<std::string>{});
+  EXPECT_EQ(error(file(R"({"mesh":0,"weights":[1]})", "")),
+            "t.gltf: meshes/0/primitives/0: 2 morph targets; expected 1, one a weight");
+  EXPECT_EQ(error(file(R"({"mesh":0,"weights":[1e300,0]})", "")),
+            "t.gltf: meshes/0/primitives/0/targets/0: POSITION beyond single precision with weight "
+            "1e+300; expected less");
+}
+
 TEST(Gltf, PlacesNodesAndSharesMeshes) {
   const LoadedScene loaded = read(Binary().put(kSquare).glb(
       R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[)"
@@ -347,6 +385,10 @@ TEST(Gltf, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error("{\n  \"a\": [1,\n  }"),
             "t.gltf:3:3: what is no JSON; expected the JSON of a glTF "
             "file");
+  EXPECT_EQ(error("{\n  \"1e400\": 1e40,\n  \"a\": [-1e400]\n}"),
+            "t.gltf:3:9: the number -1e400; expected one that double precision can hold");
+  EXPECT_EQ(error("{\"asset\":{\"version\":\"2.0\"},\n\"skins\":[{},{\"name\":42}]}"),
+            "t.gltf:2:21: skins/1/name: a value of type number; expected text");
   EXPECT_EQ(error("[]"), "t.gltf: no JSON object; expected the JSON of a glTF file");
   EXPECT_EQ(error("{}"), "t.gltf: no asset/version; expected glTF 2.0");
   EXPECT_EQ(error(R"({"asset":{"version":"1.0"}})"),

@@ -61,6 +61,8 @@ TEST(Obj, AByteOrderMarkIsNoPartOfTheFirstWord) {
   const Mesh mesh = read("\xEF\xBB\xBFv 5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3");
   EXPECT_EQ(mesh.positions, (Floats{5, 0, 0, 1, 0, 0, 0, 1, 0}));
   EXPECT_TRUE(mesh.warnings.empty());
+  EXPECT_EQ(error("\xEF\xBB\xBFv 0 x 0\n"), "t.obj:1:5: 'x'; expected a coordinate")
+      << "nor of its column";
 }
 
 TEST(Obj, CountsNegativeIndicesFromTheEnd) {
@@ -181,7 +183,11 @@ TEST(Obj, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error("v 1.0f 0 0\n"), "t.obj:1:3: '1.0f'; expected a coordinate");
   EXPECT_EQ(error("v 0 0 0\ns x\n"),
             "t.obj:2:3: 'x'; expected a smoothing group's number, 'on' or 'off'");
-  EXPECT_EQ(error("hello\n"), "t.obj: no vertex and no face; expected the text of an OBJ file");
+  EXPECT_EQ(error("\n# text\n  hello you\n"),
+            "t.obj:3:3: no vertex (v) in the whole file, which begins with 'hello'; expected the "
+            "text of an OBJ file");
+  EXPECT_EQ(error("# nothing\n"),
+            "t.obj: no vertex (v) in the whole file; expected the text of an OBJ file");
   EXPECT_EQ(error(std::string("\x7f\0ELF\1", 6)).substr(0, 22), "t.obj:1:1: binary data");
 }
 

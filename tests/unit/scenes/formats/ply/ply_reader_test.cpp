@@ -80,6 +80,12 @@ TEST(Ply, ReadsTextWithEveryPropertyThatAMeshHas) {
   EXPECT_TRUE(mesh.warnings.empty());
 }
 
+TEST(Ply, StepsOverAByteOrderMark) {
+  const std::string text =
+      "\xEF\xBB\xBF" + header("ascii", "element vertex 4\n" + kXyz + "element face 1\n" + kFace);
+  EXPECT_EQ(read(text + kSquare + "3 0 1 2").triangles, (Indices{0, 1, 2}));
+}
+
 TEST(Ply, ReadsBothBinaryOrdersAndSkipsWhatItDoesNotKnow) {
   for (const bool big : {false, true}) {
     Bytes data{big};
@@ -116,6 +122,27 @@ TEST(Ply, CutsPolygonsAndStrips) {
   EXPECT_EQ(odd.warnings.size(), 2u);
 }
 
+TEST(Ply, ReadsFacesThatComeBeforeTheVertices) {
+  const std::string elements =
+      "element face 2\n" + kFace + "element tristrips 1\n" + kFace + "element vertex 4\n" + kXyz;
+  const Mesh mesh = read(header("ascii", elements) + "3 0 1 2\n3 0 2 3\n3 1 2 3\n" + kSquare);
+  EXPECT_EQ(mesh.positions, (Floats{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}));
+  EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2, 0, 2, 3, 1, 2, 3}));
+  EXPECT_TRUE(mesh.warnings.empty());
+  Bytes data{true};
+  data.put(uint8_t{3}).put(0).put(1).put(2);
+  for (int i = 0; i < 9; ++i) data.put(static_cast<float>(i * i));
+  EXPECT_EQ(
+      read(header("binary_big_endian", "element face 1\n" + kFace + "element vertex 3\n" + kXyz) +
+           data.text)
+          .triangles,
+      (Indices{0, 1, 2}));
+  EXPECT_EQ(error(header("ascii", elements) + "3 0 1 2\n3 0 4 3\n3 1 2 3\n" + kSquare),
+            "t.ply:14:5: 'vertex_indices' 4; expected an index of 0 to 3");
+  EXPECT_EQ(error(header("ascii", "element face 1\n" + kFace) + "3 0 1 2\n"),
+            "t.ply:7:3: 'vertex_indices' 0; expected a file with vertices");
+}
+
 TEST(Ply, ShowsThePictureThatACommentNames) {
   const auto text = [](const char* uv) {
     return header("ascii", std::string("comment TextureFile a b.png\nelement vertex 3\n") + kXyz +
@@ -127,9 +154,10 @@ TEST(Ply, ShowsThePictureThatACommentNames) {
   ASSERT_EQ(shown.scene.textures_size(), 1);
   EXPECT_EQ(shown.scene.textures(0).image().file(), "a b.png");
   EXPECT_EQ(shown.scene.materials(0).classic().diffuse().texture(), shown.scene.textures(0).name());
-  const LoadedScene missing = parse_ply(mapped, "t.ply", [](const std::string&) { return false; });
+  const LoadedScene missing = parse_ply(
+      mapped, "t.ply", [](const std::string&, const std::string*) { return "is not there"; });
   EXPECT_EQ(missing.scene.textures_size(), 0);
-  EXPECT_EQ(missing.warnings.size(), 1u);
+  EXPECT_EQ(missing.warnings, std::vector<std::string>{"t.ply: picture 'a b.png' is not there"});
   EXPECT_EQ(parse_ply(text(""), "t.ply").scene.textures_size(), 0);
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <limits>
 
 #include "tests/unit/scenes/scene_testing.h"
@@ -69,6 +70,15 @@ TEST(Stl, IsNotFooledByABinaryHeaderThatSaysSolid) {
   EXPECT_EQ(read(binary("solid made by a program", kSquare)).positions, kSquarePoints);
   EXPECT_EQ(read(binary("solid", kSquare) + "more").positions, kSquarePoints);
   EXPECT_EQ(read(binary("solid", kSquare) + "more").warnings.size(), 1u);
+}
+
+TEST(Stl, ReadsKeywordsInCapitalsAndAfterAByteOrderMark) {
+  std::string capitals = "Solid Part\n" + facet("0 0 0", "1 0 0", "1 1 0") + "endsolid Part\n";
+  for (char& c : capitals) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  EXPECT_EQ(read(capitals).triangles, (Indices{0, 1, 2}));
+  EXPECT_EQ(read("\xEF\xBB\xBF" + capitals).triangles, (Indices{0, 1, 2}));
+  EXPECT_EQ(error("\xEF\xBB\xBFsolid x\nfacet NORMAL 0 0 1\nOUTER lop\n"),
+            "t.stl:3:7: 'lop'; expected 'loop'");
 }
 
 TEST(Stl, LeavesOutWhatHasNoExtent) {

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
+#include "scenes/import/to_affine.h"
 #include "tests/unit/scenes/formats/x3d/x3d_testing.h"
 
 namespace tessera {
@@ -175,15 +177,103 @@ TEST(X3dGeometry, LinesAndPointsAreThinUnlitAndCastNoShadow) {
   EXPECT_EQ(loaded.scene.materials(0).unlit().color().value().r(), 0);
   const auto points =
       blob_values<float>(loaded.scene.nodes(0).shape().mesh().positions(), loaded.blobs);
-  // Two prisms of half a 400th of the diagonal, which is 5.
-  EXPECT_EQ(points.size(), 3u * 12);
-  for (size_t v = 0; v < points.size(); v += 3) EXPECT_LE(std::abs(points[v + 2]), 5. / 800 + 1e-6);
+  EXPECT_EQ(points.size(), 3u * 12) << "two prisms";
   const auto colors =
       blob_values<float>(loaded.scene.nodes(1).shape().mesh().colors(), loaded.blobs);
   EXPECT_EQ(colors.size(), 4u * 18);
   EXPECT_EQ(loaded.scene.nodes(2).shape().mesh().triangles().size(), 4u * 3 * 8);
   EXPECT_EQ(error("IndexedLineSet { coordIndex [ 0 1 ] }"),
             "t.x3dv:2:48: coordIndex 0 of IndexedLineSet; expected points in a Coordinate node");
+}
+
+/// How many pixels' worth of the 20 x 20 in the middle of a picture of 720 x 720 white lines and
+/// points cover.
+double coverage(const std::string& scene) {
+  constexpr int kSide = 720, kBegin = 350, kEnd = 370;
+  constexpr uint32_t kSamples = 64;
+  LoadedScene loaded = parse_classic(scene);
+  loaded.scene.mutable_settings()->mutable_sampling()->set_samples_per_pixel(kSamples);
+  const auto renderer = make_tile_renderer(loaded.scene, loaded.blobs, frame_of(kSide, kSide), 1);
+  const TilePixels tile = render_rect(*renderer, {kBegin, kBegin, kEnd, kEnd}, kSamples);
+  double sum = 0;
+  for (size_t p = 0; p < tile.values.size(); p += static_cast<size_t>(tile.channels))
+    sum += double{tile.values[p]};
+  return sum;
+}
+
+TEST(X3dGeometry, LinesAndPointsAreAsWideInThePictureNearAndFar) {
+  for (const std::string distance : {"1", "100", "10000"}) {
+    const std::string begin =
+        "Viewpoint { position 0 0 0 fieldOfView 1.5707963 } Transform { scale " + distance + " " +
+        distance + " " + distance + " children Shape { geometry ";
+    const double line = coverage(
+        begin + "LineSet { vertexCount 2 coord Coordinate { point [ -1 0 -1, 1 0 -1 ] } } } }");
+    EXPECT_NEAR(line / 20, 1.6, .15) << "pixels at distance " << distance;
+    const double point = coverage(begin + "PointSet { coord Coordinate { point 0 0 -1 } } } }");
+    EXPECT_NEAR(point, 2, .2) << "an octahedron of 2 pixels at distance " << distance;
+  }
+}
+
+TEST(X3dGeometry, ALineIsAsWideAtItsFarEndAndThinBesideTheEye) {
+  const auto radii = [](const std::string& view, const std::string& appearance = "") {
+    const auto loaded = parse_classic(
+        view +
+        " Shape { geometry LineSet { vertexCount 2 coord Coordinate { point [ 1 0 -100, 1 0 "
+        "50 ] } } " +
+        appearance + " }");
+    const auto points =
+        blob_values<float>(loaded.scene.nodes().rbegin()->shape().mesh().positions(), loaded.blobs);
+    std::map<int, double> out;  // by z
+    for (size_t v = 0; v < points.size(); v += 3) {
+      double& radius = out[static_cast<int>(std::lround(points[v + 2]))];
+      radius = std::max(radius, double{std::hypot(points[v] - 1, points[v + 1])});
+    }
+    return out;
+  };
+  const double unit = 1. / 360;
+  auto seen = radii("Viewpoint { position 0 0 0 fieldOfView 1.5707963 }");
+  ASSERT_EQ(seen.size(), 3u) << "the prism has a waist beside the eye";
+  EXPECT_NEAR(seen[-100], 100 * unit, 1e-4);
+  EXPECT_NEAR(seen[0], .001 * unit, 1e-6);
+  EXPECT_NEAR(seen[50], 50 * unit, 1e-4);
+  seen = radii(
+      "Transform { translation 0 0 -50 children Group { children Viewpoint { position 0 0 "
+      "0 fieldOfView 1.5707963 } } }");
+  EXPECT_NEAR(seen[-100], 50 * unit, 1e-4) << "wherever the viewpoint stands";
+  seen = radii("");
+  EXPECT_NEAR(seen[-100], 110 * .41421356 * unit, 1e-4) << "of the viewpoint without any";
+  seen = radii("OrthoViewpoint { fieldOfView [ -2 -1 2 1 ] }");
+  ASSERT_EQ(seen.size(), 2u);
+  EXPECT_NEAR(seen[50], unit, 1e-6);
+  const auto properties = [](const std::string& fields) {
+    return "appearance Appearance { lineProperties LineProperties { " + fields + " } }";
+  };
+  const std::string view = "OrthoViewpoint { }";
+  EXPECT_NEAR(radii(view, properties("linewidthScaleFactor 3"))[50], 3 * unit, 1e-6);
+  EXPECT_NEAR(radii(view, properties("linewidthScaleFactor .5"))[50], unit, 1e-6);
+  EXPECT_NEAR(radii(view, properties("linewidthScaleFactor 3 applied FALSE"))[50], unit, 1e-6);
+}
+
+TEST(X3dGeometry, GeneratedCoordinatesAreThoseOfTheCamera) {
+  const auto texture = [](const std::string& mode) {
+    return parse_classic(
+               "Viewpoint { position 3 2 10 } Shape { geometry Sphere { texCoord "
+               "TextureCoordinateGenerator { mode \"" +
+               mode +
+               "\" } } appearance "
+               "Appearance { " +
+               std::string(kTexture) +
+               " textureTransform TextureTransform { translation .5 0 } } }")
+        .scene.textures(0);
+  };
+  const Affine eye = to_affine(texture("COORD-EYE").transform());
+  EXPECT_EQ(texture("COORD-EYE").mapping(), v1::Texture::WORLD);
+  EXPECT_EQ(eye(Point3{4, 2, 0}), (Point3{1.5, 0, -10})) << "then the TextureTransform";
+  const Affine normal = to_affine(texture("CAMERASPACENORMAL").transform());
+  EXPECT_EQ(texture("CAMERASPACENORMAL").mapping(), v1::Texture::VIEW_NORMAL);
+  EXPECT_EQ(normal(Point3{.5, 1, 0}), (Point3{.5, 1, 0}));
+  EXPECT_EQ(texture("SPHERE").mapping(), v1::Texture::VIEW_NORMAL);
+  EXPECT_EQ(to_affine(texture("SPHERE").transform())(Point3{.5, 1, 0}), (Point3{1, 1, 0}));
 }
 
 TEST(X3dGeometry, TextIsWrittenAsItsStyleSays) {

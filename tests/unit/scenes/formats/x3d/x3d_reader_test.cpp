@@ -24,6 +24,15 @@ std::string error(const std::string& scene) {
   return error_of([&] { read(scene); });
 }
 
+TEST(X3d, SaysThatATextIsInUtf16) {
+  std::string low, high;
+  for (const char c : document("")) low += {c, '\0'}, high += {'\0', c};
+  for (const std::string& text : {"\xFF\xFE" + low, "\xFE\xFF" + high, low, high})
+    EXPECT_EQ(
+        error_of([&] { parse_x3d(text, "t.x3d", {}); }),
+        "t.x3d:1:1: text in UTF-16; expected UTF-8, as `iconv -f UTF-16 -t UTF-8` makes of it");
+}
+
 std::string shape(const std::string& geometry, const std::string& material = "<Material/>") {
   return "<Shape><Appearance>" + material + "</Appearance>" + geometry + "</Shape>\n";
 }
