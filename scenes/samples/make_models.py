@@ -1,23 +1,26 @@
 #!/usr/bin/env python3
 """Writes the sample models that no one writes by hand: vase.obj with its picture, nautilus.ply,
-gear.stl and spheres.glb. Run it in this folder; the files have the same bytes every time."""
+gear.stl and spheres.glb, and pictures: those of planets.tessera, cottage.x3dv and balloons.x3d. Run it in
+this folder; the files have the same bytes every time."""
 import json
 import math
+import random
 import struct
 import zlib
 
 TAU = 2 * math.pi
 
 
-def png(width, height, pixel):
-    """An RGB picture; pixel(x, y) gives three numbers of 0 to 1."""
+def png(width, height, pixel, channels=3):
+    """An RGB or RGBA picture; pixel(x, y) gives three or four numbers of 0 to 1."""
     rows = b"".join(b"\0" + bytes(round(255 * min(max(c, 0), 1)) for x in range(width)
                                   for c in pixel(x, y)) for y in range(height))
 
     def chunk(kind, data):
         return (struct.pack(">I", len(data)) + kind + data +
                 struct.pack(">I", zlib.crc32(kind + data)))
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, {3: 2, 4: 6}[channels],
+                                                              0, 0, 0)) +
             chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
 
 
@@ -98,6 +101,41 @@ illum 3
 """)
     open("vase.png", "wb").write(png(256, 256, vase_pixel))
     open("vase_relief.png", "wb").write(png(256, 256, vase_height))
+
+
+# ------------------------------------------------------------------------------ planets.tessera
+
+def write_moon():
+    """Normals of a ball with craters, x along its rows and y up."""
+    width, height, draw = 256, 128, random.Random(4)
+    craters = []
+    for i in range(110):
+        y = draw.uniform(-.95, .95)
+        size = .04 + .2 * draw.random() ** 4
+        craters.append((TAU * draw.random(), y, size))
+
+    def rise(u, v):
+        lat, lon = math.pi * (v - .5), TAU * u
+        sin, cos = math.sin(lat), math.cos(lat)
+        h = 0
+        for at, y, size in craters:
+            d = sin * y + cos * math.sqrt(1 - y * y) * math.cos(lon - at)
+            if d < .8 or (r := math.acos(min(d, 1)) / size) > 1.7:
+                continue
+            bowl = min(0, r * r - .85) if r < 1 else .15 * ((1.7 - r) / .7) ** 2
+            h += size * .5 * max(bowl, -.55)
+        return h
+
+    def normal(x, y):
+        u, v, e = (x + .5) / width, 1 - (y + .5) / height, 1 / width
+        across = TAU * math.cos(math.pi * (v - .5))
+        dx = (rise(u + e, v) - rise(u - e, v)) / (2 * e * max(across, .05))
+        dy = (rise(u, v + e) - rise(u, v - e)) / (2 * e * math.pi)
+        size = math.sqrt(dx * dx + dy * dy + 1)
+        # Few steps make a small file.
+        return [(128 + 4 * round(31 * c / size)) / 255 for c in (-dx, -dy, 1)]
+
+    open("moon.png", "wb").write(png(width, height, normal))
 
 
 # -------------------------------------------------------------------------------- nautilus.ply
@@ -269,6 +307,7 @@ def write_spheres():
 
 if __name__ == "__main__":
     write_vase()
+    write_moon()
     write_nautilus()
     write_gear()
     write_spheres()
