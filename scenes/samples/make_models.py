@@ -138,6 +138,65 @@ def write_moon():
     open("moon.png", "wb").write(png(width, height, normal))
 
 
+# -------------------------------------------------------------------- cottage.x3dv, balloons.x3d
+
+def write_cottage_pictures():
+    draw = random.Random(2)
+    shades = [draw.uniform(.75, 1) for _ in range(64)]
+
+    def shingle(x, y):
+        row, v = y // 16, y % 16 / 16
+        at = (x + 8 * (row % 2)) % 64
+        u = at % 16 / 16
+        edge = .78 + .22 * (1 - (2 * u - 1) ** 2)  # rounded at its lower end
+        shade = shades[(at // 16 + 5 * row) % 64] * (.72 + .35 * v)
+        return [c * (shade if v < edge else .45) for c in (.68, .3, .2)]
+
+    def brick(x, y):
+        row = y // 16
+        at = (x + 16 * (row % 2)) % 64
+        if y % 16 < 2 or at % 32 < 2:
+            return .78, .74, .68
+        shade = shades[(at // 32 + 7 * row) % 64] * (.96 + .04 * draw.random())
+        return [c * shade for c in (.8, .52, .4)]
+
+    leaves = [(draw.gauss(0, .42), draw.gauss(0, .5), draw.uniform(.07, .16), draw.random()) for _ in range(420)]
+    leaves = [(.5 + .38 * x, .46 - .36 * y, r * .55, c) for x, y, r, c in leaves if x * x + y * y < .95]
+
+    def tree(x, y):
+        u, v = (x + .5) / 128, (y + .5) / 128
+        for lx, ly, r, c in reversed(leaves):
+            d = (u - lx) ** 2 + (v - ly) ** 2
+            if d < r * r:
+                shade = (.6 + .4 * (ly - v + r) / (2 * r)) * (.75 + .25 * (1 - ly)) * (.8 + .2 * c)
+                return *(round(16 * shade * k) / 16 for k in mix((.2, .46, .14), (.36, .56, .16), c)), 1
+        trunk = abs(u - .5) < .03 + .02 * max(0, v - .85) / .15 and v > .5
+        return (.32, .22, .14, 1) if trunk else (.25, .45, .15, 0)
+
+    open("shingles.png", "wb").write(png(64, 64, shingle))
+    open("bricks.png", "wb").write(png(64, 64, brick))
+    open("tree.png", "wb").write(png(128, 128, tree, 4))
+
+
+def write_balloon_picture():
+    """Four patterns, one above the other: u goes round a balloon, v up."""
+    red, gold, cream, blue, green = ((.78, .14, .1), (.96, .7, .16), (.97, .92, .8), (.12, .3, .62), (.12, .48, .42))
+
+    def cloth(x, y):
+        k, u, v = 3 - y // 64, x / 128, 1 - (y % 64 + .5) / 64
+        gore = int(u * 16)
+        if k == 0:
+            return (red, gold, cream, gold)[gore % 4] if .18 < v < .9 else red
+        if k == 1:
+            wave = .5 + .09 * abs(math.sin(8 * math.pi * u))
+            return blue if v > wave + .12 else cream if v > wave else gold if v > wave - .12 else blue
+        if k == 2:
+            return (green, cream)[(gore + int(v * 12)) % 2] if .25 < v < .8 else green
+        return (red, (.93, .42, .12), gold, (.3, .6, .3), blue, (.4, .2, .5))[min(5, int(6 * (1 - v)))]
+
+    open("balloons.png", "wb").write(png(128, 256, cloth))
+
+
 # -------------------------------------------------------------------------------- nautilus.ply
 
 def write_nautilus():
@@ -308,6 +367,8 @@ def write_spheres():
 if __name__ == "__main__":
     write_vase()
     write_moon()
+    write_cottage_pictures()
+    write_balloon_picture()
     write_nautilus()
     write_gear()
     write_spheres()
