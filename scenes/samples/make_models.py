@@ -1,23 +1,26 @@
 #!/usr/bin/env python3
 """Writes the sample models that no one writes by hand: vase.obj with its picture, nautilus.ply,
-gear.stl and spheres.glb. Run it in this folder; the files have the same bytes every time."""
+gear.stl and spheres.glb, and pictures: those of planets.tessera, cottage.x3dv and balloons.x3d. Run it in
+this folder; the files have the same bytes every time."""
 import json
 import math
+import random
 import struct
 import zlib
 
 TAU = 2 * math.pi
 
 
-def png(width, height, pixel):
-    """An RGB picture; pixel(x, y) gives three numbers of 0 to 1."""
+def png(width, height, pixel, channels=3):
+    """An RGB or RGBA picture; pixel(x, y) gives three or four numbers of 0 to 1."""
     rows = b"".join(b"\0" + bytes(round(255 * min(max(c, 0), 1)) for x in range(width)
                                   for c in pixel(x, y)) for y in range(height))
 
     def chunk(kind, data):
         return (struct.pack(">I", len(data)) + kind + data +
                 struct.pack(">I", zlib.crc32(kind + data)))
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, {3: 2, 4: 6}[channels],
+                                                              0, 0, 0)) +
             chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
 
 
@@ -98,6 +101,100 @@ illum 3
 """)
     open("vase.png", "wb").write(png(256, 256, vase_pixel))
     open("vase_relief.png", "wb").write(png(256, 256, vase_height))
+
+
+# ------------------------------------------------------------------------------ planets.tessera
+
+def write_moon():
+    """Normals of a ball with craters, x along its rows and y up."""
+    width, height, draw = 256, 128, random.Random(4)
+    craters = []
+    for i in range(110):
+        y = draw.uniform(-.95, .95)
+        size = .04 + .2 * draw.random() ** 4
+        craters.append((TAU * draw.random(), y, size))
+
+    def rise(u, v):
+        lat, lon = math.pi * (v - .5), TAU * u
+        sin, cos = math.sin(lat), math.cos(lat)
+        h = 0
+        for at, y, size in craters:
+            d = sin * y + cos * math.sqrt(1 - y * y) * math.cos(lon - at)
+            if d < .8 or (r := math.acos(min(d, 1)) / size) > 1.7:
+                continue
+            bowl = min(0, r * r - .85) if r < 1 else .15 * ((1.7 - r) / .7) ** 2
+            h += size * .5 * max(bowl, -.55)
+        return h
+
+    def normal(x, y):
+        u, v, e = (x + .5) / width, 1 - (y + .5) / height, 1 / width
+        across = TAU * math.cos(math.pi * (v - .5))
+        dx = (rise(u + e, v) - rise(u - e, v)) / (2 * e * max(across, .05))
+        dy = (rise(u, v + e) - rise(u, v - e)) / (2 * e * math.pi)
+        size = math.sqrt(dx * dx + dy * dy + 1)
+        # Few steps make a small file.
+        return [(128 + 4 * round(31 * c / size)) / 255 for c in (-dx, -dy, 1)]
+
+    open("moon.png", "wb").write(png(width, height, normal))
+
+
+# -------------------------------------------------------------------- cottage.x3dv, balloons.x3d
+
+def write_cottage_pictures():
+    draw = random.Random(2)
+    shades = [draw.uniform(.75, 1) for _ in range(64)]
+
+    def shingle(x, y):
+        row, v = y // 16, y % 16 / 16
+        at = (x + 8 * (row % 2)) % 64
+        u = at % 16 / 16
+        edge = .78 + .22 * (1 - (2 * u - 1) ** 2)  # rounded at its lower end
+        shade = shades[(at // 16 + 5 * row) % 64] * (.72 + .35 * v)
+        return [c * (shade if v < edge else .45) for c in (.68, .3, .2)]
+
+    def brick(x, y):
+        row = y // 16
+        at = (x + 16 * (row % 2)) % 64
+        if y % 16 < 2 or at % 32 < 2:
+            return .78, .74, .68
+        shade = shades[(at // 32 + 7 * row) % 64] * (.96 + .04 * draw.random())
+        return [c * shade for c in (.8, .52, .4)]
+
+    leaves = [(draw.gauss(0, .42), draw.gauss(0, .5), draw.uniform(.07, .16), draw.random()) for _ in range(420)]
+    leaves = [(.5 + .38 * x, .46 - .36 * y, r * .55, c) for x, y, r, c in leaves if x * x + y * y < .95]
+
+    def tree(x, y):
+        u, v = (x + .5) / 128, (y + .5) / 128
+        for lx, ly, r, c in reversed(leaves):
+            d = (u - lx) ** 2 + (v - ly) ** 2
+            if d < r * r:
+                shade = (.6 + .4 * (ly - v + r) / (2 * r)) * (.75 + .25 * (1 - ly)) * (.8 + .2 * c)
+                return *(round(16 * shade * k) / 16 for k in mix((.2, .46, .14), (.36, .56, .16), c)), 1
+        trunk = abs(u - .5) < .03 + .02 * max(0, v - .85) / .15 and v > .5
+        return (.32, .22, .14, 1) if trunk else (.25, .45, .15, 0)
+
+    open("shingles.png", "wb").write(png(64, 64, shingle))
+    open("bricks.png", "wb").write(png(64, 64, brick))
+    open("tree.png", "wb").write(png(128, 128, tree, 4))
+
+
+def write_balloon_picture():
+    """Four patterns, one above the other: u goes round a balloon, v up."""
+    red, gold, cream, blue, green = ((.78, .14, .1), (.96, .7, .16), (.97, .92, .8), (.12, .3, .62), (.12, .48, .42))
+
+    def cloth(x, y):
+        k, u, v = 3 - y // 64, x / 128, 1 - (y % 64 + .5) / 64
+        gore = int(u * 16)
+        if k == 0:
+            return (red, gold, cream, gold)[gore % 4] if .18 < v < .9 else red
+        if k == 1:
+            wave = .5 + .09 * abs(math.sin(8 * math.pi * u))
+            return blue if v > wave + .12 else cream if v > wave else gold if v > wave - .12 else blue
+        if k == 2:
+            return (green, cream)[(gore + int(v * 12)) % 2] if .25 < v < .8 else green
+        return (red, (.93, .42, .12), gold, (.3, .6, .3), blue, (.4, .2, .5))[min(5, int(6 * (1 - v)))]
+
+    open("balloons.png", "wb").write(png(128, 256, cloth))
 
 
 # -------------------------------------------------------------------------------- nautilus.ply
@@ -269,6 +366,9 @@ def write_spheres():
 
 if __name__ == "__main__":
     write_vase()
+    write_moon()
+    write_cottage_pictures()
+    write_balloon_picture()
     write_nautilus()
     write_gear()
     write_spheres()

@@ -34,6 +34,13 @@ class Render(TesseraTest):
         for name, magic in [("a.png", b"\x89PNG"), ("b.exr", b"\x76\x2f\x31\x01"), ("c.bmp", b"BM")]:
             self.assertTrue((self.folder / name).read_bytes().startswith(magic), name)
 
+    def test_files_say_what_the_numbers_of_x3d_stand_for(self):
+        scene = self.write("box.x3dv", "#X3D V3.3 utf8\nShape { geometry Box { } }")
+        for how, colors in (("display", b"display"), ("linear", b"scene-linear")):
+            result = self.run_program("render", scene, *SMALL, "--x3d-color", how, "-o", "a.exr")
+            self.assertEqual(0, result.code, result.err)
+            self.assertIn(b"tessera:Colors=" + colors, (self.folder / "a.exr").read_bytes())
+
     def test_quiet_is_silent(self):
         result = self.run_program("render", self.scene, *SMALL, "--quiet")
         self.assertEqual((0, "", ""), (result.code, result.out, result.err))

@@ -261,6 +261,139 @@ TEST(CrtScene, BackgroundsByPriority) {
   EXPECT_TRUE(panorama.textures(0).image().texels_at_corners());
 }
 
+TEST(CrtScene, EveryPrimitiveIsTranslated) {
+  const auto shape = [](const std::string& object) {
+    return scene_of("", object).nodes(0).shape();
+  };
+  const v1::Box box =
+      shape("Box { cornerA -> vec3(1, -2, 3) cornerB -> vec3(-1, 2, -3) material -> m }").box();
+  EXPECT_EQ(box.min().x(), -1);
+  EXPECT_EQ(box.max().z(), 3);
+  const v1::HalfPlane half =
+      shape(
+          "HalfPlane { normal -> vec3(0, 3, 0) position -> vec3(1, 2, 3) edge -> vec3(0, 0, 2) "
+          "material -> m }")
+          .half_plane();
+  EXPECT_EQ(half.normal().y(), 1);
+  EXPECT_EQ(half.point().z(), 3);
+  EXPECT_EQ(half.edge_normal().z(), 1);
+  const v1::Disc disc =
+      shape("Disc { center -> vec3(1, 2, 3) radius -> 2 hole -> .5 material -> m }").disc();
+  EXPECT_EQ(disc.center().y(), 2);
+  EXPECT_EQ(disc.normal().y(), 1);
+  EXPECT_EQ(disc.radius(), 2);
+  EXPECT_EQ(disc.inner_radius(), .5);
+  const v1::TriangleMesh triangle =
+      shape("Triangle { a -> vec3(0, 0, 0) b -> vec3(1, 0, 0) c -> vec3(0, 1, 7) material -> m }")
+          .mesh();
+  EXPECT_EQ(triangle.inline_triangles_size(), 3);
+  EXPECT_EQ(triangle.inline_positions(8), 7);
+  const v1::Cone cone =
+      shape(
+          "Cone { base -> vec3(0, 1, 0) top -> vec3(0, 4, 0) radius -> 2 topradius -> 1 "
+          "open -> true material -> m }")
+          .cone();
+  EXPECT_EQ(cone.height(), 3);
+  EXPECT_EQ(cone.radius(), 2);
+  EXPECT_EQ(cone.top_radius(), 1);
+  EXPECT_TRUE(cone.open_bottom());
+  const v1::Cylinder tube =
+      shape(
+          "Cylinder { base -> vec3(0, 1, 0) top -> vec3(0, 4, 0) radius -> 2 open -> true "
+          "material -> m }")
+          .cylinder();
+  EXPECT_TRUE(tube.open_top() && tube.open_bottom());
+  const v1::Torus torus =
+      shape("Torus { center -> vec3(0, 0, 0) radius -> 2 thickness -> .5 material -> m }").torus();
+  EXPECT_EQ(torus.major_radius(), 2);
+  EXPECT_EQ(torus.minor_radius(), .5);
+}
+
+TEST(CrtScene, ProceduralTexturesAreTranslated) {
+  const auto texture = [](const std::string& object) {
+    const v1::Scene scene =
+        scene_of("p = Material { color -> " + object + " }",
+                 "Sphere { center -> vec3(0, 0, 0) radius -> 1 material -> p }");
+    EXPECT_EQ(scene.materials(0).classic().diffuse().texture(), scene.textures(0).name());
+    EXPECT_EQ(scene.textures(0).mapping(), v1::Texture::OBJECT);
+    return scene.textures(0);
+  };
+  using Noise = v1::Texture::Noise;
+  for (const auto& [name, kind] : {std::pair{"Noise", Noise::PERLIN},
+                                   {"Turbulence", Noise::TURBULENCE},
+                                   {"Marble", Noise::MARBLE},
+                                   {"Wood", Noise::WOOD}}) {
+    const Noise noise = texture(std::string(name) +
+                                " { low -> rgb(.25, 0, 0) high -> rgb(0, .5, 0) frequency -> 3 "
+                                "octaves -> 4 strength -> 2 }")
+                            .noise();
+    EXPECT_EQ(noise.kind(), kind) << name;
+    EXPECT_EQ(noise.low().r(), .25);
+    EXPECT_EQ(noise.high().g(), .5);
+    EXPECT_EQ(noise.frequency(), 3);
+    EXPECT_EQ(noise.octaves(), 4u);
+    EXPECT_EQ(noise.strength(), 2);
+  }
+  const v1::Texture checker = texture("Checker { odd -> rgb(1, 0, 0) size -> 4 }");
+  EXPECT_EQ(checker.checker().odd().value().g(), 0);
+  EXPECT_EQ(checker.checker().even().value().g(), 1);
+  EXPECT_EQ(checker.transform().steps(0).scale().x(), .25);
+  EXPECT_THAT(complaint_of("n = Noise { octaves -> 17 }"), HasSubstr("1 to 16"));
+}
+
+TEST(CrtScene, MaterialsShineAndAreClear) {
+  const v1::Scene scene = scene_of(
+      "g = Material { color -> rgb(1, .5, 0) specular -> .5 shininess -> 40 transparency -> .25 "
+      "refractIndex -> 1.3 }",
+      "Sphere { center -> vec3(0, 0, 0) radius -> 1 material -> g }");
+  const v1::Classic& classic = scene.materials(0).classic();
+  EXPECT_EQ(classic.specular().value().g(), .25);
+  EXPECT_EQ(classic.specular_model(), v1::Classic::PHONG);
+  EXPECT_EQ(classic.shininess().value(), 40);
+  EXPECT_EQ(classic.transparency().value(), .25);
+  EXPECT_EQ(classic.refractive_index(), 1.3);
+}
+
+TEST(CrtScene, ProjectionsAndApertures) {
+  const auto camera = [](const std::string& fields) {
+    return scene_of("c = Camera { position -> vec3(0, 0, 0) pointing -> vec3(0, 0, 1) fov -> 40 " +
+                        fields + " }",
+                    "", "camera -> c dofsamples -> 2")
+        .cameras(0);
+  };
+  EXPECT_EQ(camera("").perspective().field_of_view(), 40);
+  EXPECT_EQ(camera("projection -> \"spherical\"").spherical().field_of_view(), 40);
+  EXPECT_EQ(camera("projection -> \"cylindrical\"").cylindrical().field_of_view(), 40);
+  const auto lens = [&](const std::string& shape) {
+    return camera("apertureshape -> \"" + shape + "\"").lens();
+  };
+  EXPECT_EQ(camera("").lens().shape(), v1::Lens::CIRCLE);
+  EXPECT_EQ(camera("").lens().radius_x(), 3);
+  EXPECT_EQ(camera("").lens().focal_distance(), .5);
+  EXPECT_EQ(lens("line").shape(), v1::Lens::LINE);
+  EXPECT_EQ(lens("uniform").shape(), v1::Lens::SQUARE_UNIFORM);
+  EXPECT_EQ(lens("gaussian").shape(), v1::Lens::GAUSSIAN);
+  uint32_t blades = 3;
+  for (const char* polygon : {"triangle", "square", "pentagon", "hexagon"}) {
+    EXPECT_EQ(lens(polygon).shape(), v1::Lens::POLYGON);
+    EXPECT_EQ(lens(polygon).blades(), blades++);
+  }
+}
+
+TEST(CrtScene, MeshesComeFromFiles) {
+  const v1::Scene scene = scene_of("", "Mesh { file -> \"a.obj\" material -> m }");
+  ASSERT_EQ(scene.includes_size(), 1);
+  EXPECT_EQ(scene.includes(0).file(), "a.obj");
+  EXPECT_TRUE(scene.includes(0).geometry_only());
+  EXPECT_EQ(scene.includes(0).material(), "m");
+  // From the right-handed world of models into the left-handed one of scripts.
+  bool mirrored = false;
+  for (const v1::Transform::Step& step : scene.includes(0).transform().steps())
+    mirrored |= step.has_scale() && step.scale().z() == -1;
+  EXPECT_TRUE(mirrored);
+  EXPECT_THAT(complaint_of("", "Mesh { file -> \"a.obj\" } - " + sphere("1")), HasSubstr("Mesh"));
+}
+
 TEST(CrtScene, FilesAreLookedForInsideTheFolderOnly) {
   const auto folder = std::filesystem::temp_directory_path() / "tessera_crt_test";
   std::filesystem::create_directories(folder);
