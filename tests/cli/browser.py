@@ -98,8 +98,12 @@ class Browser:
             self.process.wait(timeout=10)
         except subprocess.TimeoutExpired:
             pass
+        # Who is killed is there until the system has seen to it.
         try:
-            os.killpg(self.process.pid, signal.SIGKILL)
+            for _ in range(500):
+                os.killpg(self.process.pid, signal.SIGKILL)
+                self.process.poll()
+                time.sleep(0.01)
         except ProcessLookupError:
             pass
         self.process.wait()
