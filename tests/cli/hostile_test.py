@@ -11,7 +11,7 @@ import unittest
 
 from farm_limits_test import resident_bytes
 from service_test import TILES, ServiceTest
-from tessera_process import PATIENCE, PROGRAM, wait_until
+from tessera_process import PATIENCE, PROGRAM, SLOWER, wait_until
 
 SECONDS = int(os.environ.get("TESSERA_HOSTILE_SECONDS", "4"))
 SEED = int(os.environ.get("TESSERA_HOSTILE_SEED", "1"))
@@ -19,7 +19,7 @@ PEER = pathlib.Path(PROGRAM).parent / "farm_hostile_peer"
 
 
 class Hostile(ServiceTest):
-    spp = 64
+    spp = int(64 / SLOWER)
 
     def environment(self):
         # What a sanitizer keeps of what was freed has not grown.

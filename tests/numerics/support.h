@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <quadmath.h>
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
@@ -18,14 +19,28 @@ namespace tessera::numerics {
 
 // What all tests of numerics share: random numbers, ray counts, arithmetic in quad precision.
 
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool kSanitized = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
 /// Rays, scenes or the like to try where the full test tries `full`: all of them with
-/// TESSERA_NUMERICS_FULL=1 in the environment, else one hundredth.
+/// TESSERA_NUMERICS_FULL=1 in the environment, else one hundredth, and of the largest counts less
+/// where a sanitizer looks on, for what it is after.
 inline int64_t ray_count(int64_t full) {
   static const bool all = [] {
     const char* text = std::getenv("TESSERA_NUMERICS_FULL");
     return text && text[0] == '1';
   }();
-  return all ? full : (full + 99) / 100;
+  constexpr int64_t kEnough = kSanitized ? 2000 : std::numeric_limits<int64_t>::max();
+  return all ? full : std::min((full + 99) / 100, kEnough);
 }
 
 /// Runs work(argument) in a thread of 1 MiB of stack.
