@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <pthread.h>
+#include <sched.h>
 #include <signal.h>
 #include <spawn.h>
 #include <string.h>
@@ -73,7 +74,12 @@ pid_t start_process(const std::string& program, std::vector<std::string> argumen
   return process;
 }
 
-int core_count() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
+int core_count() {
+  cpu_set_t allowed;
+  // Of more than 1,024 it tells by failing.
+  if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) return std::max(1, CPU_COUNT(&allowed));
+  return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
 
 void check_room_for_threads(int count) {
   constexpr size_t kHeap = size_t{1} << 20;  // of each, for what it works with

@@ -41,8 +41,10 @@ void add_read_options(CLI::App& command, ReadOptions& options) {
       .add_option_function<std::string>(
           "--assets",
           [&options](const std::string& folder) {
-            if (!std::filesystem::is_directory(folder))
-              throw usage_error(fmt::format("--assets: there is no folder '{}'", folder));
+            std::error_code failure;
+            if (!std::filesystem::is_directory(folder, failure))
+              throw usage_error(fmt::format("--assets: there is no folder '{}'{}", folder,
+                                            failure ? ": " + failure.message() : ""));
             options.assets = folder;
           },
           "The folder that holds all files which SCENE names: pictures, materials, other scenes "

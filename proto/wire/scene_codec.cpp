@@ -154,7 +154,11 @@ void fetch_blobs(const std::string& path, SceneWithBlobs& read) {
     const Digest digest = *Digest::parse(ref.digest());
     if (read.blobs.find(digest)) continue;
     const std::string file = fmt::format("{}.blobs/{}", path, ref.digest());
-    const std::string bytes = read_input_file(file, uint64_t{1} << 40);
+    // Before any of it is in memory.
+    const uint64_t size = check_input_file(file, UINT64_MAX);
+    if (size != ref.size())
+      throw scene_error({file}, fmt::format("{} bytes", size), fmt::format("{}", ref.size()));
+    const std::string bytes = read_input_file(file, size);
     if (Digest::of(bytes) != digest)
       throw scene_error({file}, "the data do not have the digest of the file's name", "whole data");
     const auto view = std::as_bytes(std::span(bytes));

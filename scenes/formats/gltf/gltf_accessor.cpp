@@ -93,6 +93,8 @@ void GltfAccessor::read_sparse(GltfFile& file, const GltfValue& sparse) {
   file.spend(count, sparse);
   const GltfValue indices = sparse["indices"];
   const Component type = component_of(indices["componentType"]);
+  if (type != Component::uint8 && type != Component::uint16 && type != Component::uint32)
+    throw indices["componentType"].error("a type of no index", "5121, 5123 or 5125");
   const Rows numbers = rows(file, indices, count, size_of(type));
   sparse_.values = rows(file, sparse["values"], count, components_ * size_of(component_));
   for (size_t i = 0; i < count; ++i) {

@@ -56,10 +56,13 @@ uint32_t announced_triangles(std::string_view bytes) {
   return count;
 }
 
-/// Binary files may begin with "solid" too. Where the count of a binary file is, a text has bytes
-/// that fit its length by no chance, and no zero.
+/// Where the count of a binary file is, a text has bytes that fit its length by no chance.
+bool is_text_length(std::string_view bytes) {
+  return bytes.size() != kDataBegin + uint64_t{announced_triangles(bytes)} * kRecord;
+}
+
+/// Binary files may begin with "solid" too; a text has no zero.
 bool is_text(std::string_view bytes) {
-  if (bytes.size() == kDataBegin + uint64_t{announced_triangles(bytes)} * kRecord) return false;
   return lower_case(std::string(TokenReader(bytes, "").word())) == "solid" &&
          bytes.substr(0, kDataBegin).find('\0') == std::string_view::npos;
 }
@@ -144,12 +147,13 @@ class StlText {
 }  // namespace
 
 LoadedScene parse_stl(std::string_view bytes, const std::string& name) {
-  bytes = skip_byte_order_mark(bytes);
+  // A binary file's header may be anything.
+  const std::string_view text = skip_byte_order_mark(bytes);
   LoadedScene out;
   Warnings warnings;
   StlMesh builder(warnings);
-  if (is_text(bytes))
-    StlText(bytes, name, builder).read();
+  if (is_text(text) && is_text_length(bytes))
+    StlText(text, name, builder).read();
   else
     read_binary(bytes, name, builder, warnings);
   MeshData mesh = builder.take();

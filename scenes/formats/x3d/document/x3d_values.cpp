@@ -68,11 +68,15 @@ std::string unquote(std::string_view text, size_t& at) {
 const X3dField* X3dValues::read_field(const X3dNode& node, std::string_view name) const {
   const X3dField* field = node.field(name);
   if (!field) return nullptr;
-  read_bytes_ += field->text.size();
-  if (read_bytes_ > kMaxReadBytes)
-    throw document_.error(field->offset, "lists that are used too often",
-                          fmt::format("at most {} GiB read in all", kMaxReadBytes >> 30));
+  spend(field->text.size(), field->offset);
   return field;
+}
+
+void X3dValues::spend(size_t bytes, size_t offset) const {
+  read_bytes_ += bytes;
+  if (read_bytes_ > kMaxReadBytes)
+    throw document_.error(offset, "lists that are used too often",
+                          fmt::format("at most {} GiB read in all", kMaxReadBytes >> 30));
 }
 
 template <typename Number>

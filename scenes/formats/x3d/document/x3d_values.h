@@ -60,6 +60,8 @@ class X3dValues {
   const X3dDocument& document() const { return document_; }
   Warnings& warnings() const { return warnings_; }
 
+  /// Counts what is made of a node at `offset` as if so much were read.
+  void spend(size_t bytes, size_t offset) const;
   /// Reading lists again and again, as USE makes possible, must end: "FILE:...: ...".
   static constexpr size_t kMaxReadBytes = size_t{4} << 30;
 

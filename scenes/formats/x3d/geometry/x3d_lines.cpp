@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "scenes/formats/x3d/geometry/x3d_faces.h"
 
@@ -13,6 +14,8 @@ class LineBuilder {
  public:
   LineBuilder(const X3dNode& node, const X3dValues& values, const X3dPen& pen)
       : node_(node), values_(values), pen_(pen) {
+    const double extent = pen.camera_from_node.determinant();
+    if (extent != 0 && std::isfinite(extent)) node_from_camera_ = inverse(pen.camera_from_node);
     if (const X3dNode* coord = node.child("coord"))
       coordinates_ = values.floats(*coord, "point", 3);
   }
@@ -70,6 +73,8 @@ class LineBuilder {
   }
 
   uint32_t add_vertex(const Vec3& p) {
+    constexpr size_t kBytes = 64;  // about, with the faces about it
+    values_.spend(kBytes, node_.offset);
     const size_t number = out_.points.size() / 3;
     if (number >= kMaxX3dPoints)
       throw values_.document().error(node_.offset,
@@ -111,20 +116,35 @@ class LineBuilder {
     add_prism({beside, to, to_slot}, b, number);
   }
 
+  /// What is so long as the camera sees it, in the node's lengths; false where that is no number,
+  /// or has no room in single precision.
+  bool to_node(Vec3& offset) const {
+    constexpr double kMost = 1e30;
+    if (!node_from_camera_) return false;
+    offset = (*node_from_camera_)(offset);
+    return std::abs(offset.x) < kMost && std::abs(offset.y) < kMost && std::abs(offset.z) < kMost;
+  }
+
   /// Of three sides, so that it looks as wide from everywhere to within a seventh.
   void add_prism(const End& from, const End& to, size_t number) {
     const Vec3 &a = from.at, &b = to.at;
+    const Vec3 seen = pen_.camera_from_node(b - a);
+    if (!(length_squared(b - a) > 0 && length_squared(seen) > 0)) return;
     const double radius_a = pen_.radius(a), radius_b = pen_.radius(b);
-    if (!(length_squared(b - a) > 0 && std::max(radius_a, radius_b) > 0)) return;
-    const Vec3 along = normalize(b - a);
+    const Vec3 along = normalize(seen);
     const Vec3 x = normalize(cross(along, std::abs(along.x) < .5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
     const Vec3 y = cross(along, x);
     const std::array<Vec3, 3> around{x, x * -0.5 + y * 0.8660254, x * -0.5 - y * 0.8660254};
     std::array<Corner, 3> begin, end;
+    std::array<Vec3, 3> at_a, at_b;
     for (size_t k = 0; k < 3; ++k) {
-      begin[k] = {add_vertex(a + around[k] * radius_a), static_cast<uint32_t>(from.coordinate),
+      at_a[k] = around[k] * radius_a, at_b[k] = around[k] * radius_b;
+      if (!to_node(at_a[k]) || !to_node(at_b[k])) return;
+    }
+    for (size_t k = 0; k < 3; ++k) {
+      begin[k] = {add_vertex(a + at_a[k]), static_cast<uint32_t>(from.coordinate),
                   static_cast<uint32_t>(from.slot)};
-      end[k] = {add_vertex(b + around[k] * radius_b), static_cast<uint32_t>(to.coordinate),
+      end[k] = {add_vertex(b + at_b[k]), static_cast<uint32_t>(to.coordinate),
                 static_cast<uint32_t>(to.slot)};
     }
     for (size_t k = 0; k < 3; ++k) {
@@ -141,13 +161,14 @@ class LineBuilder {
   void add_point(size_t i) {
     const Vec3 p = coordinate(i);
     const double radius = pen_.radius(p);
-    if (!(radius > 0)) return;
-    std::array<Corner, 6> tips;  // -x +x -y +y -z +z
+    std::array<Vec3, 6> steps;  // -x +x -y +y -z +z
     for (size_t k = 0; k < 6; ++k) {
-      Vec3 step;
-      step[static_cast<int>(k / 2)] = k % 2 ? radius : -radius;
-      tips[k] = {add_vertex(p + step), static_cast<uint32_t>(i), static_cast<uint32_t>(i)};
+      steps[k][static_cast<int>(k / 2)] = k % 2 ? radius : -radius;
+      if (!to_node(steps[k])) return;
     }
+    std::array<Corner, 6> tips;
+    for (size_t k = 0; k < 6; ++k)
+      tips[k] = {add_vertex(p + steps[k]), static_cast<uint32_t>(i), static_cast<uint32_t>(i)};
     for (size_t octant = 0; octant < 8; ++octant) {
       const size_t x = octant & 1, y = octant >> 1 & 1, z = octant >> 2;
       const bool even = (x + y + z) % 2 == 0;
@@ -160,6 +181,7 @@ class LineBuilder {
   const X3dNode& node_;
   const X3dValues& values_;
   const X3dPen& pen_;
+  std::optional<Affine> node_from_camera_;  ///< nothing where the node has no extent
   std::vector<float> coordinates_;
   X3dFaces out_;
 };
@@ -170,12 +192,9 @@ double X3dPen::depth(const Vec3& point) const { return -camera_from_node(Point3{
 
 double X3dPen::radius(const Vec3& point) const {
   constexpr double kLeast = 1e-3;  // of the distance, beside the camera
-  constexpr double kMost = 1e30;   // well within single precision
   const Point3 seen = camera_from_node(Point3{} + point);
   const double deep = std::max(std::abs(seen.z), kLeast * length(seen - Point3{}));
-  const double scale = std::cbrt(std::abs(camera_from_node.determinant()));
-  const double radius = (width + width_per_depth * deep) / scale / 2;
-  return radius < kMost ? radius : 0;  // 0 for no number, too
+  return (width + width_per_depth * deep) / 2;
 }
 
 X3dFaces read_x3d_lines(const X3dNode& node, const X3dValues& values, const X3dPen& pen) {

@@ -31,7 +31,7 @@ struct X3dPen {
   double width = 0;            ///< at the camera, and everywhere where it has no perspective
   double width_per_depth = 0;  ///< what is added a length along the view
 
-  /// Half of it, in the node's lengths; 0 where the node has no extent.
+  /// Half of it.
   double radius(const Vec3& point) const;
   /// 0 at the camera, below 0 behind it.
   double depth(const Vec3& point) const;

@@ -1,5 +1,6 @@
 #include "proto/wire/scene_codec.h"
 
+#include <fmt/format.h>
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -210,8 +211,13 @@ TEST(SceneCodec, KeepsLargeBlobsBesideTheFile) {
   EXPECT_TRUE(MessageDifferencer::Equals(back.scene, made.scene));
   EXPECT_EQ(back.blobs.size(), 1u);
   const fs::path blob = folder / "s.tessera.blobs" / made.blobs.all().begin()->first.hex();
-  std::ofstream(blob, std::ios::app) << 'y';
+  std::ofstream(blob, std::ios::in) << 'y';
   EXPECT_NE(error_of([&] { read_scene_file(path, SceneEncoding::text); }).find("do not have"),
+            std::string::npos);
+  std::ofstream(blob, std::ios::app) << 'y';
+  EXPECT_NE(error_of([&] { read_scene_file(path, SceneEncoding::text); })
+                .find(fmt::format("{} bytes; expected {}", kMaxEmbeddedBlobBytes + 2,
+                                  kMaxEmbeddedBlobBytes + 1)),
             std::string::npos);
   fs::remove(blob);
   EXPECT_NE(error_of([&] { read_scene_file(path, SceneEncoding::text); }).find("no such file"),

@@ -68,6 +68,7 @@ TEST(Stl, ReadsTextAndBinaryAlike) {
 
 TEST(Stl, IsNotFooledByABinaryHeaderThatSaysSolid) {
   EXPECT_EQ(read(binary("solid made by a program", kSquare)).positions, kSquarePoints);
+  EXPECT_EQ(read(binary("\xEF\xBB\xBFsolid", kSquare)).positions, kSquarePoints);
   EXPECT_EQ(read(binary("solid", kSquare) + "more").positions, kSquarePoints);
   EXPECT_EQ(read(binary("solid", kSquare) + "more").warnings.size(), 1u);
 }

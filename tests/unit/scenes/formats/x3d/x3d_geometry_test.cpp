@@ -214,6 +214,21 @@ TEST(X3dGeometry, LinesAndPointsAreAsWideInThePictureNearAndFar) {
   }
 }
 
+TEST(X3dGeometry, LinesAndPointsAreAsWideWhereANodeIsStretched) {
+  for (const std::string scale : {"1 100 1", "100 1 1"}) {
+    const std::string begin =
+        "Viewpoint { position 0 0 0 fieldOfView 1.5707963 } Transform { scale " + scale +
+        " children Shape { geometry ";
+    for (const std::string ends : {"-1 0 -1, 1 0 -1", "0 -1 -1, 0 1 -1"}) {
+      const double line = coverage(begin + "LineSet { vertexCount 2 coord Coordinate { point [ " +
+                                   ends + " ] } } } }");
+      EXPECT_NEAR(line / 20, 1.6, .15) << ends << " stretched by " << scale;
+    }
+    const double point = coverage(begin + "PointSet { coord Coordinate { point 0 0 -1 } } } }");
+    EXPECT_NEAR(point, 2, .2) << "stretched by " << scale;
+  }
+}
+
 TEST(X3dGeometry, ALineIsAsWideAtItsFarEndAndThinBesideTheEye) {
   const auto radii = [](const std::string& view, const std::string& appearance = "") {
     const auto loaded = parse_classic(
