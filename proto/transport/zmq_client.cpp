@@ -45,6 +45,7 @@ class ZmqClient final : public ClientTransport {
     // Opened again with the next connect_bulk(): it may be as dead as the other one was.
     close(bulk_);
     bulk_endpoint_.clear();
+    bulk_fault_.clear();
   }
 
   void connect_bulk(const std::string& text) override {
@@ -57,7 +58,13 @@ class ZmqClient final : public ClientTransport {
     if (full == bulk_endpoint_) return;
     bulk_endpoint_ = full;
     bulk_there_ = monotonic_now();
-    open(bulk_, parse_endpoint(bulk_endpoint_), Channel::bulk);
+    bulk_fault_.clear();
+    try {
+      open(bulk_, parse_endpoint(bulk_endpoint_), Channel::bulk);
+    } catch (const Error& error) {  // what the other side says ends nobody
+      close(bulk_);
+      bulk_fault_ = error.what();
+    }
   }
 
   void wait(std::chrono::milliseconds timeout) override {
@@ -114,6 +121,7 @@ class ZmqClient final : public ClientTransport {
 
   std::optional<ConnectionTrouble> trouble() const override {
     if (control_.monitor && control_.monitor->trouble()) return control_.monitor->trouble();
+    if (!bulk_fault_.empty()) return ConnectionTrouble{bulk_fault_, false};
     if (!bulk_.monitor || monotonic_now() - bulk_there_ < kBulkPatience) return std::nullopt;
     // Never refused: the other line is there, and this one is tried for ever.
     return ConnectionTrouble{
@@ -200,6 +208,7 @@ class ZmqClient final : public ClientTransport {
   Endpoint endpoint_;
   std::optional<ClientKeys> keys_;
   std::string bulk_endpoint_;
+  std::string bulk_fault_;  ///< why there can be no bulk line
   Line control_, bulk_;
   Time bulk_there_{};                    ///< when it was last connected, or had no need to be
   std::optional<Time> bulk_unanswered_;  ///< since when there was no message on it

@@ -159,7 +159,7 @@ TEST_P(N20, AcceleratorsAgreeToTheLastBitOnMixedScenes) {
     const std::vector<Contestant> all = contestants(random);
     int wrong = 0;
     std::string first;
-    for (int64_t i = 0; i < ray_count(10'000'000 / kShards / kScenes); ++i) {
+    for (int64_t i = 0; i < long_ray_count(10'000'000 / kShards / kScenes); ++i) {
       Ray ray = random_ray(random);
       if (i % 4 == 0) cut_to_hit(all[0], i % 8 == 0, ray);
       for (size_t k = 1; k < all.size(); ++k)

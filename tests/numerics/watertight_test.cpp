@@ -57,7 +57,7 @@ void expect_closed(double offset, uint64_t stream, int64_t full, bool aimed,
       MissCounter count;
       // The large one gets a sixteenth of the rays.
       const int64_t share = mesh->triangles.size() < 1000 ? 5 : 1;
-      for (int64_t i = 0; i < ray_count(full / 8 / 8 * share / 16); ++i) {
+      for (int64_t i = 0; i < long_ray_count(full / 8 / 8 * share / 16); ++i) {
         const Point3 origin = Point3{} + by + random.in_cube(0.25);
         count.trace(all, {origin, aimed ? aim(*mesh, origin, random) : random.direction()});
       }
@@ -99,7 +99,7 @@ TEST_P(N03, ClosedAtEveryScale) {
     for (uint64_t seed = 1; seed <= 8; ++seed) {
       Random random(3, seed);
       MissCounter count;
-      for (int64_t i = 0; i < ray_count(10'000'000 / 100 / 8); ++i) {
+      for (int64_t i = 0; i < long_ray_count(10'000'000 / 100 / 8); ++i) {
         const Point3 origin = Point3{} + by + random.in_cube(0.25) * scale;
         const Ray ray{origin, aim(*mesh, origin, random)};
         count.trace(all, ray);

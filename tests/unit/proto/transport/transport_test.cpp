@@ -176,6 +176,23 @@ TEST(ZmqTransport, ReconnectsAtAnyMomentOfAHandshake) {
   EXPECT_EQ(text_of(*asked), "still here");
 }
 
+TEST(ZmqTransport, ABulkEndpointThatIsNoneEndsNobody) {
+  const auto server = bind_server("tcp://127.0.0.1:*");
+  const auto client = connect_client(server->endpoint());
+  for (const std::string wrong : {"vm", "tcp://127.0.0.1:99999", "ipc://"}) {
+    EXPECT_NO_THROW(client->connect_bulk(wrong));
+    client->send(Channel::bulk, bytes_of("question"));
+    client->wait(milliseconds(1));
+    ASSERT_TRUE(client->trouble()) << wrong;
+    EXPECT_THAT(client->trouble()->why, ::testing::HasSubstr("'" + wrong + "'"));
+  }
+  client->connect_bulk(server->bulk_endpoint());
+  EXPECT_FALSE(client->trouble());
+  const auto asked = next(*server, *client);
+  ASSERT_TRUE(asked);
+  EXPECT_EQ(asked->channel, Channel::bulk);
+}
+
 TEST(ZmqTransport, AMessageThatIsTooLongIsNotTaken) {
   const auto server = bind_server("tcp://127.0.0.1:*");
   const auto client = connect_client(server->endpoint());
