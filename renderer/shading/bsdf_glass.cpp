@@ -47,9 +47,8 @@ double Bsdf::sheet_fresnel(double cosine) const {
 }
 
 double Bsdf::turned_back(double cosine) const {
-  const double lost = std::max(glass_albedo_->lost(true, glass_alpha_, cosine), 0.0);
   return glass_albedo_->turned_back(coat_alpha_, glass_alpha_, cosine) +
-         lost * goes_through_ * (1 - coat_between_);
+         glass_lost(true, cosine) * goes_through_ * (1 - coat_between_);
 }
 
 BsdfValue Bsdf::evaluate_glass(const Vec3& wi) const {
