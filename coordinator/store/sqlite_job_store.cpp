@@ -60,7 +60,7 @@ std::string_view text_of(std::span<const std::byte> bytes) {
 SqliteJobStore::SqliteJobStore(const fs::path& folder)
     : folder_(made(folder)),
       database_(folder / "farm.db", {.application_id = kJobsApplicationId,
-                                     .format = 1,
+                                     .format = 2,
                                      .what = "a store",
                                      .fails = "cannot keep jobs and tiles"}),
       tiles_(database_) {

@@ -108,7 +108,7 @@ BlobStore take_blobs(v1::Scene& scene, const std::string& name) {
     const auto bytes = std::as_bytes(std::span(blob.data()));
     if (!digest || Digest::of(bytes) != *digest)
       throw scene_error({name}, fmt::format("blob '{}' does not have that digest", blob.digest()),
-                        "the BLAKE2b-256 of its data");
+                        "the digest of its data (docs/scenes.md)");
     blobs.put(*digest,
               std::make_shared<const Blob>(std::vector<std::byte>(bytes.begin(), bytes.end())));
     blob.clear_data();
