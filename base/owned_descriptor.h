@@ -20,6 +20,8 @@ class OwnedDescriptor {
     return *this;
   }
   int get() const { return descriptor_; }
+  /// The caller's to close from now on.
+  int release() { return std::exchange(descriptor_, -1); }
 
  private:
   int descriptor_;

@@ -11,8 +11,7 @@ DecodedTexture as_texture(TextureImage picture) {
           .height = picture.height,
           .channels = picture.channels,
           .bits = picture.bits,
-          .texels = std::move(picture.texels),
-          .digest = picture.digest};
+          .texels = std::move(picture.texels)};
 }
 
 }  // namespace

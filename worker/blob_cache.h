@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "base/blob.h"
 #include "base/digest.h"
-#include "proto/wire/blob.h"
 
 namespace tessera {
 

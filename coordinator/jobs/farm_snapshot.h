@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/blob.h"
 #include "coordinator/jobs/seconds_histogram.h"
-#include "proto/wire/blob.h"
 #include "renderer/film/tile.h"
 
 namespace tessera {

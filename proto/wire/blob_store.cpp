@@ -4,9 +4,9 @@
 
 namespace tessera {
 
-Digest BlobStore::put(std::vector<std::byte> bytes) {
-  const Digest digest = Digest::of(bytes);
-  blobs_.try_emplace(digest, std::make_shared<const Blob>(std::move(bytes)));
+Digest BlobStore::put(BlobData bytes) {
+  const Digest digest = Digest::of(*bytes);
+  blobs_.try_emplace(digest, std::move(bytes));
   return digest;
 }
 

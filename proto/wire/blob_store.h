@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/blob.h"
 #include "base/digest.h"
-#include "proto/wire/blob.h"
 
 namespace tessera {
 
@@ -17,7 +17,8 @@ namespace tessera {
 class BlobStore {
  public:
   /// Keeps `bytes` and returns their name.
-  Digest put(std::vector<std::byte> bytes);
+  Digest put(BlobData bytes);
+  Digest put(std::vector<std::byte> bytes) { return put(make_blob(std::move(bytes))); }
   /// Keeps `bytes` under a name that the caller has verified.
   void put(const Digest& digest, BlobData bytes);
   /// Holds the same bytes elsewhere from now on.

@@ -15,7 +15,6 @@ namespace {
 // Each takes a descriptor of ours: only those whose copies would hurt.
 constexpr size_t kLeastBytes = size_t{256} << 10;
 constexpr size_t kMostBlobs = 64;
-constexpr int kSeals = F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW;
 
 BlobData shared_copy(const Blob& blob) {
   const int descriptor = memfd_create("tessera-blob", MFD_CLOEXEC | MFD_ALLOW_SEALING);
@@ -26,7 +25,9 @@ BlobData shared_copy(const Blob& blob) {
     if (count <= 0) break;
     written += static_cast<size_t>(count);
   }
-  if (written < blob.size() || fcntl(descriptor, F_ADD_SEALS, kSeals | F_SEAL_SEAL) != 0) {
+  if (written < blob.size() ||
+      fcntl(descriptor, F_ADD_SEALS, F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) !=
+          0) {
     close(descriptor);
     return nullptr;
   }
@@ -52,12 +53,7 @@ void share_large_blobs(BlobStore& blobs) {
 BlobData map_shared_blob(const BlobPlace& place, uint64_t size) {
   const std::string path = fmt::format("/proc/{}/fd/{}", place.process, place.descriptor);
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-  if (descriptor < 0) return nullptr;
-  if ((fcntl(descriptor, F_GET_SEALS) & kSeals) != kSeals) {
-    close(descriptor);
-    return nullptr;
-  }
-  return Blob::map(descriptor, size);
+  return descriptor < 0 ? nullptr : Blob::map_sealed(descriptor, size);
 }
 
 }  // namespace tessera

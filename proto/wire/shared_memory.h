@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "proto/wire/blob.h"
+#include "base/blob.h"
 #include "proto/wire/blob_store.h"
 
 namespace tessera {

@@ -6,17 +6,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <new>
-#include <span>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
+#include "base/owned_descriptor.h"
 #include "base/process.h"
 
 namespace tessera {
@@ -40,7 +41,7 @@ fs::path find_program() {
 /// Whether the reply is of a size that such an answer may have.
 bool is_plausible(const ImageRequest& request, const ImageReply& reply) {
   constexpr uint64_t kLongestCause = 64 * 1024;
-  if (!reply.done) return reply.payload_bytes <= kLongestCause;
+  if (!reply.done) return !reply.is_shared && reply.payload_bytes <= kLongestCause;
   if (request.call == ImageRequest::encode) {
     return reply.payload_bytes <= most_encoded_bytes(request.layout.bytes());
   }
@@ -125,35 +126,22 @@ std::optional<ImageCodec::Answer> ImageCodec::try_call(const ImageRequest& reque
 
 std::optional<ImageCodec::Answer> ImageCodec::receive_answer(ImageChannel& channel,
                                                              const ImageRequest& request) {
-  const bool is_picture =
-      request.call == ImageRequest::decode_file || request.call == ImageRequest::decode_bytes;
-  // What was sent while it was decoded may turn out not to hold, once.
-  for (int reply_number = 0; reply_number < 2; ++reply_number) {
-    ImageReply reply;
-    if (!channel.receive(reply) || !is_plausible(request, reply)) return std::nullopt;
-    Answer answer{reply.layout, {}, {}};
-    answer.payload.reserve(reply.payload_bytes);
-    DigestStream digest;
-    // Piece by piece, so that the digest is worked out while the rest is decoded.
-    while (answer.payload.size() < reply.payload_bytes) {
-      constexpr uint64_t kPiece = uint64_t{256} << 10;
-      const size_t before = answer.payload.size();
-      answer.payload.resize(std::min(before + kPiece, reply.payload_bytes));
-      const std::span<std::byte> piece = std::span(answer.payload).subspan(before);
-      if (!channel.receive_bytes(piece.data(), piece.size())) return std::nullopt;
-      if (is_picture) digest.add(piece);
-    }
-    ImageVerdict verdict;
-    if (!channel.receive(verdict)) return std::nullopt;
-    if (!verdict.holds) continue;
-    if (!reply.done) {
-      throw render_error(
-          std::string(reinterpret_cast<const char*>(answer.payload.data()), answer.payload.size()));
-    }
-    if (is_picture) answer.digest = digest.finish();
-    return answer;
+  ImageReply reply;
+  int descriptor = -1;
+  const bool came = channel.receive(reply, descriptor);
+  OwnedDescriptor memory(descriptor);
+  if (!came || !is_plausible(request, reply)) return std::nullopt;
+  if (reply.is_shared) {
+    BlobData shared = Blob::map_sealed(memory.release(), reply.payload_bytes);
+    if (!shared) return std::nullopt;
+    return Answer{reply.layout, std::move(shared)};
   }
-  return std::nullopt;
+  std::vector<std::byte> payload(reply.payload_bytes);
+  if (!channel.receive_bytes(payload.data(), payload.size())) return std::nullopt;
+  if (!reply.done) {
+    throw render_error(std::string(reinterpret_cast<const char*>(payload.data()), payload.size()));
+  }
+  return Answer{reply.layout, std::make_shared<const Blob>(std::move(payload))};
 }
 
 ImageCodec::Answer ImageCodec::call(ImageRequest request, std::string_view payload) {

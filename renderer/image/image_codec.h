@@ -5,9 +5,8 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "base/digest.h"
+#include "base/blob.h"
 #include "renderer/image/channel/image_channel.h"
 
 namespace tessera {
@@ -27,8 +26,7 @@ class ImageCodec {
 
   struct Answer {
     PixelLayout layout;
-    std::vector<std::byte> payload;
-    Digest digest;  ///< of the payload of a decode_file or decode_bytes
+    BlobData payload;
   };
   /// `request.payload_bytes` is filled in. Throws a render error with the codec's cause.
   Answer call(ImageRequest request, std::string_view payload);

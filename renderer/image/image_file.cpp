@@ -98,8 +98,8 @@ void convert_colors(const ColorManagement& names, Film& film) {
   const auto answer =
       ImageCodec::shared().call(request, as_text(std::as_bytes(std::span(film.values()))));
   const auto values = std::as_writable_bytes(film.values());
-  if (answer.payload.size() != values.size()) throw render_error("colours are missing");
-  std::copy(answer.payload.begin(), answer.payload.end(), values.begin());
+  if (answer.payload->size() != values.size()) throw render_error("colours are missing");
+  std::ranges::copy(*answer.payload, values.begin());
 }
 
 /// 8 bits of every channel.
@@ -113,8 +113,8 @@ std::vector<uint8_t> shown_bytes(const Film& film, const OutputSettings& setting
                   {.transfer = TransferCurve::display, .quantization = settings.quantization});
 }
 
-std::vector<std::byte> encode(const Format& format, const Film& film,
-                              const OutputSettings& settings, const ImageMetadata& metadata) {
+BlobData encode(const Format& format, const Film& film, const OutputSettings& settings,
+                const ImageMetadata& metadata) {
   ImageRequest request;
   request.call = ImageRequest::encode;
   copy_text(format.name, request.format);
@@ -156,8 +156,7 @@ TextureImage as_texture(ImageCodec::Answer answer) {
           .height = static_cast<uint32_t>(answer.layout.height),
           .channels = static_cast<uint32_t>(answer.layout.channels),
           .bits = static_cast<uint32_t>(answer.layout.bits),
-          .texels = std::move(answer.payload),
-          .digest = answer.digest};
+          .texels = std::move(answer.payload)};
 }
 
 }  // namespace
@@ -195,21 +194,21 @@ void write_image(const fs::path& path, const Film& film, const OutputSettings& s
     return write_image(path, film.with_only({}), settings, metadata);
   }
   if (!format.name) return write_output_file(path.string(), encode_pfm(film));
-  std::vector<std::byte> file;
+  BlobData file;
   try {
     file = encode(format, film, settings, metadata);
   } catch (const Error& error) {
     throw render_error(fmt::format("'{}' cannot be written: {}", path.string(), error.what()));
   }
-  write_output_file(path.string(), as_text(file));
+  write_output_file(path.string(), as_text(*file));
 }
 
 FloatImage read_image(const fs::path& path) {
   const ImageCodec::Answer answer = decode(ImageRequest::decode_all, path.string(), path.string());
   FloatImage image{answer.layout.width, answer.layout.height, {}, {}};
   image.values.resize(answer.layout.bytes() / sizeof(float));
-  std::memcpy(image.values.data(), answer.payload.data(), answer.layout.bytes());
-  std::string_view names = as_text(answer.payload).substr(answer.layout.bytes());
+  std::memcpy(image.values.data(), answer.payload->data(), answer.layout.bytes());
+  std::string_view names = as_text(*answer.payload).substr(answer.layout.bytes());
   for (int i = 0; i < answer.layout.channels; ++i) {
     image.channels.emplace_back(names.substr(0, names.find('\0')));
     names.remove_prefix(std::min(names.size(), image.channels.back().size() + 1));

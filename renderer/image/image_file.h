@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/digest.h"
+#include "base/blob.h"
 #include "renderer/film/film.h"
 #include "renderer/film/tone_map.h"
 
@@ -39,8 +39,7 @@ struct TextureImage {
   uint32_t width = 0, height = 0;
   uint32_t channels = 0;  ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA
   uint32_t bits = 0;      ///< 8, 16 (half float) or 32 (float)
-  std::vector<std::byte> texels;
-  Digest digest;  ///< of the texels
+  BlobData texels;
 };
 
 /// Starts what `path` will be encoded by (ImageCodec) without waiting for it. May be called from

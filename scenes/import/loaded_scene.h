@@ -41,8 +41,7 @@ struct DecodedTexture {
   uint32_t width = 0, height = 0;
   uint32_t channels = 3;  ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA
   uint32_t bits = 8;      ///< 8, 16 (half float) or 32 (float)
-  std::vector<std::byte> texels;
-  std::optional<Digest> digest{};  ///< of the texels, where it is known
+  BlobData texels;
 };
 /// Reads the picture in a file. Whoever reads scenes brings it: scenes decode no pictures.
 /// `to_srgb`: colours are taken from an embedded colour profile to sRGB.

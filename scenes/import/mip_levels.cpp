@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/parallel.h"
+#include "base/process.h"
 #include "renderer/math/encodings.h"
 
 namespace tessera {
@@ -89,17 +91,19 @@ void average(const Texels& texels, const std::array<const std::byte*, 4>& from, 
 }  // namespace
 
 uint32_t add_mip_levels(DecodedTexture& texture, bool is_srgb) {
-  texture.digest.reset();
   const Texels texels(texture, is_srgb);
   const size_t size = size_t{texture.channels} * (texture.bits / 8);
   size_t width = texture.width, height = texture.height, offset = 0;
   uint32_t levels = 1;
+  std::vector<std::byte> bytes;
+  bytes.reserve(texture.texels->size() / 2 * 3);
+  bytes.assign(texture.texels->begin(), texture.texels->end());
   for (; width > 1 || height > 1; ++levels) {
     const size_t next_width = width - width / 2, next_height = height - height / 2;
     const size_t next = offset + width * height * size;
-    texture.texels.resize(next + next_width * next_height * size);
-    std::byte* const data = texture.texels.data();
-    for (size_t y = 0; y < next_height; ++y) {
+    bytes.resize(next + next_width * next_height * size);
+    std::byte* const data = bytes.data();
+    const auto average_row = [&](size_t y) {
       const size_t y0 = 2 * y, y1 = std::min(y0 + 1, height - 1);
       for (size_t x = 0; x < next_width; ++x) {
         const size_t x0 = 2 * x, x1 = std::min(x0 + 1, width - 1);
@@ -109,9 +113,14 @@ uint32_t add_mip_levels(DecodedTexture& texture, bool is_srgb) {
         average(texels, {texel(x0, y0), texel(x1, y0), texel(x0, y1), texel(x1, y1)},
                 data + next + (y * next_width + x) * size);
       }
-    }
+    };
+    constexpr size_t kRows = 16;
+    for_each_piece_parallel(next_height, kRows, core_count(), [&](size_t from, size_t to) {
+      for (size_t y = from; y < to; ++y) average_row(y);
+    });
     offset = next, width = next_width, height = next_height;
   }
+  texture.texels = make_blob(std::move(bytes));
   return levels;
 }
 

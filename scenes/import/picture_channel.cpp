@@ -45,8 +45,8 @@ void keep_channel(DecodedTexture& texture, PictureChannel channel, bool is_srgb)
   const bool decodes = !is_alpha && channels > 2 && is_srgb && bits == 8;
   const uint32_t to_bits = decodes ? 16 : bits;
   const size_t from_size = size_t{channels} * (bits / 8), to_size = to_bits / 8;
-  std::vector<std::byte> out(texture.texels.size() / from_size * to_size);
-  const std::byte* from = texture.texels.data();
+  std::vector<std::byte> out(texture.texels->size() / from_size * to_size);
+  const std::byte* from = texture.texels->data();
   for (size_t at = 0; at < out.size(); at += to_size, from += from_size) {
     double value = 0;
     if (is_alpha || channels == 2) {
@@ -61,8 +61,7 @@ void keep_channel(DecodedTexture& texture, PictureChannel channel, bool is_srgb)
   }
   texture.channels = 1;
   texture.bits = to_bits;
-  texture.texels = std::move(out);
-  texture.digest.reset();
+  texture.texels = make_blob(std::move(out));
 }
 
 }  // namespace tessera

@@ -18,12 +18,6 @@ bool wants_levels(const v1::Texture::Image& image) {
   return image.filter() == v1::Texture::Image::TRILINEAR && !image.texels_at_corners();
 }
 
-Digest keep(DecodedTexture decoded, BlobStore& blobs) {
-  if (!decoded.digest) return blobs.put(std::move(decoded.texels));
-  blobs.put(*decoded.digest, std::make_shared<const Blob>(std::move(decoded.texels)));
-  return *decoded.digest;
-}
-
 v1::Texture::Image store(DecodedTexture decoded, const v1::Texture::Image& wanted,
                          BlobStore& blobs) {
   v1::Texture::Image image;
@@ -33,8 +27,8 @@ v1::Texture::Image store(DecodedTexture decoded, const v1::Texture::Image& wante
   image.set_bits(decoded.bits);
   const bool is_srgb = wanted.encoding() == v1::Texture::Image::ENCODING_SRGB;
   image.set_levels(wants_levels(wanted) ? add_mip_levels(decoded, is_srgb) : 1);
-  image.mutable_texels()->set_size(decoded.texels.size());
-  image.mutable_texels()->set_digest(keep(std::move(decoded), blobs).hex());
+  image.mutable_texels()->set_size(decoded.texels->size());
+  image.mutable_texels()->set_digest(blobs.put(std::move(decoded.texels)).hex());
   return image;
 }
 

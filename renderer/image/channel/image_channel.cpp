@@ -1,9 +1,10 @@
 #include "renderer/image/channel/image_channel.h"
 
 #include <sys/socket.h>
+#include <sys/uio.h>
 
-#include <algorithm>
 #include <cerrno>
+#include <cstring>
 
 namespace tessera {
 
@@ -43,21 +44,52 @@ bool ImageChannel::receive_bytes(void* bytes, size_t size) {
   return true;
 }
 
-void ImageStream::begin(const PixelLayout& layout) {
-  left_ = layout.bytes();
-  channel_.send(ImageReply{1, layout, *left_}, {});
+namespace {
+
+/// A message of one piece that a descriptor may come with.
+struct MessageWithDescriptor {
+  MessageWithDescriptor(const void* bytes, size_t size) : piece{const_cast<void*>(bytes), size} {
+    header.msg_iov = &piece;
+    header.msg_iovlen = 1;
+    header.msg_control = control;
+    header.msg_controllen = sizeof control;
+  }
+  iovec piece;
+  alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))] = {};
+  msghdr header{};
+};
+
+}  // namespace
+
+bool ImageChannel::send_shared(const ImageReply& reply, int descriptor) {
+  MessageWithDescriptor message(&reply, sizeof reply);
+  cmsghdr* const control = CMSG_FIRSTHDR(&message.header);
+  control->cmsg_level = SOL_SOCKET;
+  control->cmsg_type = SCM_RIGHTS;
+  control->cmsg_len = CMSG_LEN(sizeof descriptor);
+  std::memcpy(CMSG_DATA(control), &descriptor, sizeof descriptor);
+  ssize_t sent = -1;
+  do {
+    sent = sendmsg(socket_, &message.header, MSG_NOSIGNAL);
+  } while (sent < 0 && may_go_on());
+  return sent > 0 && send_bytes(reinterpret_cast<const char*>(&reply) + sent,
+                                sizeof reply - static_cast<size_t>(sent));
 }
 
-void ImageStream::add(std::string_view pixels) {
-  channel_.send_bytes(pixels.data(), pixels.size());
-  *left_ -= pixels.size();
-}
-
-void ImageStream::end(bool holds) {
-  const std::string nothing(size_t{64} << 10, '\0');
-  while (*left_ > 0) add(std::string_view(nothing).substr(0, std::min(*left_, nothing.size())));
-  channel_.send(ImageVerdict{holds}, {});
-  left_.reset();
+bool ImageChannel::receive(ImageReply& reply, int& descriptor) {
+  descriptor = -1;
+  MessageWithDescriptor message(&reply, sizeof reply);
+  ssize_t received = -1;
+  do {
+    received = recvmsg(socket_, &message.header, MSG_CMSG_CLOEXEC);
+  } while (received < 0 && may_go_on());
+  if (received <= 0) return false;
+  const cmsghdr* const control = CMSG_FIRSTHDR(&message.header);
+  if (control && control->cmsg_level == SOL_SOCKET && control->cmsg_type == SCM_RIGHTS &&
+      control->cmsg_len == CMSG_LEN(sizeof descriptor))
+    std::memcpy(&descriptor, CMSG_DATA(control), sizeof descriptor);
+  return receive_bytes(reinterpret_cast<char*>(&reply) + received,
+                       sizeof reply - static_cast<size_t>(received));
 }
 
 bool ImageChannel::may_go_on() const { return errno == EINTR || (errno == EAGAIN && is_alive_()); }

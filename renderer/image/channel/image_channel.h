@@ -79,17 +79,16 @@ struct ImageRequest {
   uint32_t to_srgb = 0;  ///< decode_file, decode_bytes: an embedded colour profile is heeded
   uint64_t payload_bytes = 0;
 
-  static constexpr uint32_t kVersion = 9;
+  static constexpr uint32_t kVersion = 10;
 };
 
-/// Before the payload, which is sent while it is still being worked out, and followed by a verdict.
+/// Before the payload, which follows or, where it `is_shared`, is all of the memory that comes with
+/// this: sealed, so that nobody can change it.
 struct ImageReply {
   uint32_t done = 0;  ///< else the payload is the cause, a text
+  uint32_t is_shared = 0;
   PixelLayout layout;
   uint64_t payload_bytes = 0;
-};
-struct ImageVerdict {
-  uint32_t holds = 0;  ///< else what came is to be forgotten: another reply follows
 };
 
 /// One end of the socket pair between a program and its image codec. Blocking; one thread at a
@@ -109,6 +108,10 @@ class ImageChannel {
   bool receive(Message& message) {
     return receive_bytes(&message, sizeof message);
   }
+  /// With `descriptor`, which stays the caller's.
+  bool send_shared(const ImageReply& reply, int descriptor);
+  /// `descriptor` becomes the caller's; -1: none came.
+  bool receive(ImageReply& reply, int& descriptor);
   bool send_bytes(const void* bytes, size_t size);
   bool receive_bytes(void* bytes, size_t size);
 
@@ -117,22 +120,6 @@ class ImageChannel {
 
   int socket_;
   std::function<bool()> is_alive_;
-};
-
-/// A decoded picture on its way out, piece by piece from the top. What cannot be sent is known to
-/// whoever sends next.
-class ImageStream {
- public:
-  explicit ImageStream(ImageChannel& channel) : channel_(channel) {}
-  bool is_open() const { return left_.has_value(); }
-  void begin(const PixelLayout& layout);
-  void add(std::string_view pixels);
-  /// Where it does not hold it may be short.
-  void end(bool holds);
-
- private:
-  ImageChannel& channel_;
-  std::optional<uint64_t> left_;  ///< bytes to come; nothing: not begun, or ended
 };
 
 }  // namespace tessera

@@ -43,11 +43,11 @@ Module oiio_module() {
   return module;
 }
 
-ImageAnswer answer_to(const ImageRequest& request, std::vector<char> payload, ImageStream& stream) {
+ImageAnswer answer_to(const ImageRequest& request, std::vector<char> payload) {
   if (request.version != ImageRequest::kVersion) {
     fail_image("the image codec is of another version");
   }
-  if (auto plain = answer_plainly(request, payload, stream)) return *std::move(plain);
+  if (auto plain = answer_plainly(request, payload)) return *std::move(plain);
   ImageAnswer answer;
   oiio_module()(request, std::move(payload), answer);
   return answer;
@@ -73,8 +73,14 @@ bool load_oiio() {
   return true;
 }
 
-bool send_whole(ImageChannel& channel, const ImageReply& reply, std::string_view payload) {
-  return channel.send(reply, payload) && channel.send(ImageVerdict{1}, {});
+bool send(ImageChannel& channel, ImageAnswer& answer) {
+  if (!answer.shared) {
+    return channel.send(ImageReply{1, 0, answer.layout, answer.payload.size()},
+                        {answer.payload.data(), answer.payload.size()});
+  }
+  const int descriptor = answer.shared->seal();
+  return descriptor >= 0 &&
+         channel.send_shared({1, 1, answer.layout, answer.layout.bytes()}, descriptor);
 }
 
 bool serve_one(ImageChannel& channel) {
@@ -84,11 +90,10 @@ bool serve_one(ImageChannel& channel) {
   if (request.call == ImageRequest::load) return load_oiio();
   std::vector<char> payload(request.payload_bytes);
   if (!channel.receive_bytes(payload.data(), payload.size())) return false;
-  ImageStream stream(channel);
-  ImageAnswer answer;
   std::string cause;
   try {
-    answer = answer_to(request, std::move(payload), stream);
+    ImageAnswer answer = answer_to(request, std::move(payload));
+    return send(channel, answer);
   } catch (const std::bad_alloc&) {
     cause = "there is not enough memory for it";
   } catch (const std::exception& error) {
@@ -96,11 +101,7 @@ bool serve_one(ImageChannel& channel) {
     if (cause.empty()) cause = "OpenImageIO does not tell why";
     std::replace(cause.begin(), cause.end(), '\n', ' ');
   }
-  if (stream.is_open()) stream.end(false);
-  if (!cause.empty()) return send_whole(channel, {0, {}, cause.size()}, cause);
-  if (answer.is_sent) return true;
-  return send_whole(channel, {1, answer.layout, answer.payload.size()},
-                    {answer.payload.data(), answer.payload.size()});
+  return channel.send(ImageReply{0, 0, {}, cause.size()}, cause);
 }
 
 }  // namespace

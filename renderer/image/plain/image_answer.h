@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "renderer/image/channel/image_channel.h"
+#include "renderer/image/channel/shared_pixels.h"
 
 namespace tessera {
 
@@ -12,7 +16,17 @@ namespace tessera {
 struct ImageAnswer {
   PixelLayout layout;
   std::vector<char> payload;
-  bool is_sent = false;  ///< piece by piece, by an ImageStream
+  std::optional<SharedPixels> shared{};  ///< in place of the payload
+
+  /// Where the pixels of `layout` go. Large ones are shared: each such picture costs whoever asked
+  /// a descriptor, a smaller one a copy.
+  std::span<char> make_room() {
+    constexpr uint64_t kLeastShared = uint64_t{16} << 20;
+    if (layout.bytes() >= kLeastShared) shared = SharedPixels::create(layout.bytes());
+    if (shared) return shared->bytes();
+    payload.resize(layout.bytes());
+    return payload;
+  }
 };
 
 /// The cause becomes the answer.

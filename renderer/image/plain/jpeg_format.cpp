@@ -1,6 +1,5 @@
 #include "renderer/image/plain/jpeg_format.h"
 
-#include <algorithm>
 #include <cstdlib>
 #include <span>
 
@@ -19,20 +18,14 @@ bool read_header(jpeg_decompress_struct& info, JpegErrors& errors, const std::ve
   return jpeg_read_header(&info, TRUE) == JPEG_HEADER_OK;
 }
 
-/// Fills the buffer again and again, and calls `full` with the bytes in it, until all rows are
-/// read.
-template <typename Full>
-bool read_rows(jpeg_decompress_struct& info, JpegErrors& errors, std::vector<char>& buffer,
-               size_t row_bytes, const Full& full) {
+/// False after an error or warning; the frame owns nothing.
+bool read_rows(jpeg_decompress_struct& info, JpegErrors& errors, size_t row_bytes,
+               std::span<char> pixels) {
   if (setjmp(errors.place)) return false;
   jpeg_start_decompress(&info);
-  const size_t rows = buffer.size() / row_bytes;
   while (info.output_scanline < info.output_height) {
-    const size_t in_buffer = info.output_scanline % rows;
-    auto* row = reinterpret_cast<JSAMPROW>(buffer.data() + in_buffer * row_bytes);
+    auto* row = reinterpret_cast<JSAMPROW>(pixels.data() + info.output_scanline * row_bytes);
     jpeg_read_scanlines(&info, &row, 1);
-    if (in_buffer + 1 == rows || info.output_scanline == info.output_height)
-      full(std::span(buffer).first((in_buffer + 1) * row_bytes));
   }
   return info.err->num_warnings == 0;
 }
@@ -57,8 +50,7 @@ std::optional<SrgbConversion> read_conversion(jpeg_decompress_struct& info, Jpeg
 }
 
 std::optional<ImageAnswer> decode(jpeg_decompress_struct& info, JpegErrors& errors,
-                                  const std::vector<char>& file, bool to_srgb,
-                                  ImageStream& stream) {
+                                  const std::vector<char>& file, bool to_srgb) {
   if (!read_header(info, errors, file) || info.err->num_warnings != 0) return std::nullopt;
   const bool is_grey = info.jpeg_color_space == JCS_GRAYSCALE;
   if (!is_grey && info.jpeg_color_space != JCS_YCbCr && info.jpeg_color_space != JCS_RGB) {
@@ -77,20 +69,13 @@ std::optional<ImageAnswer> decode(jpeg_decompress_struct& info, JpegErrors& erro
   const auto convert = [&](std::span<char> pixels) {
     if (conversion) conversion->convert(pixels, channels);
   };
-  const auto send = [&](std::span<char> pixels) { stream.add({pixels.data(), pixels.size()}); };
-  stream.begin(answer.layout);
+  const std::span<char> pixels = answer.make_room();
   if (const auto slices = JpegSlices::cut(info, file)) {
-    answer.is_sent = decode_slices(*slices, channels, convert, send);
+    if (!decode_slices(*slices, channels, pixels, convert)) return std::nullopt;
   } else {
-    constexpr size_t kPiece = size_t{256} << 10;
-    std::vector<char> piece(std::max<size_t>(kPiece / row_bytes, 1) * row_bytes);
-    answer.is_sent = read_rows(info, errors, piece, row_bytes, [&](std::span<char> pixels) {
-      convert(pixels);
-      send(pixels);
-    });
+    if (!read_rows(info, errors, row_bytes, pixels)) return std::nullopt;
+    convert(pixels);
   }
-  stream.end(answer.is_sent);
-  if (!answer.is_sent) return std::nullopt;
   return answer;
 }
 
@@ -100,14 +85,13 @@ bool is_jpeg(const std::vector<char>& file) {
   return file.size() > 3 && file[0] == '\xff' && file[1] == '\xd8' && file[2] == '\xff';
 }
 
-std::optional<ImageAnswer> decode_jpeg(const std::vector<char>& file, bool to_srgb,
-                                       ImageStream& stream) {
+std::optional<ImageAnswer> decode_jpeg(const std::vector<char>& file, bool to_srgb) {
   jpeg_decompress_struct info{};
   JpegErrors errors{};
   errors.attach(info);
   if (setjmp(errors.place)) return std::nullopt;
   jpeg_create_decompress(&info);
-  auto answer = decode(info, errors, file, to_srgb, stream);
+  auto answer = decode(info, errors, file, to_srgb);
   jpeg_destroy_decompress(&info);
   return answer;
 }

@@ -10,8 +10,6 @@ namespace tessera {
 bool is_jpeg(const std::vector<char>& file);
 /// Nothing for a picture that is neither grey nor YCbCr or RGB, or where libjpeg as much as warns.
 /// `to_srgb`: an embedded colour profile is heeded.
-/// What it begins to send it ends, whether that holds or not.
-std::optional<ImageAnswer> decode_jpeg(const std::vector<char>& file, bool to_srgb,
-                                       ImageStream& stream);
+std::optional<ImageAnswer> decode_jpeg(const std::vector<char>& file, bool to_srgb);
 
 }  // namespace tessera

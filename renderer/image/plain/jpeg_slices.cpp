@@ -1,11 +1,10 @@
 #include "renderer/image/plain/jpeg_slices.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
-#include <deque>
 #include <future>
 #include <thread>
-#include <utility>
 
 #include "renderer/image/plain/jpeg_errors.h"
 
@@ -107,7 +106,7 @@ std::optional<JpegSlices> JpegSlices::cut(const jpeg_decompress_struct& info,
   return slices;
 }
 
-void JpegSlices::decode(size_t number, size_t channels, std::vector<char>& pixels) const {
+std::span<char> JpegSlices::decode(size_t number, size_t channels, std::span<char> pixels) const {
   const size_t rows = std::min(rows_, height_ - number * rows_);
   // The header with another height, the data, and an end in place of the marker that follows.
   const std::span<const char> header = file_.first(begins_[0]);
@@ -118,36 +117,37 @@ void JpegSlices::decode(size_t number, size_t channels, std::vector<char>& pixel
   slice[height_at_ + 1] = static_cast<char>(rows & 0xff);
   slice.insert(slice.end(), data.begin(), data.end());
   slice.insert(slice.end(), {'\xff', '\xd9'});
-  pixels.resize(width_ * rows * channels);
+  const size_t row_bytes = width_ * channels;
+  const std::span<char> place = pixels.subspan(number * rows_ * row_bytes, rows * row_bytes);
   jpeg_decompress_struct info{};
   JpegErrors errors{};
   errors.attach(info);
-  if (!read_slice(info, errors, slice, channels, pixels)) pixels.clear();
+  const bool is_whole = read_slice(info, errors, slice, channels, place);
   jpeg_destroy_decompress(&info);
+  return is_whole ? place : std::span<char>();
 }
 
-bool decode_slices(const JpegSlices& slices, size_t channels,
-                   const std::function<void(std::span<char>)>& prepare,
-                   const std::function<void(std::span<char>)>& full) {
-  const auto decode = [&](size_t number, std::vector<char> pixels) {
-    slices.decode(number, channels, pixels);
-    prepare(pixels);
-    return pixels;
+bool decode_slices(const JpegSlices& slices, size_t channels, std::span<char> pixels,
+                   const std::function<void(std::span<char>)>& finish) {
+  std::atomic<size_t> next = 0;
+  std::atomic<bool> is_whole = true;
+  const auto decode = [&] {
+    for (size_t number = next++; is_whole && number < slices.count(); number = next++) {
+      const std::span<char> decoded = slices.decode(number, channels, pixels);
+      if (decoded.empty())
+        is_whole = false;
+      else
+        finish(decoded);
+    }
   };
   constexpr size_t kMostThreads = 8;
   const size_t threads = std::clamp<size_t>(std::thread::hardware_concurrency(), 1, kMostThreads);
-  // Each by a thread, or, where there is none to be had, when it is waited for.
-  std::vector<char> spare;  // what was sent leaves room for another
-  std::deque<std::future<std::vector<char>>> ahead;
-  for (size_t next = 0, done = 0; done < slices.count(); ++done) {
-    for (; next < slices.count() && next - done < threads; ++next)
-      ahead.push_back(std::async(decode, next, std::exchange(spare, {})));
-    spare = ahead.front().get();
-    ahead.pop_front();
-    if (spare.empty()) return false;
-    full(spare);
-  }
-  return true;
+  // Where there is no thread to be had, nothing is left when it is waited for.
+  std::vector<std::future<void>> others;
+  for (size_t i = 1; i < threads; ++i) others.push_back(std::async(decode));
+  decode();
+  for (const auto& other : others) other.wait();
+  return is_whole;
 }
 
 }  // namespace tessera

@@ -22,9 +22,10 @@ class JpegSlices {
   static std::optional<JpegSlices> cut(const jpeg_decompress_struct& info,
                                        const std::vector<char>& file);
   size_t count() const { return begins_.size() - 1; }
-  /// Decodes slice `number` into `pixels`, `channels` bytes each; leaves none where libjpeg as much
-  /// as warns. Several threads may each decode one.
-  void decode(size_t number, size_t channels, std::vector<char>& pixels) const;
+  /// Decodes slice `number` to its place in `pixels`, which are the whole picture's, `channels`
+  /// bytes each, and returns that place; nothing where libjpeg as much as warns. Several threads
+  /// may each decode one.
+  std::span<char> decode(size_t number, size_t channels, std::span<char> pixels) const;
 
  private:
   JpegSlices() = default;
@@ -36,10 +37,9 @@ class JpegSlices {
   std::vector<size_t> begins_;  ///< of the slices' data in the file, and the end of the last
 };
 
-/// Decodes all slices ahead on several threads and gives them to `full` in order; false after the
-/// first that does not decode. `prepare` is called for each on its thread.
-bool decode_slices(const JpegSlices& slices, size_t channels,
-                   const std::function<void(std::span<char>)>& prepare,
-                   const std::function<void(std::span<char>)>& full);
+/// Decodes all slices into `pixels` on several threads, each of which calls `finish` for what it
+/// has decoded; false where one does not decode.
+bool decode_slices(const JpegSlices& slices, size_t channels, std::span<char> pixels,
+                   const std::function<void(std::span<char>)>& finish);
 
 }  // namespace tessera

@@ -20,9 +20,8 @@ std::vector<char> read_file(const std::vector<char>& path) {
   return in ? bytes : std::vector<char>{};
 }
 
-std::optional<ImageAnswer> decode(const std::vector<char>& file, bool to_srgb,
-                                  ImageStream& stream) {
-  if (is_jpeg(file)) return decode_jpeg(file, to_srgb, stream);
+std::optional<ImageAnswer> decode(const std::vector<char>& file, bool to_srgb) {
+  if (is_jpeg(file)) return decode_jpeg(file, to_srgb);
   if (is_png(file)) return decode_png(file, to_srgb);
   return std::nullopt;
 }
@@ -50,14 +49,14 @@ std::vector<std::pair<std::string, std::string>> image_texts(const ImageAttribut
 }
 
 std::optional<ImageAnswer> answer_plainly(const ImageRequest& request,
-                                          const std::vector<char>& payload, ImageStream& stream) {
+                                          const std::vector<char>& payload) {
   switch (request.call) {
     case ImageRequest::encode:
       return encode_png(request, payload);
     case ImageRequest::decode_file:
-      return decode(read_file(payload), request.to_srgb != 0, stream);
+      return decode(read_file(payload), request.to_srgb != 0);
     case ImageRequest::decode_bytes:
-      return decode(payload, request.to_srgb != 0, stream);
+      return decode(payload, request.to_srgb != 0);
     default:
       return std::nullopt;
   }

@@ -16,8 +16,7 @@ std::vector<std::pair<std::string, std::string>> image_texts(const ImageAttribut
 /// Answers the most common requests with libpng and libjpeg alone, which load at once: writing PNG,
 /// and reading JPEG and PNG of 8 bits. Pixels are what OpenImageIO would give. Nothing where it
 /// takes more, or something is wrong with the file: that is for OpenImageIO to tell.
-/// Large pictures go out by `stream` while they are decoded.
 std::optional<ImageAnswer> answer_plainly(const ImageRequest& request,
-                                          const std::vector<char>& payload, ImageStream& stream);
+                                          const std::vector<char>& payload);
 
 }  // namespace tessera

@@ -90,13 +90,13 @@ std::optional<ImageAnswer> decode(const Png& png, const std::vector<char>& file,
   if (!answer.layout.is_legal()) return std::nullopt;
   png_set_interlace_handling(png.get());
   png_read_update_info(png.get(), png.info());
-  answer.payload.resize(answer.layout.bytes());
+  const std::span<char> pixels = answer.make_room();
   const auto height = static_cast<size_t>(answer.layout.height);
-  const size_t row_bytes = answer.payload.size() / height;
+  const size_t row_bytes = pixels.size() / height;
   if (png_get_rowbytes(png.get(), png.info()) != row_bytes) return std::nullopt;
   std::vector<png_bytep> rows;
   for (size_t y = 0; y < height; ++y) {
-    rows.push_back(reinterpret_cast<png_bytep>(answer.payload.data() + y * row_bytes));
+    rows.push_back(reinterpret_cast<png_bytep>(pixels.data() + y * row_bytes));
   }
   png_read_image(png.get(), rows.data());
   png_read_end(png.get(), nullptr);
@@ -108,7 +108,7 @@ std::optional<ImageAnswer> decode(const Png& png, const std::vector<char>& file,
   if (to_srgb && channels >= 3 &&
       png_get_iCCP(png.get(), png.info(), &name, &method, &profile, &size) != 0) {
     const auto conversion = SrgbConversion::from({profile, size});
-    if (conversion) conversion->convert(answer.payload, channels);
+    if (conversion) conversion->convert(pixels, channels);
   }
   return answer;
 }

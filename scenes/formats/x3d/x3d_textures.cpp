@@ -20,12 +20,14 @@ DecodedTexture from_bottom_up(const std::vector<int32_t>& image, uint32_t channe
   out.width = static_cast<uint32_t>(image[0]);
   out.height = static_cast<uint32_t>(image[1]);
   out.channels = channels;
-  out.texels.reserve(size_t{out.width} * out.height * channels);
+  std::vector<std::byte> texels;
+  texels.reserve(size_t{out.width} * out.height * channels);
   for (size_t row = out.height; row-- > 0;)
     for (size_t x = 0; x < out.width; ++x) {
       const auto pixel = static_cast<uint32_t>(image[3 + row * out.width + x]);
-      for (uint32_t c = channels; c-- > 0;) out.texels.push_back(std::byte(pixel >> (8 * c) & 255));
+      for (uint32_t c = channels; c-- > 0;) texels.push_back(std::byte(pixel >> (8 * c) & 255));
     }
+  out.texels = make_blob(std::move(texels));
   return out;
 }
 
@@ -37,7 +39,7 @@ void put_texels(DecodedTexture texture, v1::Texture::Image& image, BlobStore& bl
   image.set_bits(texture.bits);
   image.set_levels(
       image.filter() == v1::Texture::Image::TRILINEAR ? add_mip_levels(texture, is_srgb) : 1);
-  image.mutable_texels()->set_size(texture.texels.size());
+  image.mutable_texels()->set_size(texture.texels->size());
   image.mutable_texels()->set_digest(blobs.put(std::move(texture.texels)).hex());
 }
 

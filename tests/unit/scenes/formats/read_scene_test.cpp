@@ -264,7 +264,7 @@ TEST_F(ReadScene, LoadsPicturesFromBesideAndFromWithin) {
   ReadOptions options;
   std::vector<std::string> decoded;
   const DecodedTexture grey{
-      .width = 1, .height = 1, .channels = 1, .bits = 8, .texels = {std::byte{7}}};
+      .width = 1, .height = 1, .channels = 1, .bits = 8, .texels = make_blob({std::byte{7}})};
   options.decode_texture = [&](const std::string& path, bool) {
     decoded.push_back(fs::path(path).filename().string());
     return grey;
@@ -305,8 +305,9 @@ TEST_F(ReadScene, KeepsOfAPictureTheNumberThatAMapTakes) {
   options.decode_texture = [&](const std::string& path, bool) {
     const bool has_alpha = fs::path(path).filename() == "alpha.png";
     DecodedTexture blue{.width = 1, .height = 1, .channels = 3, .bits = 8, .texels = {}};
-    blue.texels = {std::byte{10}, std::byte{20}, std::byte{200}};
-    if (has_alpha) blue.channels = 4, blue.texels.push_back(std::byte{77});
+    std::vector<std::byte> texels{std::byte{10}, std::byte{20}, std::byte{200}};
+    if (has_alpha) blue.channels = 4, texels.push_back(std::byte{77});
+    blue.texels = make_blob(std::move(texels));
     return blue;
   };
   write("a.obj", std::string("mtllib a.mtl\nusemtl a\n") + kTriangle);
@@ -339,7 +340,7 @@ TEST_F(ReadScene, TakesAMapThatCannotBeDecodedForAMissingOne) {
     if (fs::path(path).filename() == "bad.png")
       throw scene_error(SourcePlace{path}, "no picture", "one");
     return DecodedTexture{
-        .width = 1, .height = 1, .channels = 1, .bits = 8, .texels = {std::byte{7}}};
+        .width = 1, .height = 1, .channels = 1, .bits = 8, .texels = make_blob({std::byte{7}})};
   };
   write("bad.png", "x");
   write("good.png", "x");
@@ -361,7 +362,7 @@ TEST_F(ReadScene, TakesAPictureOfAModelThatCannotBeDecodedForAMissingOne) {
   options.decode_texture = [](const std::string& path, bool) -> DecodedTexture {
     if (fs::path(path).filename() == "bad.png")
       throw scene_error(SourcePlace{path}, "no picture", "one");
-    return {.width = 1, .height = 1, .channels = 1, .bits = 8, .texels = {std::byte{7}}};
+    return {.width = 1, .height = 1, .channels = 1, .bits = 8, .texels = make_blob({std::byte{7}})};
   };
   options.decode_texture_bytes = [](std::string_view, const std::string& name) -> DecodedTexture {
     throw scene_error(SourcePlace{name}, "no picture", "one");
@@ -434,7 +435,7 @@ TEST_F(ReadScene, LooksForFilesInTheAssetsAlone) {
   std::vector<std::string> decoded;
   options.decode_texture = [&](const std::string& path, bool) -> DecodedTexture {
     decoded.push_back(fs::path(path).lexically_relative(fs::canonical(outside_)).string());
-    return {.width = 1, .height = 1, .channels = 1, .bits = 8, .texels = {std::byte{7}}};
+    return {.width = 1, .height = 1, .channels = 1, .bits = 8, .texels = make_blob({std::byte{7}})};
   };
   // "scene" is the folder beside; what lies there is not to be found.
   for (const std::string folder : {"../assets/", "../assets/models/", ""}) {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstring>
+#include <span>
 
 namespace tessera {
 namespace {
@@ -11,16 +13,24 @@ DecodedTexture texture(uint32_t width, uint32_t height, uint32_t channels,
                        std::initializer_list<int> values) {
   DecodedTexture out{
       .width = width, .height = height, .channels = channels, .bits = 8, .texels = {}};
-  for (const int value : values) out.texels.push_back(static_cast<std::byte>(value));
+  std::vector<std::byte> texels;
+  for (const int value : values) texels.push_back(static_cast<std::byte>(value));
+  out.texels = make_blob(std::move(texels));
   return out;
 }
 
-int code(const DecodedTexture& t, size_t i) { return static_cast<int>(t.texels[i]); }
+template <typename Numbers>
+BlobData blob_of(const Numbers& numbers) {
+  const auto bytes = std::as_bytes(std::span(numbers));
+  return make_blob({bytes.begin(), bytes.end()});
+}
+
+int code(const DecodedTexture& t, size_t i) { return static_cast<int>(t.texels->data()[i]); }
 
 TEST(MipLevels, halve_and_round_up_to_one) {
   DecodedTexture t = texture(5, 2, 1, {0, 20, 40, 60, 80, 0, 20, 40, 60, 80});
   EXPECT_EQ(add_mip_levels(t, false), 4u);  // 5x2, 3x1, 2x1, 1x1
-  ASSERT_EQ(t.texels.size(), 10u + 3 + 2 + 1);
+  ASSERT_EQ(t.texels->size(), 10u + 3 + 2 + 1);
   EXPECT_EQ(code(t, 10), 10);
   EXPECT_EQ(code(t, 11), 50);
   EXPECT_EQ(code(t, 12), 80);
@@ -29,7 +39,7 @@ TEST(MipLevels, halve_and_round_up_to_one) {
   EXPECT_EQ(code(t, 15), 55);
   DecodedTexture one = texture(1, 1, 3, {1, 2, 3});
   EXPECT_EQ(add_mip_levels(one, true), 1u);
-  EXPECT_EQ(one.texels.size(), 3u);
+  EXPECT_EQ(one.texels->size(), 3u);
 }
 
 TEST(MipLevels, take_means_of_light) {
@@ -62,21 +72,19 @@ TEST(MipLevels, what_is_clear_has_no_colour) {
 }
 
 TEST(MipLevels, keep_halves_and_floats) {
-  DecodedTexture halves{.width = 2, .height = 1, .channels = 1, .bits = 16, .texels = {}};
-  const uint16_t pair[] = {0x3e00, 0xc200};  // 1.5 and -3
-  halves.texels.resize(4);
-  std::memcpy(halves.texels.data(), pair, 4);
+  const std::array<uint16_t, 2> pair{0x3e00, 0xc200};  // 1.5 and -3
+  DecodedTexture halves{
+      .width = 2, .height = 1, .channels = 1, .bits = 16, .texels = blob_of(pair)};
   EXPECT_EQ(add_mip_levels(halves, true), 2u);
   uint16_t mean;
-  std::memcpy(&mean, &halves.texels[4], 2);
+  std::memcpy(&mean, halves.texels->data() + 4, 2);
   EXPECT_EQ(mean, 0xba00);  // -.75
-  DecodedTexture floats{.width = 1, .height = 2, .channels = 1, .bits = 32, .texels = {}};
-  const float values[] = {1000, 1};
-  floats.texels.resize(8);
-  std::memcpy(floats.texels.data(), values, 8);
+  const std::array<float, 2> values{1000, 1};
+  DecodedTexture floats{
+      .width = 1, .height = 2, .channels = 1, .bits = 32, .texels = blob_of(values)};
   add_mip_levels(floats, false);
   float middle;
-  std::memcpy(&middle, &floats.texels[8], 4);
+  std::memcpy(&middle, floats.texels->data() + 8, 4);
   EXPECT_EQ(middle, 500.5f);
 }
 

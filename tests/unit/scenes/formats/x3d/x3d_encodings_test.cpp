@@ -413,7 +413,7 @@ ReadOptions picky_decoders() {
   const auto decode = [](const std::string& text, const std::string& name) {
     if (!text.starts_with("good")) throw scene_error(SourcePlace{name}, "no picture", "one");
     return DecodedTexture{
-        .width = 1, .height = 1, .channels = 1, .bits = 8, .texels = {std::byte{255}}};
+        .width = 1, .height = 1, .channels = 1, .bits = 8, .texels = make_blob({std::byte{255}})};
   };
   ReadOptions options;
   options.decode_texture = [=](const std::string& path, bool) {

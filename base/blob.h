@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace tessera {
@@ -24,6 +25,8 @@ class Blob {
   /// The whole file behind `descriptor`, which this takes over and closes when the blob ends; null
   /// where it is not `size` bytes long or cannot be mapped. Nobody may change or cut the file.
   static BlobData map(int descriptor, uint64_t size);
+  /// The same of memory that another process made; null too where it could still be changed.
+  static BlobData map_sealed(int descriptor, uint64_t size);
 
   const std::byte* data() const { return data_; }
   size_t size() const { return size_; }
@@ -43,5 +46,9 @@ class Blob {
   size_t size_;
   int descriptor_ = -1;
 };
+
+inline BlobData make_blob(std::vector<std::byte> bytes) {
+  return std::make_shared<const Blob>(std::move(bytes));
+}
 
 }  // namespace tessera

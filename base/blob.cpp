@@ -1,5 +1,6 @@
-#include "proto/wire/blob.h"
+#include "base/blob.h"
 
+#include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -28,6 +29,13 @@ BlobData Blob::map(int descriptor, uint64_t size) {
     return nullptr;
   }
   return BlobData(new Blob(descriptor, static_cast<const std::byte*>(data), size));
+}
+
+BlobData Blob::map_sealed(int descriptor, uint64_t size) {
+  constexpr int kSeals = F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW;
+  if ((fcntl(descriptor, F_GET_SEALS) & kSeals) == kSeals) return map(descriptor, size);
+  close(descriptor);
+  return nullptr;
 }
 
 bool operator==(const Blob& a, const Blob& b) { return std::ranges::equal(a, b); }
