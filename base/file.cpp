@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/descriptor_bytes.h"
 #include "base/error.h"
 
 namespace tessera {
@@ -33,12 +34,11 @@ using FileHandle = std::unique_ptr<std::FILE, CloseFile>;
 std::string near_file(const fs::path& path) {
   constexpr size_t kMostNames = 10000;
   std::vector<std::string> names;
-  std::error_code failure;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  for (fs::directory_iterator it(folder, failure), end;
-       !failure && it != end && names.size() < kMostNames; it.increment(failure)) {
+  for (const auto& entry : entries_in(folder)) {
     std::error_code unknown;
-    if (it->is_regular_file(unknown)) names.push_back(it->path().filename().string());
+    if (entry.is_regular_file(unknown)) names.push_back(entry.path().filename().string());
+    if (names.size() == kMostNames) break;
   }
   std::sort(names.begin(), names.end());
   const auto nearest = nearest_name(path.filename().string(), names);
@@ -125,7 +125,7 @@ static_assert(std::atomic<bool>::is_always_lock_free, "it is read in a signal ha
 class UnfinishedFile {
  public:
   explicit UnfinishedFile(const fs::path& folder)
-      : path_(folder / fmt::format(".tessera-{}.part", ::getpid())) {}
+      : path_(folder / fmt::format(".tessera-{}.part", unique_name())) {}
   UnfinishedFile(const UnfinishedFile&) = delete;
   UnfinishedFile& operator=(const UnfinishedFile&) = delete;
   ~UnfinishedFile() {
@@ -136,7 +136,6 @@ class UnfinishedFile {
 
   bool create() {
     if (path_.native().size() >= unfinished_path.size()) return errno = ENAMETOOLONG, false;
-    ::unlink(path_.c_str());  // of an earlier process of this number that was killed
     unfinished_path[path_.native().copy(unfinished_path.data(), PATH_MAX - 1)] = '\0';
     unfinished = true;
     file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -144,13 +143,8 @@ class UnfinishedFile {
   }
 
   bool write(std::string_view bytes) {
-    while (!bytes.empty()) {
-      const ssize_t done = ::write(file_, bytes.data(), bytes.size());
-      if (done < 0 && errno == EINTR) continue;
-      if (done <= 0) return false;
-      bytes.remove_prefix(static_cast<size_t>(done));
-    }
-    return ::fsync(file_) == 0 && ::close(std::exchange(file_, -1)) == 0;
+    return write_all(file_, std::as_bytes(std::span(bytes))) && ::fsync(file_) == 0 &&
+           ::close(std::exchange(file_, -1)) == 0;
   }
 
   bool rename_to(const fs::path& place) {

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/descriptor_bytes.h"
 #include "base/error.h"
 
 namespace tessera {
@@ -63,28 +64,6 @@ bool wait_for_lock(int file, off_t place) {
   return true;
 }
 
-bool read_all(int file, uint64_t from, std::span<std::byte> to) {
-  while (!to.empty()) {
-    const ssize_t count = pread(file, to.data(), to.size(), static_cast<off_t>(from));
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return false;
-    from += static_cast<uint64_t>(count);
-    to = to.subspan(static_cast<size_t>(count));
-  }
-  return true;
-}
-
-bool write_all(int file, uint64_t at, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = pwrite(file, bytes.data(), bytes.size(), static_cast<off_t>(at));
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return false;
-    at += static_cast<uint64_t>(count);
-    bytes = bytes.subspan(static_cast<size_t>(count));
-  }
-  return true;
-}
-
 template <typename T>
 std::span<std::byte> bytes_of(T& value) {
   return std::as_writable_bytes(std::span(&value, 1));
@@ -93,9 +72,9 @@ std::span<std::byte> bytes_of(T& value) {
 /// Empty where nothing was published yet.
 std::vector<Entry> read_table(int file) {
   uint64_t count = 0;
-  if (!read_all(file, 0, bytes_of(count))) return {};
+  if (!read_all_at(file, 0, bytes_of(count))) return {};
   std::vector<Entry> entries(std::min(count, kMaxThings));
-  if (!read_all(file, sizeof count, std::as_writable_bytes(std::span(entries)))) return {};
+  if (!read_all_at(file, sizeof count, std::as_writable_bytes(std::span(entries)))) return {};
   return entries;
 }
 
@@ -130,7 +109,7 @@ SharedArena::Claim SharedArena::claim(const Digest& key) const {
 
 bool SharedArena::Claim::read(uint64_t from, std::span<std::byte> to) const {
   return size_ && from <= *size_ && to.size() <= *size_ - from &&
-         read_all(file_.get(), begin_ + from, to);
+         read_all_at(file_.get(), begin_ + from, to);
 }
 
 void SharedArena::Claim::publish(std::span<const std::span<const std::byte>> parts) {
@@ -143,14 +122,14 @@ void SharedArena::Claim::publish(std::span<const std::span<const std::byte>> par
     uint64_t at = entry.begin;
     bool written = true;
     for (const auto part : parts) {
-      written = written && write_all(file_.get(), at, part);
+      written = written && write_all_at(file_.get(), at, part);
       at += part.size();
     }
     // The count last: what is half written is not there.
     uint64_t count = entries.size() + 1;
     if (written &&
-        write_all(file_.get(), sizeof count + entries.size() * sizeof entry, bytes_of(entry))) {
-      write_all(file_.get(), 0, bytes_of(count));
+        write_all_at(file_.get(), sizeof count + entries.size() * sizeof entry, bytes_of(entry))) {
+      write_all_at(file_.get(), 0, bytes_of(count));
     }
   }
   set_lock(file_.get(), F_UNLCK, kTableLock);

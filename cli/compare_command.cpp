@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "base/lower_case.h"
 #include "bench/error/metrics.h"
 #include "cli/command_line.h"
 #include "cli/option_values.h"
@@ -119,7 +120,7 @@ void check_comparable(const CompareOptions& options, const FloatImage& a, const 
 
 /// Red, green and blue as linear light; files of whole numbers hold sRGB.
 Picture linear_picture(const FloatImage& image, const std::string& path) {
-  const std::string ending = std::filesystem::path(path).extension().string();
+  const std::string ending = lower_case(std::filesystem::path(path).extension().string());
   const bool is_linear = ending == ".exr" || ending == ".hdr" || ending == ".pfm";
   std::vector<size_t> channels;
   for (const char* name : {"R", "G", "B"}) {

@@ -19,6 +19,7 @@
 #include <tuple>
 #include <utility>
 
+#include "base/descriptor_bytes.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/process.h"
@@ -47,8 +48,7 @@ int hold(const std::string& folder) {
 
 /// Removes the folders of processes of this user that could not do so themselves.
 void remove_stale_folders(const std::filesystem::path& parent) {
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(parent, error)) {
+  for (const auto& entry : entries_in(parent)) {
     if (!entry.path().filename().string().starts_with(kFolderName)) continue;
     const int descriptor = hold(entry.path().string());
     if (descriptor < 0) continue;

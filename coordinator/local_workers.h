@@ -25,7 +25,7 @@ struct EndedProcess {
   /// It crashed by its own doing (a signal such as SIGSEGV, or an exit code other than 0), as
   /// opposed to being killed from outside.
   bool crashed = false;
-  std::string how;  ///< "was killed by signal 9", "ended with exit code 3"
+  std::string how;  ///< "process 12 ended with signal 9 (KILL)"
 };
 
 /// Worker processes on this machine, the private folder of their socket and the memory they share.

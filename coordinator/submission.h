@@ -23,9 +23,9 @@ class Submission {
   Submission(v1::SubmitJob request, JobStore& store, Time now);
 
   const v1::SubmitJob& request() const { return request_; }
-  /// What it may come to take: its scenes, its blobs as far as they are known, and its films.
   /// It ends so, and lets go of what it was sent.
   void fail(v1::JobStatus how);
+  /// What it may come to take: its scenes, its blobs as far as they are known, and its films.
   uint64_t claimed_bytes() const { return claimed_bytes_; }
   uint64_t scene_bytes() const { return scene_bytes_; }
 

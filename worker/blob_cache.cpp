@@ -2,22 +2,21 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
-#include <optional>
-#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/descriptor_bytes.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/owned_descriptor.h"
 
 namespace tessera {
 namespace {
@@ -26,16 +25,19 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kUnfinished = ".tmp";
 
-/// The process that writes "DIGEST.PROCESS.tmp"; nothing for another name.
-std::optional<pid_t> writer_of(std::string_view name) {
-  if (!name.ends_with(kUnfinished)) return std::nullopt;
-  name.remove_suffix(kUnfinished.size());
-  const size_t dot = name.rfind('.');
-  if (dot == std::string_view::npos || !Digest::parse(name.substr(0, dot))) return std::nullopt;
-  pid_t process = 0;
-  const auto [end, error] =
-      std::from_chars(name.data() + dot + 1, name.data() + name.size(), process);
-  return error == std::errc() && process > 0 ? std::optional(process) : std::nullopt;
+/// Whether it is one of "DIGEST.ANYTHING.tmp", which write() makes.
+bool is_unfinished(std::string_view name) {
+  constexpr size_t kDigits = 64;
+  return name.ends_with(kUnfinished) && name.size() > kDigits && name[kDigits] == '.' &&
+         Digest::parse(name.substr(0, kDigits));
+}
+
+/// Whoever writes a file holds it, so that others know a killed writer's from one under way. Not by
+/// the writer's number: in containers all are number 1.
+bool hold(int descriptor) {
+  struct stat status {};
+  return flock(descriptor, LOCK_EX | LOCK_NB) == 0 && fstat(descriptor, &status) == 0 &&
+         status.st_nlink > 0;
 }
 
 void sync_folder(const fs::path& folder) {
@@ -55,8 +57,7 @@ bool make_room_in_cache(const fs::path& folder, uint64_t budget_bytes, uint64_t 
   };
   std::vector<File> files;
   uint64_t sum = bytes, kept = bytes;
-  std::error_code failure;
-  for (const auto& entry : fs::directory_iterator(folder, failure)) {
+  for (const auto& entry : entries_in(folder)) {
     std::error_code gone;
     File file{entry.last_write_time(gone), 0, entry.path()};
     if (!gone) file.size = entry.file_size(gone);
@@ -101,11 +102,11 @@ BlobCache::BlobCache(fs::path folder, uint64_t budget_bytes)
 }
 
 void BlobCache::remove_unfinished() {
-  std::error_code failure;
-  for (const auto& entry : fs::directory_iterator(folder_, failure)) {
-    const auto writer = writer_of(entry.path().filename().string());
-    std::error_code ignored;
-    if (writer && kill(*writer, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), ignored);
+  for (const auto& entry : entries_in(folder_)) {
+    if (!is_unfinished(entry.path().filename().string())) continue;
+    const OwnedDescriptor file(
+        open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+    if (file.get() >= 0 && hold(file.get())) unlink(entry.path().c_str());
   }
 }
 
@@ -131,27 +132,20 @@ void BlobCache::keep(const Digest& digest, const Blob& blob) {
 }
 
 bool BlobCache::write(const fs::path& path, const Blob& blob) {
-  const std::string unfinished = fmt::format("{}.{}{}", path.string(), getpid(), kUnfinished);
-  const int descriptor = open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (descriptor < 0) {
+  const std::string unfinished = fmt::format("{}.{}{}", path.string(), unique_name(), kUnfinished);
+  const OwnedDescriptor file(
+      open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+  if (file.get() < 0) {
     complain(std::strerror(errno));
     return false;
   }
-  size_t written = 0;
-  while (written < blob.size()) {
-    const ssize_t count = ::write(descriptor, blob.data() + written, blob.size() - written);
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) break;
-    written += static_cast<size_t>(count);
-  }
-  const bool good = written == blob.size() && fsync(descriptor) == 0 &&
-                    rename(unfinished.c_str(), path.c_str()) == 0;
-  const int cause = errno;
-  close(descriptor);
-  if (good) {
+  if (!hold(file.get())) return false;  // another has just removed it
+  if (write_all(file.get(), {blob.data(), blob.size()}) && fsync(file.get()) == 0 &&
+      rename(unfinished.c_str(), path.c_str()) == 0) {
     sync_folder(folder_);
     return true;
   }
+  const int cause = errno;
   unlink(unfinished.c_str());
   complain(std::strerror(cause));
   return false;

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/descriptor_bytes.h"
 #include "base/log.h"
 #include "base/plural.h"
 #include "proto/wire/frame.h"
@@ -33,30 +34,15 @@ constexpr uint64_t kStep = uint64_t{16} << 20;
 // No process says hello so often: the sessions of each generation begin behind the last one's.
 constexpr int kSessionBits = 20;
 
-bool write_all(int file, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = write(file, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return false;
-    bytes = bytes.subspan(static_cast<size_t>(count));
-  }
-  return true;
-}
-
-bool read_at(int file, std::span<std::byte> bytes, uint64_t offset) {
-  return pread(file, bytes.data(), bytes.size(), static_cast<off_t>(offset)) ==
-         static_cast<ssize_t>(bytes.size());
-}
-
 /// The message at `offset`, which then is that of the next.
 std::optional<v1::Envelope> read_message(int file, uint64_t size, uint64_t& offset) {
   // A whole header, then as much as that says: decode() has the rest of the checks.
   std::vector<std::byte> frame(kFrameHeaderSize);
-  if (offset + frame.size() > size || !read_at(file, frame, offset)) return std::nullopt;
+  if (offset + frame.size() > size || !read_all_at(file, offset, frame)) return std::nullopt;
   const auto length = frame_length(frame);
   if (!length || *length > size - offset) return std::nullopt;
   frame.resize(*length);
-  if (!read_at(file, frame, offset)) return std::nullopt;
+  if (!read_all_at(file, offset, frame)) return std::nullopt;
   offset += frame.size();
   return decode(frame, kMaxFrame);
 }
@@ -146,9 +132,8 @@ void ResultSpool::clear() {
 }
 
 void ResultSpool::take_over() {
-  std::error_code failure;
   std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(folder_, failure)) {
+  for (const auto& entry : entries_in(folder_)) {
     if (entry.path().extension() == kResultsEnding) found.push_back(entry.path());
   }
   std::sort(found.begin(), found.end());
@@ -203,8 +188,7 @@ bool ResultSpool::has_room(uint64_t bytes) {
   if (full_) return false;
   if (size_ + bytes <= room_) return true;
   uint64_t others = 0;
-  std::error_code failure;
-  for (const auto& entry : fs::directory_iterator(folder_, failure)) {
+  for (const auto& entry : entries_in(folder_)) {
     std::error_code gone;
     if (entry.path().extension() != kResultsEnding || entry.path() == path_) continue;
     const uint64_t size = entry.file_size(gone);

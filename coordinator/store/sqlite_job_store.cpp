@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/descriptor_bytes.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/monotonic.h"
@@ -252,7 +253,7 @@ BlobData SqliteJobStore::find_blob(const Digest& digest) {
 
 void SqliteJobStore::keep_only_blobs(const std::unordered_set<Digest>& digests) {
   std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder_ / "blobs", ignored)) {
+  for (const auto& entry : entries_in(folder_ / "blobs")) {
     const auto digest = Digest::parse(entry.path().filename().string());
     // What has no such name was being written when its writer was killed.
     if (!digest || !digests.contains(*digest)) fs::remove(entry.path(), ignored);

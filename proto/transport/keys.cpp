@@ -5,6 +5,7 @@
 #include <sodium.h>
 
 #include "base/error.h"
+#include "base/hex.h"
 #include "proto/transport/text_lines.h"
 
 namespace tessera {
@@ -24,21 +25,11 @@ KeyPair key_pair_of(const Key& secret_key) {
   return keys;
 }
 
-std::string key_text(const Key& key) { return fmt::format("{:02x}", fmt::join(key, "")); }
+std::string key_text(const Key& key) { return hex_text(key); }
 
 std::optional<Key> parse_key(std::string_view text) {
   Key key;
-  if (text.size() != 2 * key.size()) return std::nullopt;
-  const auto digit = [](char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    return -1;
-  };
-  for (size_t i = 0; i < key.size(); ++i) {
-    const int high = digit(text[2 * i]), low = digit(text[2 * i + 1]);
-    if (high < 0 || low < 0) return std::nullopt;
-    key[i] = static_cast<uint8_t>(high << 4 | low);
-  }
+  if (!parse_hex(text, key)) return std::nullopt;
   return key;
 }
 

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/descriptor_bytes.h"
+
 namespace tessera {
 namespace {
 
@@ -19,13 +21,7 @@ constexpr size_t kMostBlobs = 64;
 BlobData shared_copy(const Blob& blob) {
   const int descriptor = memfd_create("tessera-blob", MFD_CLOEXEC | MFD_ALLOW_SEALING);
   if (descriptor < 0) return nullptr;
-  size_t written = 0;
-  while (written < blob.size()) {
-    const ssize_t count = write(descriptor, blob.data() + written, blob.size() - written);
-    if (count <= 0) break;
-    written += static_cast<size_t>(count);
-  }
-  if (written < blob.size() ||
+  if (!write_all(descriptor, {blob.data(), blob.size()}) ||
       fcntl(descriptor, F_ADD_SEALS, F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) !=
           0) {
     close(descriptor);

@@ -37,7 +37,7 @@ struct RenderTask {
 };
 
 /// What tracing did, by the names that --stats prints ("rays_primary", "node_visits" ...). Each
-/// value is a sum over pixels, so totals do not depend on how the frame was cut.
+/// value is a sum over pixels; what depends on the order of tiles too is told where it is counted.
 using CounterMap = std::map<std::string, uint64_t>;
 
 /// A traced tile: the mean of its samples, and what was asked for beside that; rect.area() x

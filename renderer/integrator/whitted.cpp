@@ -13,8 +13,6 @@ namespace {
 /// cost 2^depth rays. Far below what a float pixel resolves.
 constexpr double kNegligible = 1e-9;
 
-/// What precedes a camera ray.
-
 /// kPlain: see SceneFeatures; without kSecondary and kRich alone.
 template <bool kShadows, bool kSecondary, bool kRich, bool kPlain = false>
 class WhittedIntegrator final : public Integrator {

@@ -53,6 +53,9 @@ class BenchError(TesseraTest):
         for name in ("relMSE", "SMAPE", "FLIP"):
             self.assertRegex(told, rf"{name} +0\.\d*[1-9]")
         self.assertRegex(self.run_program("compare", "s.exr", "s.exr", "--metrics").out, r"FLIP +0\n")
+        for name in ("one", "s"):
+            (self.folder / f"{name}.exr").rename(self.folder / f"{name}.EXR")
+        self.assertEqual(told, self.run_program("compare", "one.EXR", "s.EXR", "--metrics").out)
         self.assertEqual(("twin", 1.5, 64, 0), tuple(peer[k] for k in ("method", "seconds", "samples", "rmse")))
 
     def test_its_scenes_can_be_written(self):

@@ -53,14 +53,16 @@ ImageAnswer answer_to(const ImageRequest& request, std::vector<char> payload) {
   return answer;
 }
 
-/// A file over which a decoder would work for ever ends this process.
-void limit_processor_time() {
+/// A file over which a decoder would work for ever ends this process. What we write is ours, and
+/// may be large.
+void limit_processor_time(bool is_limited) {
   constexpr rlim_t kSecondsPerPicture = 120;
   rusage used{};
   rlimit limit{};
   if (getrusage(RUSAGE_SELF, &used) != 0 || getrlimit(RLIMIT_CPU, &limit) != 0) return;
   const auto so_far = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec);
-  limit.rlim_cur = std::min(limit.rlim_max, so_far + kSecondsPerPicture);
+  limit.rlim_cur = limit.rlim_max;
+  if (is_limited) limit.rlim_cur = std::min(limit.rlim_max, so_far + kSecondsPerPicture);
   setrlimit(RLIMIT_CPU, &limit);
 }
 
@@ -86,7 +88,8 @@ bool send(ImageChannel& channel, ImageAnswer& answer) {
 bool serve_one(ImageChannel& channel) {
   ImageRequest request;
   if (!channel.receive(request)) return false;
-  limit_processor_time();
+  limit_processor_time(request.call != ImageRequest::encode &&
+                       request.call != ImageRequest::convert_colors);
   if (request.call == ImageRequest::load) return load_oiio();
   std::vector<char> payload(request.payload_bytes);
   if (!channel.receive_bytes(payload.data(), payload.size())) return false;

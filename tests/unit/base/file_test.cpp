@@ -84,5 +84,15 @@ TEST_F(ResolveInside, TheFolderMayItselfBeALink) {
   EXPECT_FALSE(resolve_inside(top / "alias", "../secret.png"));
 }
 
+TEST(WriteOutputFile, LeavesWhatAnotherProcessIsWriting) {
+  // In containers and on several machines processes have the same numbers.
+  const TemporaryFolder folder;
+  const fs::path others = folder.path() / (".tessera-" + std::to_string(getpid()) + ".part");
+  std::ofstream(others) << "half a picture";
+  write_output_file(folder.path() / "a.txt", "whole");
+  EXPECT_EQ(fs::file_size(others), 14u);
+  EXPECT_EQ(fs::file_size(folder.path() / "a.txt"), 5u);
+}
+
 }  // namespace
 }  // namespace tessera
