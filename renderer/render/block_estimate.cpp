@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tessera {
 
@@ -30,10 +31,12 @@ double edge_difference(double n) {
 /// What is smooth errs less than edges, but hardly any block is that alone: not taken to have less
 /// than this of an edge's.
 constexpr double kLeastOfEdge = 0.6;
+/// A single pixel is, though seldom quite.
+constexpr double kLeastOfEdgeByPixel = 0.1;
 
-/// A pixel's neighbours stand for so many samples of it, as made-up ones do in the interval of a
-/// share (Agresti and Coull 1998).
-constexpr double kSamplesBeside = 6;
+constexpr double kNormalKurtosis = 3;
+/// The relative variance of what pixels truly vary is not taken to be less.
+constexpr double kMostAlike = 1e-3;
 
 /// The share of blocks that are taken to hide something from all of their samples: one in 32 x 32
 /// pixels.
@@ -41,10 +44,11 @@ constexpr double kHidingBlocks = 1.0 / 64;
 
 }  // namespace
 
-BlockEstimate::BlockEstimate(int pixels, bool nets, double gain, uint32_t first_look)
+BlockEstimate::BlockEstimate(int pixels, bool nets, double gain, uint32_t first_look, bool by_pixel)
     : count_(static_cast<size_t>(pixels)),
       run_(std::max(1u, first_look / kRuns)),
       nets_(nets),
+      by_pixel_(by_pixel),
       gain_squared_(gain * gain) {}
 
 void BlockEstimate::look(uint32_t samples) {
@@ -60,9 +64,10 @@ void BlockEstimate::look(uint32_t samples) {
   if (squares > 0) freedom_ = spread * spread / squares * (n - 1);
   variance_ = taken_off_ = spread / n * gain_squared_ / (count * kChannels);
   if (nets_ && spread > 0) {
-    const double edges = edge_part(spread), edge = kEdgeGain / std::sqrt(n);
+    edges_ = edge_part(spread);
+    const double edge = kEdgeGain / std::sqrt(n);
     const auto left = [&](double of_edge) {
-      return std::max(1 - edges * (1 - of_edge), kLeastOfEdge * of_edge);
+      return std::max(1 - edges_ * (1 - of_edge), kLeastOfEdge * of_edge);
     };
     variance_ *= left(edge);
     taken_off_ *= left(edge_difference(n));
@@ -113,11 +118,15 @@ Color BlockEstimate::mean_of(const Pixel& pixel) const {
   return pixel.origin + pixel.sum * (1.0 / samples_);
 }
 
-/// The variance of a sample, over the three channels.
-double BlockEstimate::spread_of(const Pixel& pixel) const {
+/// The variance of a sample, summed over the three channels.
+double BlockEstimate::variance_of(const Pixel& pixel) const {
   const double n = samples_;
-  const double squares = sum_of(pixel.squares - squared(pixel.sum) * (1 / n));
-  return worth_of(mean_of(pixel)) * std::max(0.0, squares) / (n - 1);
+  return std::max(0.0, sum_of(pixel.squares - squared(pixel.sum) * (1 / n))) / (n - 1);
+}
+
+/// The same as far as it counts.
+double BlockEstimate::spread_of(const Pixel& pixel) const {
+  return worth_of(mean_of(pixel)) * variance_of(pixel);
 }
 
 double BlockEstimate::standard_error() const { return std::sqrt(variance_ + unseen_); }
@@ -127,28 +136,90 @@ double BlockEstimate::most_taken_off() const {
   return std::sqrt(taken_off_ * times * times + unseen_);
 }
 
-double BlockEstimate::standard_error(int pixel) const {
+/// Of a pixel's samples: 3 were they normal, n / k where k of n met what is rare.
+double BlockEstimate::kurtosis_of(const Pixel& pixel) const {
+  const double n = samples_, mean = sum_of(pixel.sum) / n, square = mean * mean;
+  const Powers& of = pixel.powers;
+  const double variance = of.second / n - square;
+  if (!(variance > 0)) return kNormalKurtosis;
+  const double fourth =
+      (of.fourth - 4 * mean * of.third + 6 * square * of.second) / n - 3 * square * square;
+  return std::clamp(fourth / (variance * variance), 1.0, n);
+}
+
+/// What the block's pixels know together of a sample's variance. Theirs are taken to be drawn from
+/// a scaled inverse chi-square distribution (as Smyth 2004, "Linear models and empirical Bayes
+/// methods"), whose degrees of freedom f say how alike they are: its relative variance is 2 / (f -
+/// 4), and what of the pixels' is more than chance.
+struct BlockEstimate::Pool {
+  double variance = 0, freedom = 0;
+  double sharing = 0;  ///< so many pixels have the variance between them
+};
+BlockEstimate::Pool BlockEstimate::pool() const {
   const double n = samples_, count = static_cast<double>(count_);
-  Color block_mean = kBlack;
-  double own = 0, own_squares = 0, between = 0;
+  double mean = 0, squares = 0, fourth = 0;
   for (size_t i = 0; i < count_; ++i) {
-    const double spread = spread_of(pixels_[i]);
-    block_mean += mean_of(pixels_[i]) * (1 / count);
-    own += spread / count;
-    own_squares += spread * spread / count;
+    const double variance = variance_of(pixels_[i]), square = variance * variance;
+    mean += variance / count;
+    squares += square / count;
+    fourth += square * kurtosis_of(pixels_[i]) / count;
   }
-  if (!(own > 0)) return standard_error();
-  const auto from_block = [&](const Pixel& p) { return sum_of(squared(mean_of(p) - block_mean)); };
-  for (size_t i = 0; i < count_; ++i) between += from_block(pixels_[i]) / count;
-  const Pixel& one = pixels_[static_cast<size_t>(pixel)];
-  const double beside = own + between + from_block(one);
-  const double all = (n * spread_of(one) + kSamplesBeside * beside) / (n + kSamplesBeside);
-  // Few samples do not know their own spread well, nor few pixels the error of the block: Student's
-  // t has the former's variance; by the latter blocks are covered as often as claimed.
-  double unsure = n > 3 ? (n - 1) / (n - 3) : 3;
-  const double freedom = count * own * own / own_squares + 4;
-  if (nets_) unsure *= freedom / (freedom - 1);
-  return std::sqrt(variance_ * all / own * unsure + unseen_);
+  if (!(mean > 0)) return {};
+  const double square = mean * mean, by_chance = (fourth - squares) / n;
+  const double unlike = (squares - square) * count / std::max(1.0, count - 1) - by_chance;
+  // By Good and Turing, what was not met is about as much as what was met once: where one sample
+  // has nearly all of the variance, as much again; and next to nothing where none stands out.
+  const double not_met = fourth / mean / (count * n);
+  return {mean + not_met, 4 + 2 * square / std::max(unlike, kMostAlike * square),
+          count * square / squares};
+}
+
+/// Of the variance that independent samples would leave: how much is left, and how sure that is.
+struct BlockEstimate::Left {
+  double share = 1, freedom = std::numeric_limits<double>::infinity();
+};
+/// Where the halves of the samples differ less than those of edges would, all is smooth, and each
+/// pixel says so alike: by the mean over the pixels, whatever they vary.
+BlockEstimate::Left BlockEstimate::left_of_independent(const Pool& pooled) const {
+  if (!nets_) return {};
+  const double n = samples_, edge = kEdgeGain / std::sqrt(n);
+  const size_t runs = samples_ / run_;
+  double of_edges = 0, varying = 0;
+  for (size_t i = 0; i < count_; ++i) {
+    const double variance = variance_of(pixels_[i]);
+    if (!(variance > 0)) continue;
+    of_edges += differences_of(pixels_[i], runs, runs) / (n * variance * edge_difference(n));
+    ++varying;
+  }
+  of_edges /= varying;
+  if (of_edges < 1) return {std::max(of_edges, kLeastOfEdgeByPixel) * edge, varying};
+  // The differences of n / 2, n / 4 and n / 8.
+  return {std::max(edge, 1 - edges_ * (1 - edge)), (1 + 2 + 4) * pooled.sharing};
+}
+
+std::array<double, BlockEstimate::kMaxPixels> BlockEstimate::standard_errors() const {
+  std::array<double, kMaxPixels> errors{};
+  const double n = samples_;
+  const Pool pooled = pool();
+  if (!(pooled.variance > 0)) {
+    std::fill_n(errors.begin(), count_, std::sqrt(unseen_));
+    return errors;
+  }
+  const Left left = left_of_independent(pooled);
+  for (size_t i = 0; i < count_; ++i) {
+    const double own = variance_of(pixels_[i]);
+    // The relative variance of a variance of f degrees of freedom is 2 / f (Satterthwaite 1946).
+    const double knows = own > 0 ? std::min(n, 2 * n / (kurtosis_of(pixels_[i]) - 1)) : 0;
+    const double all = knows + pooled.freedom;
+    const double variance = (knows * own + pooled.freedom * pooled.variance) / all;
+    // The variance of Student's t.
+    const double freedom = std::max(3.0, 1 / (1 / all + 1 / left.freedom));
+    const double unsure = freedom / (freedom - 2);
+    // What a block hides is spread over it.
+    errors[i] = std::sqrt(variance / (n * kChannels) * gain_squared_ * left.share * unsure +
+                          unseen_ / static_cast<double>(count_));
+  }
+  return errors;
 }
 
 }  // namespace tessera

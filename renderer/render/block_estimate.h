@@ -23,14 +23,15 @@ namespace tessera {
 ///
 /// What was not seen is not known to be absent. One block in 64 is taken to hide a feature of
 /// display white that all its samples miss with chance 1/e, so that no block passes by having no
-/// variance; and for each pixel, the block's other samples count as six more of its own.
+/// variance.
 class BlockEstimate {
  public:
   static constexpr int kMaxPixels = kBlockSide * kBlockSide;
 
   /// `nets`: samples are of a (0,2)-sequence; or else independent. `gain`: of the filter's signs.
-  /// The first look is after `first_look` samples: 2, 4, 8 and so on.
-  BlockEstimate(int pixels, bool nets, double gain, uint32_t first_look);
+  /// The first look is after `first_look` samples: 2, 4, 8 and so on. `by_pixel`: standard_errors()
+  /// will be asked for.
+  BlockEstimate(int pixels, bool nets, double gain, uint32_t first_look, bool by_pixel = false);
 
   /// The next sample of a pixel: finite.
   void add(int pixel, const Color& sample) {
@@ -39,6 +40,7 @@ class BlockEstimate {
     const Color away = sample - p.origin;
     p.sum += away;
     p.squares += away * away;
+    if (by_pixel_) p.powers.add(away.r + away.g + away.b);
     if ((++p.count & (run_ - 1)) == 0) p.ends[p.count / run_ - 1] = p.sum;
   }
   /// All pixels have `samples` samples: those of the first look, twice as many and so on, in turn.
@@ -52,22 +54,41 @@ class BlockEstimate {
   /// standard_error(); that of others is more, since theirs falls faster. And two standard
   /// deviations above what is found, since few samples of few pixels may find too little by chance.
   double most_taken_off() const;
-  /// Of one pixel's mean, over the three channels: the block's, in the ratio of what its samples
-  /// vary. Of the pixels that vary at all, 95 % are to lie within 1.96 times this of the truth.
-  double standard_error(int pixel) const;
+  /// Of each pixel's mean, over the three channels and whatever its brightness: of the pixels that
+  /// vary at all, 95 % are to lie within 1.96 times this of the truth. Pixels that have met what is
+  /// rare know their own spread badly, and those that have not know it too small: each takes the
+  /// block's for its own as far as the block's pixels are alike.
+  std::array<double, kMaxPixels> standard_errors() const;
 
  private:
   static constexpr uint32_t kRuns = 8;
+  /// Of a pixel's samples, as numbers: sums of their powers.
+  struct Powers {
+    double second = 0, third = 0, fourth = 0;
+    void add(double x) {
+      const double square = x * x;
+      second += square;
+      third += square * x;
+      fourth += square * square;
+    }
+  };
   struct Pixel {
     Color origin, sum, squares;  ///< of the samples less the first one
     /// `sum` at the end of each run of samples.
     std::array<Color, kRuns> ends;
+    Powers powers;  ///< of what is added to `sum`, over the channels
     uint32_t count = 0;
   };
+  struct Pool;
+  struct Left;
   double edge_part(double spread) const;
   double differences_of(const Pixel& pixel, size_t runs, size_t length) const;
   Color mean_of(const Pixel& pixel) const;
   double spread_of(const Pixel& pixel) const;
+  double variance_of(const Pixel& pixel) const;
+  double kurtosis_of(const Pixel& pixel) const;
+  Pool pool() const;
+  Left left_of_independent(const Pool& pooled) const;
 
   std::array<Pixel, kMaxPixels> pixels_{};
   size_t count_;
@@ -75,7 +96,8 @@ class BlockEstimate {
   uint32_t run_;          ///< samples; at a look from `kRuns` samples on, an eighth of them
   double variance_ = 0, taken_off_ = 0, unseen_ = 0;
   double freedom_ = 1;  ///< degrees of it that the spread has
-  bool nets_;
+  double edges_ = 0;    ///< the part of the spread that edges have
+  bool nets_, by_pixel_;
   double gain_squared_;
 };
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "base/error.h"
 #include "renderer/film/block.h"
@@ -202,8 +203,9 @@ class SceneTileRenderer final : public TileRenderer {
     const SamplePattern pattern = scene_->settings.sampler.pattern;
     const uint32_t first_look = scene_->settings.first_look();
     BlockEstimate estimate(static_cast<int>(count), pattern != SamplePattern::independent,
-                           scene_->sampler->filter_gain(), first_look);
-    uint32_t done = 0;
+                           scene_->sampler->filter_gain(), first_look, shows_error());
+    std::array<double, BlockEstimate::kMaxPixels> errors{};
+    uint32_t done = 0, looked = 0;
     bool converged = count == 0;
     while (!converged && done < task.sample_count) {
       const uint32_t next = std::min(done == 0 ? first_look : 2 * done, task.sample_count);
@@ -223,6 +225,10 @@ class SceneTileRenderer final : public TileRenderer {
       if (done < first_look || !std::has_single_bit(done)) continue;
       estimate.look(done);
       converged = estimate.most_taken_off() < error_after(done, task.sample_count);
+      looked = done;
+      if (shows_error() && (converged || 2 * done > task.sample_count)) {
+        errors = estimate.standard_errors();
+      }
     }
     const bool early = count > 0 && done < task.sample_count;
     if (early && contains_pixel(task.rect, block.x0, block.y0)) ++counters.stopped;
@@ -230,7 +236,10 @@ class SceneTileRenderer final : public TileRenderer {
       if (!pixels[i].wanted) continue;
       counters.saved += task.sample_count - done;
       if (!pixels[i].seen) counters.background += done;
-      put(pixels[i].sum, pixels[i].x, pixels[i].y, pixels[i].seen, output);
+      std::optional<double> error;
+      // Samples since the latest look take off at least what independent ones would.
+      if (shows_error() && looked > 0) error = errors[i] * std::sqrt(1.0 * looked / done);
+      put(pixels[i].sum, pixels[i].x, pixels[i].y, pixels[i].seen, output, error);
     }
     return true;
   }
@@ -267,24 +276,28 @@ class SceneTileRenderer final : public TileRenderer {
   // ------------------------------------------------------------------------------------- pixels
 
   SampleSum empty_sum() const {
-    const bool spreads = aovs_.aovs().has(Aov::variance) || scene_->settings.view == View::error;
+    const bool spreads = aovs_.aovs().has(Aov::variance) || shows_error();
     return SampleSum(scene_->sampler->filter_gain(), spreads);
   }
+  bool shows_error() const { return scene_->settings.view == View::error; }
 
-  /// Of its light, or of how that was found.
-  Color shown(const SampleSum& sum) const {
+  /// Of its light, or of how that was found. The standard error where it is known better than by
+  /// the spread of the pixel's own samples.
+  Color shown(const SampleSum& sum, std::optional<double> error) const {
     if (scene_->settings.view == View::samples) return kWhite * sum.count();
-    if (scene_->settings.view != View::error) return sum.mean();
+    if (!shows_error()) return sum.mean();
+    if (error) return kWhite * *error;
     const Color variance = sum.variance();
     return kWhite * std::sqrt((variance.r + variance.g + variance.b) / 3);
   }
 
-  void put(const SampleSum& sum, int x, int y, bool seen, const Output& output) const {
+  void put(const SampleSum& sum, int x, int y, bool seen, const Output& output,
+           std::optional<double> error = std::nullopt) const {
     TilePixels& tile = output.tile;
     const PixelRect& rect = tile.rect;
     const size_t at = static_cast<size_t>(int64_t{y - rect.y0} * rect.width() + (x - rect.x0));
     float* value = &tile.values[at * static_cast<size_t>(tile.channels)];
-    const Color color = shown(sum);
+    const Color color = shown(sum, error);
     for (const double channel : {color.r, color.g, color.b}) *value++ = static_cast<float>(channel);
     if (aovs_.aovs().empty()) return;
     aovs_.write(x, y, output.first_sample, seen, sum, output.beside_light, value);

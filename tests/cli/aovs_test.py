@@ -113,13 +113,21 @@ class Aovs(ServiceTest):
         self.assertEqual({beside["samples"]}, {samples[channel] for channel in "RGB"})
         counts = set(read_exr(self.folder / "a.exr")[1]["R"])
         self.assertTrue({16} < counts <= {16, 32, 64}, counts)
-        self.channels(*options, "--integrator", "error", name="error.exr")
+        everywhere = [*SIZE, "--spp", 16, "--workers", 0]
+        self.channels(*everywhere, "--integrator", "error", name="error.exr")
         error = read_exr(self.folder / "error.exr")[1]["G"]
-        self.channels(*options, "--aovs", "variance", name="variance.exr")
+        self.channels(*everywhere, "--aovs", "variance", name="variance.exr")
         variance = read_exr(self.folder / "variance.exr")[1]
         for i, value in enumerate(error):
             mean = sum(variance[f"variance.{channel}"][i] for channel in "RGB") / 3
             self.assertAlmostEqual(mean ** .5, value, delta=1e-6 + 1e-5 * value)
+        # To a target error it is what is claimed of samples that are better spread than by chance.
+        self.channels(*everywhere, "--target-error", ".01", "--integrator", "error",
+                      name="claimed.exr")
+        claimed = read_exr(self.folder / "claimed.exr")[1]["G"]
+        self.assertLess(0, sum(value * value for value in claimed))
+        self.assertLess(sum(value * value for value in claimed),
+                        .5 * sum(value * value for value in error))
 
     def test_denoising(self):
         options = [*SIZE, "--spp", 8, "--integrator", "path"]

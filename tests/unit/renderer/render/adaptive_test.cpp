@@ -175,6 +175,45 @@ TEST(Adaptive, keeps_its_target) {
   }
 }
 
+// 1.96 times what the error view shows covers what the picture errs by, and not by showing too much
+// as the spread of the samples alone would. Also where the last samples are behind the last look.
+TEST(Adaptive, shows_the_error_that_its_picture_has) {
+  const PixelRect rect{0, 0, 40, 32};
+  const std::string view = std::string("settings { integrator { kind: 'error' } }") + kScene;
+  const auto values = [&](const std::string& text, uint32_t most, double target, uint64_t seed) {
+    v1::FrameSettings frame = adaptive_frame(40, 32, most, target);
+    frame.set_seed(seed);
+    const auto renderer = make_tile_renderer(parse_scene(text), {}, frame, 1);
+    // By tiles that cut blocks.
+    const auto left = render_rect(*renderer, {0, 0, 18, 32}, most).values;
+    const auto whole = render_rect(*renderer, rect, most);
+    EXPECT_EQ(left, part_of(whole, {0, 0, 18, 32}));
+    return whole.values;
+  };
+  const auto truth = values(kScene, 2048, 0, 99);
+  const auto mean_square = [](const std::vector<float>& of, const std::vector<float>& less) {
+    double squares = 0;
+    for (size_t i = 0; i < of.size(); ++i) squares += (of[i] - less[i]) * (of[i] - less[i]);
+    return std::sqrt(squares / static_cast<double>(of.size()));
+  };
+  const std::vector<float> none(truth.size());
+  for (const uint32_t most : {16u, 100u, 1000u}) {
+    const auto light = values(kScene, most, 0.01, 0), error = values(view, most, 0.01, 0);
+    const double claimed = mean_square(error, none), real = mean_square(light, truth);
+    EXPECT_GT(claimed, 0.8 * real) << most;
+    EXPECT_LT(claimed, 1.5 * real) << most;
+    size_t covered = 0;
+    for (size_t i = 0; i < error.size(); ++i) {
+      if (std::abs(light[i] - truth[i]) <= 1.96 * error[i]) ++covered;
+    }
+    EXPECT_GT(covered, error.size() * 93 / 100) << most;
+  }
+  // Without a look there is but the spread.
+  EXPECT_EQ(values(view, 8, 0.01, 0), values(view, 8, 0, 0));
+  EXPECT_GT(mean_square(values(view, 64, 0, 0), none),
+            1.5 * mean_square(values(view, 64, 1e-9, 0), none));
+}
+
 TEST(Adaptive, refuses_patterns_whose_first_samples_are_not_spread) {
   v1::FrameSettings frame = adaptive_frame(4, 4, 16, 0.1);
   for (const char* pattern : {"corner-grid", "centered-grid"}) {
