@@ -1,8 +1,8 @@
 #include "renderer/integrator/path_tracer.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <optional>
 
 #include "renderer/integrator/direct_light.h"
 #include "renderer/integrator/light_sampling.h"
@@ -24,7 +24,7 @@ class VertexNumbers {
       : stream_(stream), first_(kFirst + kPairs * vertex), skips_(skips), skipped_(skipped) {}
   ~VertexNumbers() {
     if (skips_) {
-      skipped_ += kPairs - static_cast<uint32_t>(std::popcount(read_));
+      skipped_ += kPairs - ((read_ & 1) + (read_ >> 1 & 1) + (read_ >> 2 & 1) + (read_ >> 3));
     } else {
       read_others();
     }
@@ -32,8 +32,14 @@ class VertexNumbers {
   VertexNumbers(const VertexNumbers&) = delete;
   VertexNumbers& operator=(const VertexNumbers&) = delete;
 
-  Vec2 on_light() const { return pair(0); }
-  Vec2 direction() const { return pair(1); }
+  /// The direction's, which nearly every vertex asks for: hashed while the way to the vertex is
+  /// traced, it keeps nobody waiting.
+  void draw_ahead() const { direction_ = pair(1); }
+  Vec2 on_light() const {
+    if (!direction_) draw_ahead();  // side by side
+    return pair(0);
+  }
+  Vec2 direction() const { return direction_ ? *direction_ : pair(1); }
   /// x: which way to scatter, y: whether to go on.
   Vec2 choice() const { return pair(2); }
   /// x: which light, y: whether the surface is passed.
@@ -57,6 +63,7 @@ class VertexNumbers {
   bool skips_;
   uint64_t& skipped_;  ///< counts pairs that were not asked for
   mutable uint32_t read_ = 0;
+  mutable std::optional<Vec2> direction_;
 };
 
 /// kRich: materials may have textures. kPasses: something may let a ray through unbent, or absorb.
@@ -97,6 +104,9 @@ class PathTracer final : public Integrator {
 
   /// Adds what the path's next surface sends along it; false where the path ends.
   bool follow(Path& path, const SampleStream& stream, TraceState& state) const {
+    const VertexNumbers numbers(stream, path.vertex++, scene_->skips.unread_numbers,
+                                state.counters.numbers_skipped);
+    if (path.depth > 0) numbers.draw_ahead();
     Hit hit;
     if (!scene_->surfaces ||
         !scene_->surfaces->closest_hit(path.ray, hit, state.counters.traversal)) {
@@ -111,8 +121,6 @@ class PathTracer final : public Integrator {
       look_up_textures(*scene_, path.ray, cone_width(state.cone, path.path_length), point,
                        state.counters);
     }
-    const VertexNumbers numbers(stream, path.vertex++, scene_->skips.unread_numbers,
-                                state.counters.numbers_skipped);
     if constexpr (kPasses) {
       note_media_before(path.media, point);
       if (!is_black(path.media.absorption()))
@@ -290,7 +298,12 @@ class PathTracer final : public Integrator {
     const bool may_end = path.depth >= kSafeDepth;
     const Vec2 choice = Scatter::kHasChoice || may_end ? numbers.choice() : Vec2{};
     BsdfSample sample;
-    if (!scatter.sample(choice.x, numbers.direction(), sample)) return false;
+    // A weight that is the same whatever the direction tells early where the path ends.
+    if constexpr (Scatter::kIsEven) {
+      sample.weight = scatter.albedo();
+    } else if (!scatter.sample(choice.x, numbers.direction(), sample)) {
+      return false;
+    }
     path.throughput = path.throughput * sample.weight;
     path.radiance_scale *= sample.radiance_scale;
     // What lies ahead is as bright whatever the medium makes of radiance.
@@ -304,6 +317,7 @@ class PathTracer final : public Integrator {
       }
       path.throughput = path.throughput * (1 / survival);
     }
+    if (Scatter::kIsEven && !scatter.sample(choice.x, numbers.direction(), sample)) return false;
     if constexpr (kPasses) {
       if (sample.is_beyond) pass_into(path.media, point);
     }

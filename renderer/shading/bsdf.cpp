@@ -40,16 +40,6 @@ FacetAlbedo mean_of_facets(double alpha) {
 
 }  // namespace
 
-bool LambertBsdf::sample(double, const Vec2& u, BsdfSample& sample) const {
-  const Vec3 local = cosine_hemisphere_point(u);
-  sample.wi = Frame(normal_).from_local(local);
-  sample.weight = albedo_;
-  sample.density = local.z * kInversePi;
-  sample.radiance_scale = 1;
-  sample.is_mirror = sample.is_beyond = false;
-  return local.z > 0 && dot(sample.wi, facet_) > 0;
-}
-
 Bsdf::Bsdf(const BsdfPoint& point)
     : frame_(facing_normal(point)),
       facet_normal_(point.geometric_normal),

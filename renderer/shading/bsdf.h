@@ -2,6 +2,7 @@
 
 #include "renderer/math/elementary.h"
 #include "renderer/math/frame.h"
+#include "renderer/math/warp.h"
 #include "renderer/shading/coat.h"
 #include "renderer/shading/material.h"
 #include "renderer/shading/microfacet.h"
@@ -53,6 +54,7 @@ struct BsdfSample {
 class LambertBsdf {
  public:
   static constexpr bool kHasChoice = false;  ///< whether sample() reads `choice`
+  static constexpr bool kIsEven = true;      ///< whether each sample's weight is the albedo
   explicit LambertBsdf(const BsdfPoint& point)
       : albedo_(bounded(point.diffuse)),
         normal_(facing_normal(point)),
@@ -64,7 +66,16 @@ class LambertBsdf {
     const double density = cosine * (1 / portable::kPi);
     return {albedo_ * density, density};
   }
-  bool sample(double choice, const Vec2& u, BsdfSample& sample) const;
+  const Color& albedo() const { return albedo_; }
+  bool sample(double, const Vec2& u, BsdfSample& sample) const {
+    const Vec3 local = cosine_hemisphere_point(u);
+    sample.wi = Frame(normal_).from_local(local);
+    sample.weight = albedo_;
+    sample.density = local.z * (1 / portable::kPi);
+    sample.radiance_scale = 1;
+    sample.is_mirror = sample.is_beyond = false;
+    return local.z > 0 && dot(sample.wi, facet_) > 0;
+  }
 
  private:
   Color albedo_;
@@ -90,7 +101,7 @@ class LambertBsdf {
 /// A value of one point; lives while its BsdfPoint's material does.
 class Bsdf {
  public:
-  static constexpr bool kHasChoice = true;
+  static constexpr bool kHasChoice = true, kIsEven = false;
   explicit Bsdf(const BsdfPoint& point);
 
   /// Whether evaluate() can be anything but black.

@@ -15,18 +15,21 @@ struct Crossing {
 bool cross_box(const Bounds3& box, const Ray& ray, Crossing& enter, Crossing& leave) {
   enter = {-Bounds3::kInfinity};
   leave = {Bounds3::kInfinity};
+  // Which way a ray goes, and which side it meets first, is a matter of chance: without branches.
+  const Point3* const ends[2] = {&box.min, &box.max};
   for (int axis = 0; axis < 3; ++axis) {
     const double o = ray.origin[axis], d = ray.direction[axis];
     if (d == 0) {
       if (!(o >= box.min[axis] && o <= box.max[axis])) return false;
       continue;
     }
-    const bool down = d < 0;
-    const double t_in = ((down ? box.max[axis] : box.min[axis]) - o) / d;
-    const double t_out = ((down ? box.min[axis] : box.max[axis]) - o) / d;
-    const auto face = static_cast<uint32_t>(2 * axis);
-    if (t_in > enter.t) enter = {t_in, face + (down ? 1 : 0)};
-    if (t_out < leave.t) leave = {t_out, face + (down ? 0 : 1)};
+    const uint32_t down = d < 0, first = 2 * static_cast<uint32_t>(axis);
+    const double t_in = ((*ends[down])[axis] - o) / d, t_out = ((*ends[1 - down])[axis] - o) / d;
+    const bool enters = t_in > enter.t, leaves = t_out < leave.t;
+    enter.t = enters ? t_in : enter.t;
+    enter.face = enters ? first + down : enter.face;
+    leave.t = leaves ? t_out : leave.t;
+    leave.face = leaves ? first + 1 - down : leave.face;
   }
   return enter.face < 6 && enter.t <= leave.t;
 }

@@ -137,16 +137,16 @@ class LinearDensity {
   /// In the ratio of `from` to `to`; evenly where these are no numbers above 0.
   LinearDensity(double from, double to) {
     const double sum = from + to;
-    if (sum > 1e-140 && sum < 1e140) from_ = 2 * from / sum;
+    if (sum > 1e-140 && sum < 1e140) from_ = from, to_ = to;
   }
-  double at(double t) const { return from_ + t * (2 - 2 * from_); }
+  double at(double t) const { return 2 * (from_ + t * (to_ - from_)) / (from_ + to_); }
   double point(double u) const {
-    const double root = std::sqrt(from_ * from_ + u * (4 - 4 * from_));
-    return std::min(2 * u / (from_ + root), 0x1.fffffffffffffp-1);
+    const double root = std::sqrt(from_ * from_ + u * (to_ * to_ - from_ * from_));
+    return std::min(u * (from_ + to_) / (from_ + root), 0x1.fffffffffffffp-1);
   }
 
  private:
-  double from_ = 1;
+  double from_ = 1, to_ = 1;
 };
 
 class RectangleSampler final : public SurfaceSampler {
