@@ -26,10 +26,6 @@ v1::Envelope& WorkerDesk::send(const PeerId& peer) {
   return outgoing_.back().message;
 }
 
-std::vector<WorkerDesk::Outgoing> WorkerDesk::take_outgoing() {
-  return std::exchange(outgoing_, {});
-}
-
 // -------------------------------------------------------------------------------------- messages
 
 void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Time now,

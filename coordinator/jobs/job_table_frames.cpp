@@ -38,12 +38,11 @@ void log_end(const FarmJob& job, uint32_t frame, const v1::JobEnd& end) {
 
 }  // namespace
 
-std::vector<ActiveJob*> JobTable::running() {
-  std::vector<ActiveJob*> result;
+void JobTable::list_running() {
+  running_.clear();
   for (const auto& [id, job] : open_) {
-    for (FarmJob::Running& running : job->running()) result.push_back(running.active.get());
+    for (FarmJob::Running& running : job->running()) running_.push_back(running.active.get());
   }
-  return result;
 }
 
 ActiveJob* JobTable::running(uint64_t frame) {
@@ -53,26 +52,23 @@ ActiveJob* JobTable::running(uint64_t frame) {
   return nullptr;
 }
 
-std::vector<ActiveJob*> JobTable::by_need(Time now) {
-  struct Need {
-    int32_t priority;
-    double share;
-    FarmJob* job;
-  };
-  std::vector<Need> needs;
+const std::vector<ActiveJob*>& JobTable::by_need(Time now) {
+  needs_.clear();
   for (const auto& [id, job] : open_) {
     if (job->running().empty()) continue;
     const double share = job->share(now);
-    if (!job->kept().paused()) needs.push_back({job->request().priority(), share, job});
+    if (!job->kept().paused()) needs_.push_back({job->request().priority(), share, job});
   }
-  std::stable_sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) {
-    return std::pair(-int64_t{a.priority}, a.share) < std::pair(-int64_t{b.priority}, b.share);
-  });
-  std::vector<ActiveJob*> result;
-  for (const Need& need : needs) {
-    for (FarmJob::Running& running : need.job->running()) result.push_back(running.active.get());
+  if (needs_.size() > 1) {
+    std::stable_sort(needs_.begin(), needs_.end(), [](const Need& a, const Need& b) {
+      return std::pair(-int64_t{a.priority}, a.share) < std::pair(-int64_t{b.priority}, b.share);
+    });
   }
-  return result;
+  by_need_.clear();
+  for (const Need& need : needs_) {
+    for (FarmJob::Running& running : need.job->running()) by_need_.push_back(running.active.get());
+  }
+  return by_need_;
 }
 
 void JobTable::account(Time now) {
@@ -208,6 +204,7 @@ void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
     }
     changes.begun.push_back(active.get());
     job.begin(frame, std::move(active), now);
+    list_running();
   } catch (const Error& error) {
     JobReport report;
     report.end = JobReport::End::failed;
@@ -227,6 +224,7 @@ void JobTable::finish(FarmJob& job, FarmJob::Running& running, Changes& changes)
   if (job.local()) {
     local_costs_ = std::move(costs);
     job.end(frame, std::move(end));
+    list_running();
     results_.emplace(id, std::move(result));
     return;
   }
@@ -244,6 +242,7 @@ void JobTable::file_end(FarmJob& job, uint32_t frame, v1::JobEnd end) {
   kept.set_frame(frame);
   *kept.mutable_end() = end;
   job.end(frame, std::move(end));
+  list_running();
   unsaved_.emplace_back(job.id(), std::move(kept));
   keep_rest();
 }
