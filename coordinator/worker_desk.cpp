@@ -47,6 +47,12 @@ void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Tim
     }
     return;
   }
+  if (worker->unreachable) {
+    // Its results are as good as ever.
+    ActiveJob* const job = jobs_.running(message.tile_band().job());
+    if (message.has_tile_band() && job) on_band(*worker, *job, message.tile_band(), now);
+    return;
+  }
   workers_.heard(*worker, now);
   tell_if_back(*worker);
   for (ActiveJob* job : jobs_.running()) {
@@ -321,7 +327,10 @@ void WorkerDesk::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& fa
 void WorkerDesk::on_peer_gone(const PeerId& peer, Time now, bool welcomed) {
   WorkerRecord* worker = workers_.by_peer(peer);
   if (!worker || worker->peer != peer) return;
-  lose(*worker, welcomed ? LossCause::vanished : LossCause::left, "its connection is gone", now);
+  worker->unreachable = true;
+  // Who was told to end, or is told by it too late, leaves as it should.
+  const bool leaves = dismissed_ || !welcomed;
+  lose(*worker, leaves ? LossCause::left : LossCause::vanished, "its connection is gone", now);
 }
 
 void WorkerDesk::on_process_ended(pid_t process, bool crashed, const std::string& how, Time now) {
@@ -406,6 +415,7 @@ void WorkerDesk::describe(FarmSnapshot& snapshot, Time now) const {
 }
 
 void WorkerDesk::shut_down(const std::string& reason) {
+  dismissed_ = true;
   for (const WorkerRecord* worker : workers_.present()) {
     send(worker->peer).mutable_shutdown()->set_reason(reason);
   }

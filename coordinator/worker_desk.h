@@ -112,7 +112,7 @@ class WorkerDesk {
   std::set<WorkerId> hungry_;
   uint64_t frames_begun_ = 0;
   Tally refusals_, taken_;  ///< as the log tells them
-  bool draining_ = false;
+  bool draining_ = false, dismissed_ = false;
 };
 
 }  // namespace tessera

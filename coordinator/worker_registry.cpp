@@ -111,6 +111,7 @@ WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hel
   }
   by_peer_[peer] = worker.id;
   worker.peer = peer;
+  worker.unreachable = false;
   worker.hello = hello;
   worker.last_heard = now;
   worker.state = WorkerState::active;

@@ -28,6 +28,8 @@ struct WorkerRecord {
   AllowedKey sender;  ///< whose key its id is bound to, where there are keys
   v1::Hello hello;
   WorkerState state = WorkerState::active;
+  /// Its connection is gone: what still comes by it was sent before, and brings nobody back.
+  bool unreachable = false;
   Time last_heard{};
   Time answered{};   ///< with its last Ping
   int failures = 0;  ///< tiles that it failed

@@ -30,10 +30,19 @@ void log_end(const FarmJob& job, uint32_t frame, const v1::JobEnd& end) {
     case v1::JobEnd::FAILED:
       return spdlog::warn("{} failed: {}", what, printable(end.failure()));
     case v1::JobEnd::INTERRUPTED:
-      return spdlog::info("{} was cancelled, or its client is gone", what);
+      // Where its client was gone, that was told before.
+      return spdlog::info("{} was cancelled", what);
     default:
       return spdlog::info("{} is done, traced in {:.2f} s", what, end.trace_seconds());
   }
+}
+
+void log_going_on(const FarmJob& job, Time now) {
+  const JobProgress progress = job.progress(now);
+  const std::string& name = job.request().name();
+  spdlog::info("job {}{} goes on: {} of {} tiles are kept, {} to do", job.id(),
+               name.empty() ? "" : " (" + printable(name) + ")", progress.tiles_done,
+               progress.tiles_total, progress.tiles_total - progress.tiles_done);
 }
 
 }  // namespace
@@ -203,7 +212,9 @@ void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
       active->scheduler().costs().learn_from(*earlier);
     }
     changes.begun.push_back(active.get());
+    const bool goes_on = !job.local() && job.id() <= last_job_before_ && !job.begun();
     job.begin(frame, std::move(active), now);
+    if (goes_on) log_going_on(job, now);
     list_running();
   } catch (const Error& error) {
     JobReport report;
