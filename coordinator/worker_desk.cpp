@@ -37,7 +37,7 @@ void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Tim
     return;
   }
   // Nothing but a set-aside id or key is refused after its hello was accepted.
-  if (auto reject = workers_.judge(worker->hello, worker->sender)) {
+  if (auto reject = workers_.judge(*worker)) {
     *send(peer).mutable_reject() = std::move(*reject);
     return;
   }
@@ -279,7 +279,8 @@ void WorkerDesk::on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId leas
   const auto completion = job.complete(tile, lease, worker.id, now);
   const double seconds = to_seconds(completion.events.took.value_or(Time{}));
   job.note_tile_seconds(tile, seconds);
-  job.note_span(FrameTrace::Kind::tile, worker.id, worker.name(), tile,
+  const bool is_named = job.trace().workers.contains(worker.id);
+  job.note_span(FrameTrace::Kind::tile, worker.id, is_named ? "" : worker.name(), tile,
                 now - completion.events.took.value_or(Time{}), now);
   counters_.note_tile(seconds);
   frames_begun_ += job.assembler().tiles_done() == 1;

@@ -66,6 +66,10 @@ class WorkerRegistry {
 
   /// Why a hello by that key cannot be accepted, or nothing.
   std::optional<v1::Reject> judge(const v1::Hello& hello, const AllowedKey& sender = {}) const;
+  /// Why one that was accepted is refused by now, or nothing.
+  std::optional<v1::Reject> judge(const WorkerRecord& worker) const {
+    return judge_aside(worker.id, worker.sender);
+  }
   struct Greeting {
     WorkerRecord* worker = nullptr;  ///< null: one too many, or `older`
     bool older = false;              ///< of a session before one that was heard: changes nothing
@@ -116,10 +120,11 @@ class WorkerRegistry {
 
  private:
   void forget_lost();
+  std::optional<v1::Reject> judge_aside(WorkerId id, const AllowedKey& sender) const;
 
   CoordinatorOptions options_;
   std::map<WorkerId, WorkerRecord> workers_;
-  std::unordered_map<PeerId, WorkerId> by_peer_;
+  std::unordered_map<PeerId, WorkerRecord*> by_peer_;
   std::map<WorkerId, std::string> set_aside_;  ///< with the cause
   struct Blame {
     int failures = 0;
