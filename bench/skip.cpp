@@ -25,7 +25,7 @@ struct Shot {
 Shot render(const LoadedScene& loaded, const v1::FrameSettings& frame, const Skips& skips) {
   Shot shot;
   const double start = thread_seconds();
-  const auto renderer = make_tile_renderer(loaded.scene, loaded.blobs, frame, 1, nullptr, skips);
+  const auto renderer = make_tile_renderer(loaded.scene, loaded.blobs, frame, 1, {}, skips);
   TileProgress progress;
   const PixelRect whole{0, 0, static_cast<int>(frame.width()), static_cast<int>(frame.height())};
   auto tile = renderer->render({whole, 0, frame.samples_per_pixel()}, progress);

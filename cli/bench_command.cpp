@@ -75,6 +75,13 @@ void add_bench_command(CLI::App& app, Action& action) {
             options->farm.repeats);
   add_whole(*farm, "--rings", 3, 5000, "Of the sphere whose mesh is sent to all workers [2000]",
             options->farm.rings);
+  farm->add_option_function<std::string>(
+          "--only",
+          [options](const std::string& text) {
+            options->farm.only = parse_choice("--only", text, bench_farm_kinds());
+          },
+          "Measure these rows alone: frame, sphere, worker, tile or scene [all]")
+      ->type_name("KIND");
   farm->add_option("--json", options->json_file, "Write the rows as JSON too")->type_name("FILE");
   farm->callback([options, &action] { action = [options] { return bench(*options); }; });
 }

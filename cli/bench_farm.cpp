@@ -11,6 +11,8 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -141,13 +143,25 @@ json worker_row(const BenchFarmOptions& options, const TemporaryFolder& folder) 
 
 }  // namespace
 
+const std::vector<std::string>& bench_farm_kinds() {
+  static const std::vector<std::string> kinds{"frame", "sphere", "worker", "tile", "scene"};
+  return kinds;
+}
+
 json bench_farm(const BenchFarmOptions& options) {
   const TemporaryFolder folder;
-  json rows = json::array({processes_row(options, folder, 16), processes_row(options, folder, 4),
-                           one_sphere_row(options, folder), worker_row(options, folder),
-                           first_tile_row(options, folder.path()),
-                           scene_transfer_row(options, "tcp://127.0.0.1:*"),
-                           scene_transfer_row(options, "ipc://" + folder.file("transfer"))});
+  const std::vector<std::pair<std::string, std::function<json()>>> kinds{
+      {"frame", [&] { return processes_row(options, folder, 16); }},
+      {"frame", [&] { return processes_row(options, folder, 4); }},
+      {"sphere", [&] { return one_sphere_row(options, folder); }},
+      {"worker", [&] { return worker_row(options, folder); }},
+      {"tile", [&] { return first_tile_row(options, folder.path()); }},
+      {"scene", [&] { return scene_transfer_row(options, "tcp://127.0.0.1:*"); }},
+      {"scene", [&] { return scene_transfer_row(options, "ipc://" + folder.file("transfer")); }}};
+  json rows = json::array();
+  for (const auto& [kind, row] : kinds) {
+    if (options.only.empty() || options.only == kind) rows.push_back(row());
+  }
   for (json& row : rows) {
     const double measured = row[row.contains("ratio") ? "ratio" : "seconds"];
     row["beyond_limit"] = measured > row["limit"].get<double>();

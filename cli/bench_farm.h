@@ -2,6 +2,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 namespace tessera {
 
@@ -9,8 +10,12 @@ struct BenchFarmOptions {
   std::string scene;  ///< a file to render at 1080p; empty: a scene of spheres made for this
   int workers = 4;
   int repeats = 5;
-  int rings = 2000;  ///< of the sphere whose mesh is sent to all workers
+  int rings = 2000;    ///< of the sphere whose mesh is sent to all workers
+  std::string only{};  ///< one of bench_farm_kinds(); empty: all
 };
+
+/// What its rows are about.
+const std::vector<std::string>& bench_farm_kinds();
 
 /// What distribution costs, one row a measure: `measure, seconds, reference_seconds, ratio, limit,
 /// beyond_limit`. Each pair is measured in turns; seconds are medians, the ratio is the median of

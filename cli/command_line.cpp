@@ -90,11 +90,13 @@ class HelpFormatter : public CLI::Formatter {
   }
 };
 
-/// "help COMMAND" as "COMMAND --help", the way CLI11 knows it.
+/// "help COMMAND" as "COMMAND --help", the way CLI11 knows it. Help about help is that about all.
 std::vector<const char*> with_help_as_option(int argc, const char* const* argv) {
   std::vector<const char*> arguments(argv, argv + argc);
   if (argc < 2 || std::string_view(argv[1]) != "help") return arguments;
-  arguments.erase(arguments.begin() + 1);
+  while (arguments.size() > 1 && std::string_view(arguments[1]) == "help") {
+    arguments.erase(arguments.begin() + 1);
+  }
   arguments.push_back("--help");
   return arguments;
 }

@@ -134,7 +134,6 @@ class Fetch {
     const ImageMetadata metadata{.scene_digest = frame.scene_digest(),
                                  .seed = frame.settings().seed(),
                                  .samples_per_pixel = frame.settings().samples_per_pixel(),
-                                 .render_seconds = report.trace_seconds,
                                  .denoiser = denoised ? kDenoiserName : "",
                                  .colors = colors_of(frame.output()),
                                  .frame_width = static_cast<int>(frame.settings().width()),

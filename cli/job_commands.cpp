@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -58,16 +59,23 @@ std::string state_name(const v1::JobStatus& status) {
   }
 }
 
+/// It would be rendered if there were anybody to do that.
+bool waits_for_workers(const v1::JobStatus& status, uint32_t workers) {
+  return status.state() == v1::JobStatus::RUNNING && workers == 0;
+}
+
 int percent(const v1::JobStatus& status) {
   if (status.tiles_total() == 0) return 0;
   return static_cast<int>(100 * status.tiles_done() / status.tiles_total());
 }
 
-json status_json(const v1::JobStatus& status) {
+json status_json(const v1::JobStatus& status, uint32_t workers) {
   json result;
   result["job"] = status.job();
   result["name"] = printable(status.name());
   result["state"] = state_name(status);
+  const bool waits = waits_for_workers(status, workers);
+  result["waits_for"] = waits ? json("workers") : json(nullptr);
   result["priority"] = status.priority();
   result["weight"] = status.weight();
   result["frames"] = {{"done", status.frames_done()}, {"total", status.frames_total()}};
@@ -75,7 +83,8 @@ json status_json(const v1::JobStatus& status) {
                      {"total", status.tiles_total()},
                      {"restored", status.tiles_restored()}};
   result["elapsed_seconds"] = status.elapsed_seconds();
-  const bool known = status.state() == v1::JobStatus::RUNNING && status.remaining_seconds() >= 0;
+  const bool known =
+      status.state() == v1::JobStatus::RUNNING && !waits && status.remaining_seconds() >= 0;
   result["remaining_seconds"] = known ? json(status.remaining_seconds()) : json(nullptr);
   result["exit_code"] =
       status.state() == v1::JobStatus::ENDED ? json(status.exit_code()) : json(nullptr);
@@ -87,14 +96,19 @@ void print_table(const v1::JobList& list) {
   static constexpr char kRow[] = "{:>5}  {:<9}  {:>8}  {:>9}  {:>15}  {:>5}  {:>9}  {}\n";
   say(kRow, "job", "state", "priority", "frames", "tiles", "done", "remaining", "name");
   for (const v1::JobStatus& job : list.jobs()) {
-    const bool runs = job.state() == v1::JobStatus::RUNNING && job.remaining_seconds() >= 0;
-    say(kRow, job.job(), state_name(job), job.priority(),
+    const bool waits = waits_for_workers(job, list.workers());
+    const bool runs =
+        job.state() == v1::JobStatus::RUNNING && !waits && job.remaining_seconds() >= 0;
+    say(kRow, job.job(), waits ? "waiting" : state_name(job), job.priority(),
         fmt::format("{}/{}", job.frames_done(), job.frames_total()),
         fmt::format("{}/{}", job.tiles_done(), job.tiles_total()),
         fmt::format("{} %", percent(job)), runs ? duration_text(job.remaining_seconds()) : "",
         printable(job.name()));
   }
-  say("{}\n", counted(list.workers(), "worker"));
+  const bool any_waits = std::any_of(list.jobs().begin(), list.jobs().end(), [&](const auto& job) {
+    return waits_for_workers(job, list.workers());
+  });
+  say("{}{}\n", counted(list.workers(), "worker"), any_waits ? ": jobs wait for some" : "");
 }
 
 void print_job(const v1::JobStatus& job) {
@@ -103,11 +117,12 @@ void print_job(const v1::JobStatus& job) {
   };
   line("job", std::to_string(job.job()));
   line("name", printable(job.name()));
-  line("state", state_name(job));
+  const bool waits = waits_for_workers(job, job.workers());
+  line("state", waits ? "waits for workers" : state_name(job));
   line("priority", fmt::format("{}, weight {}", job.priority(), job.weight()));
   line("frames", fmt::format("{} of {}", job.frames_done(), job.frames_total()));
   line("tiles", fmt::format("{} of {}, {} %", job.tiles_done(), job.tiles_total(), percent(job)));
-  if (job.state() == v1::JobStatus::RUNNING && job.remaining_seconds() >= 0) {
+  if (job.state() == v1::JobStatus::RUNNING && !waits && job.remaining_seconds() >= 0) {
     line("remaining", duration_text(job.remaining_seconds()));
   }
   if (!job.failure().empty()) {
@@ -127,7 +142,9 @@ ExitCode show_status(const JobOptions& options) {
       return ExitCode::done;
     }
     json result{{"jobs", json::array()}, {"workers", list.workers()}};
-    for (const v1::JobStatus& job : list.jobs()) result["jobs"].push_back(status_json(job));
+    for (const v1::JobStatus& job : list.jobs()) {
+      result["jobs"].push_back(status_json(job, list.workers()));
+    }
     say("{}\n", result.dump(2));
     return ExitCode::done;
   }
@@ -135,7 +152,7 @@ ExitCode show_status(const JobOptions& options) {
   query.set_job(find_job(connection.client, options.job));
   const v1::JobStatus status = connection.client.ask(query);
   if (options.as_json) {
-    say("{}\n", status_json(status).dump(2));
+    say("{}\n", status_json(status, status.workers()).dump(2));
   } else {
     print_job(status);
   }

@@ -5,11 +5,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 #include <optional>
 #include <vector>
 
 #include "base/error.h"
 #include "base/plural.h"
+#include "cli/say.h"
 #include "proto/wire/printable.h"
 
 namespace tessera {
@@ -22,18 +24,29 @@ std::optional<uint64_t> whole(const std::string& text) {
   return all ? std::optional(value) : std::nullopt;
 }
 
+/// Of several jobs of that name, the latest is meant.
+void tell_which(const std::string& name, const std::vector<uint64_t>& jobs) {
+  constexpr size_t kMostListed = 8;
+  const size_t others = jobs.size() - 1, listed = std::min(others, kMostListed);
+  const auto last = jobs.end() - 1;
+  say(stderr, "tessera: {} have the name '{}': job {}, the latest, is meant, not {}{}\n",
+      counted(jobs.size(), "job"), printable(name), jobs.back(), others > listed ? "... " : "",
+      fmt::join(last - static_cast<ptrdiff_t>(listed), last, ", "));
+}
+
 }  // namespace
 
 uint64_t find_job(FarmClient& client, const std::string& text) {
   const v1::JobList list = client.list();
   const auto number = whole(text);
-  uint64_t found = 0;
+  std::vector<uint64_t> found;
   std::vector<std::string> names;
   for (const v1::JobStatus& job : list.jobs()) {
     names.push_back(printable(job.name()));
-    if (number ? job.job() == *number : job.name() == text) found = job.job();
+    if (number ? job.job() == *number : job.name() == text) found.push_back(job.job());
   }
-  if (found != 0) return found;
+  if (found.size() > 1) tell_which(text, found);
+  if (!found.empty()) return found.back();
   if (list.jobs().empty()) throw usage_error(fmt::format("JOB: '{}': there are no jobs", text));
   const std::string there =
       fmt::format("there are {}, from {} to {}", counted(list.jobs_size(), "job"),

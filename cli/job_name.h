@@ -7,7 +7,8 @@
 
 namespace tessera {
 
-/// The number of the job that `text` means: its number, or the name of the latest that has it.
+/// The number of the job that `text` means: its number, or the name of the latest that has it; of
+/// several it says on standard error which that is.
 /// Throws usage_error, with the nearest name, where there is none.
 uint64_t find_job(FarmClient& client, const std::string& text);
 

@@ -246,7 +246,6 @@ class RenderRun {
     const ImageMetadata metadata{.scene_digest = scene_digest_,
                                  .seed = settings.seed(),
                                  .samples_per_pixel = settings.samples_per_pixel(),
-                                 .render_seconds = result.report.trace_seconds,
                                  .denoiser = is_denoised(result, settings) ? kDenoiserName : "",
                                  .colors = colors_of(loaded_.scene.settings().output()),
                                  .frame_width = static_cast<int>(settings.width()),

@@ -99,8 +99,9 @@ SubmittedJob gather(const SubmitOptions& options) {
 ExitCode submit(const SubmitOptions& options) {
   catch_interrupts();
   configure_logging("warn", "submit");
-  const SubmittedJob job = gather(options);
+  // The connection is made while the scene is read.
   const auto transport = connect(options.connection);
+  const SubmittedJob job = gather(options);
   FarmClient client(*transport, options.connection.endpoint, interrupted());
   const v1::JobStatus status = client.submit(job);
   if (status.job() == 0) {

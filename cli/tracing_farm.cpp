@@ -126,7 +126,9 @@ class InProcessFarm : public TracingFarm {
         worker_([this, threads, client = network_.client()] {
           WorkerOptions options;
           options.threads = threads;
-          options.make_renderer = [](const auto&... scene) { return make_tile_renderer(scene...); };
+          options.make_renderer = [this](const auto&... scene) {
+            return make_tile_renderer(scene..., Sharing{.arena = nullptr, .live = &trees_});
+          };
           options.at_hand = [this](const Digest& digest) { return blob_at_hand(digest); };
           run_worker(*client, options, stop_);
         }) {}
@@ -155,6 +157,7 @@ class InProcessFarm : public TracingFarm {
 
   std::mutex mutex_;
   BlobStore blobs_;  ///< of the job; the worker has them from here
+  LiveThings trees_;
   MemoryNetwork network_;
   RenderLoop loop_;
   std::shared_ptr<TileStore> tiles_;

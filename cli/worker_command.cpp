@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/json_log.h"
+#include "base/live_things.h"
 #include "base/log.h"
 #include "base/plural.h"
 #include "base/process.h"
@@ -68,9 +69,10 @@ ExitCode work(const WorkerCommandOptions& options) {
   check_room_for_threads(worker.threads + kTransportThreads);
   std::optional<SharedArena> arena;
   if (options.arena >= 0) arena.emplace(options.arena);
-  worker.make_renderer = [&arena](const v1::Scene& scene, const BlobStore& blobs,
-                                  const v1::FrameSettings& frame, int threads) {
-    return make_tile_renderer(scene, blobs, frame, threads, arena ? &*arena : nullptr);
+  LiveThings trees;
+  const Sharing sharing{.arena = arena ? &*arena : nullptr, .live = &trees};
+  worker.make_renderer = [&sharing](const auto&... scene) {
+    return make_tile_renderer(scene..., sharing);
   };
   worker.shares_memory = options.connection.endpoint.starts_with("ipc://");
   if (!options.cache.empty()) {

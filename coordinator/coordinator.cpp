@@ -45,7 +45,7 @@ std::optional<JobResult> Coordinator::take_result(uint64_t job) { return jobs_->
 
 JobProgress Coordinator::progress(Time now) const {
   JobProgress progress;
-  const auto running = jobs_->running();
+  const auto& running = jobs_->running();
   if (!running.empty()) progress = running.front()->progress(now);
   progress.workers = workers().present_count();
   if (!running.empty() && progress.workers == 0) progress.waiting_for = "workers";
@@ -66,9 +66,12 @@ void Coordinator::settle(Time now) {
 }
 
 void Coordinator::collect_outgoing() {
-  for (WorkerDesk::Outgoing& out : workers_->take_outgoing()) {
+  std::vector<WorkerDesk::Outgoing>& for_workers = workers_->outgoing();
+  outgoing_.reserve(outgoing_.size() + for_workers.size());
+  for (WorkerDesk::Outgoing& out : for_workers) {
     outgoing_.push_back({Channel::control, std::move(out.peer), std::move(out.message)});
   }
+  for_workers.clear();
   auto for_clients = clients_->take_outgoing();
   if (for_clients.empty()) return;
   const auto count = static_cast<uint32_t>(workers().present_count());
@@ -200,7 +203,7 @@ v1::JobStatus Coordinator::ask(const v1::JobQuery& query, Time now) {
 }
 
 bool Coordinator::drained() const {
-  const auto running = jobs_->running();
+  const auto& running = jobs_->running();
   return jobs_->store_trouble().empty() &&
          std::all_of(running.begin(), running.end(),
                      [](const ActiveJob* job) { return job->scheduler().live_count() == 0; });

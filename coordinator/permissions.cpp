@@ -55,9 +55,10 @@ std::optional<v1::Reject> refuse(const AllowedKey& sender, const v1::Envelope& m
   const Role expected = needed.value_or(Role::any);
   reject.set_text(
       fmt::format("the key of {} is a {}'s; expected {}", sender.name, role_name(sender.role),
-                  !needed                 ? "no such message"
-                  : expected == Role::any ? std::string("a worker's or submitter's")
-                                          : fmt::format("a {}'s", role_name(expected))));
+                  !needed                    ? "no such message"
+                  : expected == Role::any    ? std::string("a worker's or submitter's")
+                  : expected == Role::viewer ? std::string("a viewer's or submitter's")
+                                             : fmt::format("a {}'s", role_name(expected))));
   return reject;
 }
 

@@ -120,8 +120,10 @@ void RenderLoop::step(Time pause) {
   const Time now = monotonic_now();
   if (now >= coordinator_->next_deadline()) coordinator_->on_tick(now);
   if (local_workers_ && now >= next_look_) attend_local_workers(now);
-  if (observer_ && now >= next_observation_) {
+  const uint64_t news = coordinator_->news();
+  if (observer_ && (now >= next_observation_ || news != observed_news_)) {
     next_observation_ = now + observe_every_;
+    observed_news_ = news;
     observer_(*coordinator_, now);
   }
   deliver();

@@ -43,8 +43,8 @@ class RenderLoop {
   JobResult run(JobSpec job, const ProgressCallback& progress, const std::atomic<bool>& stop,
                 std::shared_ptr<TileStore> tiles = nullptr);
 
-  /// Calls `look` from now on about so often, on the thread that runs or serves: for a page or a
-  /// monitor.
+  /// Calls `look` from now on about so often, and when there are Coordinator::news(), on the thread
+  /// that runs or serves: for a page or a monitor.
   void observe(std::function<void(Coordinator&, Time now)> look, Time every);
   /// Serves workers and clients that submit jobs until `stop` is set; then for at most `drain`
   /// until the workers have sent what they trace. `each_round`, where given, is called at least
@@ -83,6 +83,7 @@ class RenderLoop {
   std::set<std::string> told_refused_;  ///< names of keys, at most as many as are on the list
   std::function<void(Coordinator&, Time)> observer_;
   Time observe_every_{}, next_observation_{};
+  uint64_t observed_news_ = 0;
 };
 
 }  // namespace tessera

@@ -26,10 +26,6 @@ v1::Envelope& WorkerDesk::send(const PeerId& peer) {
   return outgoing_.back().message;
 }
 
-std::vector<WorkerDesk::Outgoing> WorkerDesk::take_outgoing() {
-  return std::exchange(outgoing_, {});
-}
-
 // -------------------------------------------------------------------------------------- messages
 
 void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Time now,
@@ -41,7 +37,7 @@ void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Tim
     return;
   }
   // Nothing but a set-aside id or key is refused after its hello was accepted.
-  if (auto reject = workers_.judge(worker->hello, worker->sender)) {
+  if (auto reject = workers_.judge(*worker)) {
     *send(peer).mutable_reject() = std::move(*reject);
     return;
   }
@@ -49,6 +45,12 @@ void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Tim
     if (message.bye().session() == worker->hello.session()) {
       lose(*worker, LossCause::left, printable(message.bye().reason()), now);
     }
+    return;
+  }
+  if (worker->unreachable) {
+    // Its results are as good as ever.
+    ActiveJob* const job = jobs_.running(message.tile_band().job());
+    if (message.has_tile_band() && job) on_band(*worker, *job, message.tile_band(), now);
     return;
   }
   workers_.heard(*worker, now);
@@ -277,7 +279,8 @@ void WorkerDesk::on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId leas
   const auto completion = job.complete(tile, lease, worker.id, now);
   const double seconds = to_seconds(completion.events.took.value_or(Time{}));
   job.note_tile_seconds(tile, seconds);
-  job.note_span(FrameTrace::Kind::tile, worker.id, worker.name(), tile,
+  const bool is_named = job.trace().workers.contains(worker.id);
+  job.note_span(FrameTrace::Kind::tile, worker.id, is_named ? "" : worker.name(), tile,
                 now - completion.events.took.value_or(Time{}), now);
   counters_.note_tile(seconds);
   frames_begun_ += job.assembler().tiles_done() == 1;
@@ -325,7 +328,10 @@ void WorkerDesk::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& fa
 void WorkerDesk::on_peer_gone(const PeerId& peer, Time now, bool welcomed) {
   WorkerRecord* worker = workers_.by_peer(peer);
   if (!worker || worker->peer != peer) return;
-  lose(*worker, welcomed ? LossCause::vanished : LossCause::left, "its connection is gone", now);
+  worker->unreachable = true;
+  // Who was told to end, or is told by it too late, leaves as it should.
+  const bool leaves = dismissed_ || !welcomed;
+  lose(*worker, leaves ? LossCause::left : LossCause::vanished, "its connection is gone", now);
 }
 
 void WorkerDesk::on_process_ended(pid_t process, bool crashed, const std::string& how, Time now) {
@@ -410,6 +416,7 @@ void WorkerDesk::describe(FarmSnapshot& snapshot, Time now) const {
 }
 
 void WorkerDesk::shut_down(const std::string& reason) {
+  dismissed_ = true;
   for (const WorkerRecord* worker : workers_.present()) {
     send(worker->peer).mutable_shutdown()->set_reason(reason);
   }

@@ -46,7 +46,8 @@ class WorkerDesk {
   void drain() { draining_ = true; }
   void shut_down(const std::string& reason);
 
-  std::vector<Outgoing> take_outgoing();
+  /// Whoever sends them clears it.
+  std::vector<Outgoing>& outgoing() { return outgoing_; }
   std::vector<pid_t> take_stuck_processes();
   const WorkerRegistry& workers() const { return workers_; }
   /// What it knows of: workers, and counters of tiles and of them.
@@ -111,7 +112,7 @@ class WorkerDesk {
   std::set<WorkerId> hungry_;
   uint64_t frames_begun_ = 0;
   Tally refusals_, taken_;  ///< as the log tells them
-  bool draining_ = false;
+  bool draining_ = false, dismissed_ = false;
 };
 
 }  // namespace tessera

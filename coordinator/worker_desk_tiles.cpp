@@ -25,7 +25,7 @@ void WorkerDesk::fill(Time now) {
 }
 
 void WorkerDesk::fill_hungry(Time now) {
-  const std::vector<ActiveJob*> jobs = jobs_.running();
+  const std::vector<ActiveJob*>& jobs = jobs_.running();
   const auto any_pending = [&jobs] {
     return std::any_of(jobs.begin(), jobs.end(),
                        [](const ActiveJob* job) { return job->scheduler().has_pending(); });
@@ -90,7 +90,7 @@ void WorkerDesk::give(WorkerRecord& worker, ActiveJob& job, const Lease& lease, 
 }
 
 bool WorkerDesk::give_tile(WorkerRecord& worker, Time now) {
-  const std::vector<ActiveJob*> jobs = jobs_.by_need(now);
+  const std::vector<ActiveJob*>& jobs = jobs_.by_need(now);
   // Beside a tile that failed before, nothing else runs.
   for (ActiveJob* job : jobs_.running()) {
     if (job->scheduler().isolates(worker.id)) return false;

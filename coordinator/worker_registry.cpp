@@ -69,12 +69,7 @@ std::optional<v1::Reject> WorkerRegistry::judge(const v1::Hello& hello,
                     fmt::format("the worker computes by '{}'; the coordinator expected '{}'",
                                 printable(hello.numerics_id()), options_.numerics_id));
   }
-  const auto aside = set_aside_.find(hello.worker_id());
-  if (aside != set_aside_.end()) return rejected(v1::Reject::QUARANTINED, aside->second);
-  const auto blame = blame_.find(sender.key);
-  if (blame != blame_.end() && blame->second.set_aside) {
-    return rejected(v1::Reject::QUARANTINED, *blame->second.set_aside);
-  }
+  if (auto reject = judge_aside(hello.worker_id(), sender)) return reject;
   const auto known = workers_.find(hello.worker_id());
   if (known != workers_.end() && known->second.sender.key != sender.key) return id_taken(hello);
   if (hello.worker_id() == 0 || hello.session() == 0 || hello.credit() == 0 ||
@@ -83,6 +78,16 @@ std::optional<v1::Reject> WorkerRegistry::judge(const v1::Hello& hello,
                     fmt::format("worker {}, session {}, credit {}; expected numbers above 0 and at "
                                 "most {} tiles of credit",
                                 hello.worker_id(), hello.session(), hello.credit(), kMaxCredit));
+  }
+  return std::nullopt;
+}
+
+std::optional<v1::Reject> WorkerRegistry::judge_aside(WorkerId id, const AllowedKey& sender) const {
+  const auto aside = set_aside_.find(id);
+  if (aside != set_aside_.end()) return rejected(v1::Reject::QUARANTINED, aside->second);
+  const auto blame = blame_.find(sender.key);
+  if (blame != blame_.end() && blame->second.set_aside) {
+    return rejected(v1::Reject::QUARANTINED, *blame->second.set_aside);
   }
   return std::nullopt;
 }
@@ -106,11 +111,10 @@ WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hel
   const bool anew = inserted || hello.session() != worker.hello.session();
   if (!worker.peer.empty() && worker.peer != peer) by_peer_.erase(worker.peer);
   const auto other = by_peer_.find(peer);
-  if (other != by_peer_.end() && other->second != worker.id) {
-    workers_.at(other->second).peer.clear();
-  }
-  by_peer_[peer] = worker.id;
+  if (other != by_peer_.end() && other->second != &worker) other->second->peer.clear();
+  by_peer_[peer] = &worker;
   worker.peer = peer;
+  worker.unreachable = false;
   worker.hello = hello;
   worker.last_heard = now;
   worker.state = WorkerState::active;
@@ -139,7 +143,7 @@ WorkerRecord* WorkerRegistry::by_id(WorkerId id) {
 
 WorkerRecord* WorkerRegistry::by_peer(const PeerId& peer) {
   const auto it = by_peer_.find(peer);
-  return it == by_peer_.end() ? nullptr : by_id(it->second);
+  return it == by_peer_.end() ? nullptr : it->second;
 }
 
 WorkerRecord* WorkerRegistry::by_process(pid_t process) {

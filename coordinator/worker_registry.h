@@ -28,6 +28,8 @@ struct WorkerRecord {
   AllowedKey sender;  ///< whose key its id is bound to, where there are keys
   v1::Hello hello;
   WorkerState state = WorkerState::active;
+  /// Its connection is gone: what still comes by it was sent before, and brings nobody back.
+  bool unreachable = false;
   Time last_heard{};
   Time answered{};   ///< with its last Ping
   int failures = 0;  ///< tiles that it failed
@@ -64,6 +66,10 @@ class WorkerRegistry {
 
   /// Why a hello by that key cannot be accepted, or nothing.
   std::optional<v1::Reject> judge(const v1::Hello& hello, const AllowedKey& sender = {}) const;
+  /// Why one that was accepted is refused by now, or nothing.
+  std::optional<v1::Reject> judge(const WorkerRecord& worker) const {
+    return judge_aside(worker.id, worker.sender);
+  }
   struct Greeting {
     WorkerRecord* worker = nullptr;  ///< null: one too many, or `older`
     bool older = false;              ///< of a session before one that was heard: changes nothing
@@ -114,10 +120,11 @@ class WorkerRegistry {
 
  private:
   void forget_lost();
+  std::optional<v1::Reject> judge_aside(WorkerId id, const AllowedKey& sender) const;
 
   CoordinatorOptions options_;
   std::map<WorkerId, WorkerRecord> workers_;
-  std::unordered_map<PeerId, WorkerId> by_peer_;
+  std::unordered_map<PeerId, WorkerRecord*> by_peer_;
   std::map<WorkerId, std::string> set_aside_;  ///< with the cause
   struct Blame {
     int failures = 0;

@@ -328,9 +328,9 @@ JobProgress ActiveJob::progress(Time now) const {
   progress.remaining_seconds = -1;
   const uint64_t untraced = report_.tiles_restored + report_.filled;
   if (first_assignment_ && progress.tiles_done > untraced) {
-    progress.remaining_seconds = to_seconds(now - *first_assignment_) *
-                                 static_cast<double>(progress.tiles_total - progress.tiles_done) /
-                                 static_cast<double>(progress.tiles_done - untraced);
+    progress.remaining_seconds =
+        remaining_seconds(to_seconds(now - *first_assignment_), progress.tiles_done - untraced,
+                          progress.tiles_total - progress.tiles_done);
   }
   return progress;
 }

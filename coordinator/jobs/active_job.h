@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "base/monotonic.h"
@@ -136,7 +137,7 @@ class ActiveJob {
   std::optional<Time> first_assignment_, last_result_;
   bool ended_ = false;
   std::map<WorkerId, ExitCode> scene_failures_;
-  std::set<WorkerId> workers_seen_;
+  std::unordered_set<WorkerId> workers_seen_;
   /// What the first worker said of what is past everything.
   struct UnseenWord {
     WorkerId from = 0;

@@ -122,9 +122,9 @@ JobProgress FarmJob::progress(Time now) const {
   progress.elapsed_seconds = since ? to_seconds(now - *since) : 0;
   progress.remaining_seconds = -1;
   if (begun_ && progress.tiles_done > done_when_begun_) {
-    progress.remaining_seconds = to_seconds(now - *begun_) *
-                                 static_cast<double>(progress.tiles_total - progress.tiles_done) /
-                                 static_cast<double>(progress.tiles_done - done_when_begun_);
+    progress.remaining_seconds =
+        remaining_seconds(to_seconds(now - *begun_), progress.tiles_done - done_when_begun_,
+                          progress.tiles_total - progress.tiles_done);
   }
   return progress;
 }

@@ -50,6 +50,8 @@ class FarmJob {
   std::deque<Running>& running() { return running_; }
   const std::deque<Running>& running() const { return running_; }
   void begin(uint32_t frame, std::unique_ptr<ActiveJob> active, Time now);
+  /// Whether any frame was, in this process.
+  bool begun() const { return begun_.has_value(); }
   void end(uint32_t frame, v1::JobEnd end);
   /// It has not ended after all, and is to be begun again.
   void reopen(uint32_t frame);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/log.h"
+#include "base/plural.h"
 #include "coordinator/jobs/job_status.h"
 #include "coordinator/jobs/preview.h"
 #include "job/check_job.h"
@@ -51,6 +52,9 @@ JobTable::JobTable(const JobRules& rules, std::shared_ptr<JobStore> store)
   }
   store_->keep_only_blobs(blobs);
   keep_rest();
+  if (jobs_.empty()) return;
+  spdlog::info("the store has {}, of which {} not ended", counted(jobs_.size(), "job"),
+               open_.size() == 1 ? "1 has" : fmt::format("{} have", open_.size()));
 }
 
 JobRules JobTable::rules_for(uint64_t job) const {

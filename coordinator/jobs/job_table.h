@@ -74,8 +74,8 @@ class JobTable {
   ActiveJob* running(uint64_t frame);
   /// Those of which tiles may be assigned, the neediest job's first: by priority, then by the share
   /// that each has had.
-  std::vector<ActiveJob*> by_need(Time now);
-  std::vector<ActiveJob*> running();
+  const std::vector<ActiveJob*>& by_need(Time now);
+  const std::vector<ActiveJob*>& running() const { return running_; }
   struct Changes {
     std::vector<uint64_t> ended;  ///< frames, by the number that workers know
     std::vector<ActiveJob*> begun;
@@ -97,6 +97,8 @@ class JobTable {
  private:
   static FilmShelf::Recipe recipe_of(const v1::KeptJob& kept, uint32_t frame);
   void add(std::unique_ptr<FarmJob> job);
+  /// Notes what running() is, after that has changed.
+  void list_running();
   uint64_t frame_id(uint64_t job, uint32_t frame) const;
   std::vector<FarmJob*> startable();
   bool has_room_for(const FarmJob& job) const;
@@ -120,6 +122,14 @@ class JobTable {
   std::shared_ptr<JobStore> store_;
   std::map<uint64_t, std::unique_ptr<FarmJob>> jobs_;
   std::map<uint64_t, FarmJob*> open_;  ///< those of them that have not ended
+  struct Need {
+    int32_t priority;
+    double share;
+    FarmJob* job;
+  };
+  // Made anew at each message, these keep their memory.
+  std::vector<ActiveJob*> running_, by_need_;
+  std::vector<Need> needs_;
   std::map<uint64_t, uint64_t> by_submission_;
   std::map<uint64_t, JobResult> results_;        ///< of jobs of this process
   std::optional<TileCosts> local_costs_;         ///< of the last of those

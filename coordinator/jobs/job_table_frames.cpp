@@ -30,20 +30,28 @@ void log_end(const FarmJob& job, uint32_t frame, const v1::JobEnd& end) {
     case v1::JobEnd::FAILED:
       return spdlog::warn("{} failed: {}", what, printable(end.failure()));
     case v1::JobEnd::INTERRUPTED:
-      return spdlog::info("{} was cancelled, or its client is gone", what);
+      // Where its client was gone, that was told before.
+      return spdlog::info("{} was cancelled", what);
     default:
       return spdlog::info("{} is done, traced in {:.2f} s", what, end.trace_seconds());
   }
 }
 
+void log_going_on(const FarmJob& job, Time now) {
+  const JobProgress progress = job.progress(now);
+  const std::string& name = job.request().name();
+  spdlog::info("job {}{} goes on: {} of {} tiles are kept, {} to do", job.id(),
+               name.empty() ? "" : " (" + printable(name) + ")", progress.tiles_done,
+               progress.tiles_total, progress.tiles_total - progress.tiles_done);
+}
+
 }  // namespace
 
-std::vector<ActiveJob*> JobTable::running() {
-  std::vector<ActiveJob*> result;
+void JobTable::list_running() {
+  running_.clear();
   for (const auto& [id, job] : open_) {
-    for (FarmJob::Running& running : job->running()) result.push_back(running.active.get());
+    for (FarmJob::Running& running : job->running()) running_.push_back(running.active.get());
   }
-  return result;
 }
 
 ActiveJob* JobTable::running(uint64_t frame) {
@@ -53,26 +61,23 @@ ActiveJob* JobTable::running(uint64_t frame) {
   return nullptr;
 }
 
-std::vector<ActiveJob*> JobTable::by_need(Time now) {
-  struct Need {
-    int32_t priority;
-    double share;
-    FarmJob* job;
-  };
-  std::vector<Need> needs;
+const std::vector<ActiveJob*>& JobTable::by_need(Time now) {
+  needs_.clear();
   for (const auto& [id, job] : open_) {
     if (job->running().empty()) continue;
     const double share = job->share(now);
-    if (!job->kept().paused()) needs.push_back({job->request().priority(), share, job});
+    if (!job->kept().paused()) needs_.push_back({job->request().priority(), share, job});
   }
-  std::stable_sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) {
-    return std::pair(-int64_t{a.priority}, a.share) < std::pair(-int64_t{b.priority}, b.share);
-  });
-  std::vector<ActiveJob*> result;
-  for (const Need& need : needs) {
-    for (FarmJob::Running& running : need.job->running()) result.push_back(running.active.get());
+  if (needs_.size() > 1) {
+    std::stable_sort(needs_.begin(), needs_.end(), [](const Need& a, const Need& b) {
+      return std::pair(-int64_t{a.priority}, a.share) < std::pair(-int64_t{b.priority}, b.share);
+    });
   }
-  return result;
+  by_need_.clear();
+  for (const Need& need : needs_) {
+    for (FarmJob::Running& running : need.job->running()) by_need_.push_back(running.active.get());
+  }
+  return by_need_;
 }
 
 void JobTable::account(Time now) {
@@ -207,7 +212,10 @@ void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
       active->scheduler().costs().learn_from(*earlier);
     }
     changes.begun.push_back(active.get());
+    const bool goes_on = !job.local() && job.id() <= last_job_before_ && !job.begun();
     job.begin(frame, std::move(active), now);
+    if (goes_on) log_going_on(job, now);
+    list_running();
   } catch (const Error& error) {
     JobReport report;
     report.end = JobReport::End::failed;
@@ -227,6 +235,7 @@ void JobTable::finish(FarmJob& job, FarmJob::Running& running, Changes& changes)
   if (job.local()) {
     local_costs_ = std::move(costs);
     job.end(frame, std::move(end));
+    list_running();
     results_.emplace(id, std::move(result));
     return;
   }
@@ -244,6 +253,7 @@ void JobTable::file_end(FarmJob& job, uint32_t frame, v1::JobEnd end) {
   kept.set_frame(frame);
   *kept.mutable_end() = end;
   job.end(frame, std::move(end));
+  list_running();
   unsaved_.emplace_back(job.id(), std::move(kept));
   keep_rest();
 }

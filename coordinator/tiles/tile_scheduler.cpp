@@ -170,8 +170,7 @@ TileScheduler::TileView TileScheduler::view(uint32_t index) const {
 
 std::optional<double> TileScheduler::mean_seconds() const {
   if (durations_.empty()) return std::nullopt;
-  const Time sum = std::accumulate(durations_.begin(), durations_.end(), Time{0});
-  return to_seconds(sum) / static_cast<double>(durations_.size());
+  return to_seconds(duration_sum_) / static_cast<double>(durations_.size());
 }
 
 size_t TileScheduler::depth(uint32_t threads) const {
@@ -336,7 +335,10 @@ SchedulerEvents TileScheduler::complete(uint32_t index, LeaseId by, Time now) {
     }
     events.took = now - lease.issued;
     if (lease.piece().whole()) {
-      if (durations_.size() < kDurationsKept) durations_.push_back(*events.took);
+      if (durations_.size() < kDurationsKept) {
+        durations_.push_back(*events.took);
+        duration_sum_ += *events.took;
+      }
       lately_ = lately_ ? (*lately_ * 7 + *events.took) / 8 : *events.took;
     }
   }

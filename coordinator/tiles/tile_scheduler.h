@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "base/monotonic.h"
@@ -243,13 +244,17 @@ class TileScheduler {
   std::map<uint32_t, std::vector<WorkerId>> checks_;  ///< by tile: who cannot do it
   std::deque<uint32_t> waiting_checks_;               ///< those that no lease is for
   std::optional<Time> uncheckable_since_;
-  std::map<WorkerId, Holder> holders_;
+  std::unordered_map<WorkerId, Holder> holders_;
   std::set<WorkerId> suspects_;  ///< of holders_
   std::set<LeaseId> waiting_;    ///< live ones beyond the threads of their holders
   size_t threads_ = 0;           ///< of holders_
   std::map<WorkerId, std::vector<uint32_t>> vanished_with_;
   std::vector<Time> durations_;  ///< of completed leases, the first ones
-  std::optional<Time> lately_;   ///< how long these take now
+  Time duration_sum_{};          ///< of these
+  /// What straggler_age() found, and among how many durations: it is asked for far more often than
+  /// it changes.
+  mutable std::pair<size_t, Time> straggler_age_{};
+  std::optional<Time> lately_;  ///< how long these take now
   size_t open_tiles_, adopted_ = 0;
   uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0, late_copies_ = 0, verified_ = 0,
            unverified_ = 0, split_tiles_ = 0, moved_ = 0;

@@ -44,11 +44,14 @@ std::optional<Lease> TileScheduler::assign_at_end(WorkerId worker, Time now, boo
 
 Time TileScheduler::straggler_age() const {
   if (durations_.empty()) return rules_.lease;
+  auto& [among, age] = straggler_age_;
+  if (among == durations_.size()) return age;
   std::vector<Time> sorted = durations_;
   const auto p90 = sorted.begin() + static_cast<ptrdiff_t>(sorted.size() * 9 / 10);
   std::nth_element(sorted.begin(), p90, sorted.end());
   const Time limit{static_cast<int64_t>(static_cast<double>(p90->count()) * kStragglerFactor)};
-  return std::max(rules_.speculate_after, limit);
+  among = durations_.size();
+  return age = std::max(rules_.speculate_after, limit);
 }
 
 std::optional<uint32_t> TileScheduler::next_of_suspect(WorkerId worker, Time now, bool busy) const {

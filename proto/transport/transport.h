@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/bytes.h"
 #include "proto/transport/allow_list.h"
 
 namespace tessera {
@@ -22,7 +23,7 @@ constexpr size_t max_message_bytes(Channel channel) {
 }
 
 /// The bytes of one message; what they mean is not known here.
-using MessageBytes = std::vector<std::byte>;
+using MessageBytes = Bytes;
 
 /// The name that the transport gave to a connection: opaque, unique within a channel, new at each
 /// reconnection.

@@ -7,6 +7,8 @@
 #include <span>
 #include <utility>
 
+#include "base/huge_pages.h"
+
 namespace tessera {
 namespace {
 
@@ -151,7 +153,10 @@ bool BlobFetch::on_chunk(const v1::BlobChunk& chunk, BlobStore& store) {
   }
   const size_t end = static_cast<size_t>(chunk.offset()) + chunk.data().size();
   // Room is taken before it is filled, but not for more than would be worth a lie about the size.
-  if (part.data.empty()) part.data.reserve(std::min(part.size, kMostReserved));
+  if (part.data.empty()) {
+    part.data.reserve(std::min(part.size, kMostReserved));
+    prefer_huge_pages(part.data.data(), part.data.capacity());
+  }
   const auto bytes = std::as_bytes(std::span(chunk.data()));
   if (part.data.size() == chunk.offset()) {
     part.data.insert(part.data.end(), bytes.begin(), bytes.end());

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <optional>
 #include <span>
-#include <vector>
 
+#include "base/bytes.h"
 #include "proto/tessera/v1/farm.pb.h"
 
 namespace tessera {
@@ -12,7 +12,7 @@ namespace tessera {
 /// One message as it travels: a header of 16 bytes, then the serialised Envelope.
 ///   0  magic "TSRA"    4  frame version 1    5  three zero bytes
 ///   8  length of the Envelope, u32 LE       12  CRC32C of the Envelope, u32 LE
-using Frame = std::vector<std::byte>;
+using Frame = Bytes;
 
 inline constexpr size_t kFrameHeaderSize = 16;
 /// The longest whole frame that is ever made; each channel has its own bound on what it takes.

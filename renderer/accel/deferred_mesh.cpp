@@ -42,7 +42,7 @@ const Accelerator* DeferredMesh::accelerator_for(const Ray& ray) const {
   if (const Accelerator* built = built_.load(std::memory_order_acquire)) return built;
   if (passes_by(ray)) return nullptr;
   std::call_once(once_, [this] {
-    owned_ = make_mesh_accelerator(mesh_, kind_, threads_, shared_);
+    owned_ = shared_mesh_accelerator(mesh_, kind_, threads_, shared_);
     if (built_count_) ++*built_count_;
     built_.store(owned_.get(), std::memory_order_release);
   });

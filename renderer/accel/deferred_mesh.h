@@ -39,7 +39,7 @@ class DeferredMesh final : public Accelerator {
   std::shared_ptr<BuildCount> built_count_;
   Bounds3 bounds_;
   mutable std::once_flag once_;
-  mutable std::unique_ptr<const Accelerator> owned_;
+  mutable std::shared_ptr<const Accelerator> owned_;
   mutable std::atomic<const Accelerator*> built_{nullptr};
 };
 

@@ -52,10 +52,22 @@ std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const T
   return std::make_unique<MeshOctree>(*mesh, octree_kind(kind), threads);
 }
 
+std::shared_ptr<const Accelerator> shared_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
+                                                           AcceleratorKind kind, int threads,
+                                                           const SharedTree& shared,
+                                                           bool scan_few) {
+  const bool shares = shared.live && mesh->triangles.size() >= kTrianglesWorthSharing;
+  if (auto live = shares ? shared.live->find<Accelerator>(shared.key) : nullptr) return live;
+  std::shared_ptr<const Accelerator> built =
+      make_mesh_accelerator(std::move(mesh), kind, threads, shared, scan_few);
+  if (shares) shared.live->note(shared.key, built);
+  return built;
+}
+
 std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
                                                  AcceleratorKind kind, int threads,
                                                  const SharedTree& shared, bool scan_few) {
-  auto accelerator = make_mesh_accelerator(mesh, kind, threads, shared, scan_few);
+  auto accelerator = shared_mesh_accelerator(mesh, kind, threads, shared, scan_few);
   return std::make_shared<MeshShape>(std::move(mesh), std::move(accelerator));
 }
 

@@ -24,6 +24,11 @@ std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const T
                                                          AcceleratorKind kind, int threads,
                                                          const SharedTree& shared = {},
                                                          bool scan_few = true);
+/// The same, or what another scene of this process has of it already.
+std::shared_ptr<const Accelerator> shared_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
+                                                           AcceleratorKind kind, int threads,
+                                                           const SharedTree& shared,
+                                                           bool scan_few = true);
 std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
                                                  AcceleratorKind kind, int threads,
                                                  const SharedTree& shared = {},

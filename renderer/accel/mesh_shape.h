@@ -12,7 +12,7 @@ class MeshShape final : public Shape {
  public:
   /// `accelerator` must be over `mesh`.
   MeshShape(std::shared_ptr<const TriangleMesh> mesh,
-            std::unique_ptr<const Accelerator> accelerator)
+            std::shared_ptr<const Accelerator> accelerator)
       : mesh_(std::move(mesh)), accelerator_(std::move(accelerator)) {}
 
   Bounds3 bounds() const override { return accelerator_->bounds(); }
@@ -32,7 +32,7 @@ class MeshShape final : public Shape {
 
  private:
   std::shared_ptr<const TriangleMesh> mesh_;
-  std::unique_ptr<const Accelerator> accelerator_;
+  std::shared_ptr<const Accelerator> accelerator_;
 };
 
 }  // namespace tessera

@@ -13,9 +13,6 @@
 namespace tessera {
 namespace {
 
-// Below this a build takes no longer than to wait for another's.
-constexpr size_t kWorthSharing = 4096;
-
 /// All of a built tree but its array.
 struct Facts {
   Bounds3 bounds;
@@ -84,7 +81,7 @@ BuiltMeshTree build_mesh_tree(const TriangleMesh& mesh, int threads, BvhQuality 
 
 BuiltMeshTree shared_mesh_tree(const TriangleMesh& mesh, int threads, BvhQuality quality,
                                const SharedTree& shared) {
-  if (shared.arena == nullptr || mesh.triangles.size() < kWorthSharing) {
+  if (shared.arena == nullptr || mesh.triangles.size() < kTrianglesWorthSharing) {
     return build_mesh_tree(mesh, threads, quality);
   }
   SharedArena::Claim claim = shared.arena->claim(shared.key);

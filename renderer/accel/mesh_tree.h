@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/shared_arena.h"
+#include "base/live_things.h"
 #include "renderer/accel/accelerator.h"
 #include "renderer/accel/bvh_kernels.h"
 
@@ -17,11 +17,13 @@ struct BuiltMeshTree {
 /// At least one triangle, all of them finite.
 BuiltMeshTree build_mesh_tree(const TriangleMesh& mesh, int threads, BvhQuality quality);
 
-/// Where trees are shared with other processes of this machine, and what this one is called there.
-struct SharedTree {
-  const SharedArena* arena = nullptr;  ///< null: nowhere
-  Digest key;                          ///< of all that the mesh is made from
+/// Where trees are shared, and what this one is called there.
+struct SharedTree : Sharing {
+  Digest key;  ///< of all that the mesh is made from, and of the kind of accelerator
 };
+
+/// Below this a build takes no longer than to wait for another's.
+inline constexpr size_t kTrianglesWorthSharing = 4096;
 
 /// The same tree, built by one of the processes that share it, on all cores since the others wait;
 /// the others copy it. Small ones are built by each.

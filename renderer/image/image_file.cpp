@@ -130,7 +130,6 @@ BlobData encode(const Format& format, const Film& film, const OutputSettings& se
   copy_text(metadata.denoiser, request.attributes.denoiser);
   request.attributes.seed = metadata.seed;
   request.attributes.samples_per_pixel = metadata.samples_per_pixel;
-  request.attributes.render_seconds = metadata.render_seconds;
   if (format.is_float) {
     return ImageCodec::shared().call(request, as_text(std::as_bytes(film.values()))).payload;
   }

@@ -12,12 +12,12 @@
 
 namespace tessera {
 
-/// What an image file tells of its making, where its format has room for it.
+/// What an image file tells of its making, where its format has room for it: nothing that is
+/// another when the same picture is made again, so that neither is the file.
 struct ImageMetadata {
   std::string scene_digest;
   uint32_t seed = 0;
   uint32_t samples_per_pixel = 0;
-  double render_seconds = 0;
   std::string denoiser{};  ///< empty: its light is as it was traced
   std::string colors{};    ///< what the scene's numbers stand for: "scene-linear" or "display"
   /// Of the whole frame, where the film may be a crop of it; 0: it is not. EXR and TIFF tell it.

@@ -368,10 +368,9 @@ class SceneTileRenderer final : public TileRenderer {
 std::shared_ptr<const TileRenderer> make_tile_renderer(const v1::Scene& scene,
                                                        const BlobStore& blobs,
                                                        const v1::FrameSettings& frame, int threads,
-                                                       const SharedArena* arena,
-                                                       const Skips& skips) {
+                                                       const Sharing& sharing, const Skips& skips) {
   return std::make_shared<SceneTileRenderer>(
-      build_scene(scene, blobs, frame, threads, arena, skips));
+      build_scene(scene, blobs, frame, threads, sharing, skips));
 }
 
 }  // namespace tessera

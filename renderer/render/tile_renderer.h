@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "base/shared_arena.h"
+#include "base/live_things.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
@@ -38,12 +38,12 @@ class TileRenderer {
 };
 
 /// Builds what tracing this frame needs. Throws Error where the scene is wrong. `threads` is how
-/// many it may use to build; trees are shared with other processes in `arena`, if there is one,
-/// which must outlive the tracer. Neither changes the result. `skips` are for measuring.
+/// many it may use to build. Neither that nor where trees are shared changes the result. `skips`
+/// are for measuring.
 std::shared_ptr<const TileRenderer> make_tile_renderer(const v1::Scene& scene,
                                                        const BlobStore& blobs,
                                                        const v1::FrameSettings& frame, int threads,
-                                                       const SharedArena* arena = nullptr,
+                                                       const Sharing& sharing = {},
                                                        const Skips& skips = {});
 
 }  // namespace tessera

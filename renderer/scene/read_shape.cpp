@@ -64,8 +64,9 @@ BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSou
   if (mesh->triangles.empty()) return built;
   built.mesh = mesh;
   built.is_deferred = source.deferred && source.accelerator != AcceleratorKind::embree;
-  SharedTree shared{source.arena, {}};
-  if (shared.arena != nullptr) shared.key = key_of(shape.mesh(), source.accelerator);
+  const bool shares = source.sharing.arena != nullptr || source.sharing.live != nullptr;
+  const SharedTree shared{source.sharing,
+                          shares ? key_of(shape.mesh(), source.accelerator) : Digest{}};
   built.shape = built.is_deferred
                     ? make_deferred_mesh_shape(std::move(mesh), source.accelerator, source.threads,
                                                source.deferred, shared)

@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include "base/shared_arena.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
 #include "renderer/accel/accelerator.h"
@@ -26,7 +25,7 @@ struct ShapeSource {
   int threads;
   KeptAttributes keep{};
   std::shared_ptr<BuildCount> deferred{};  ///< where set, trees are built when first needed
-  const SharedArena* arena = nullptr;      ///< where set, trees are shared in it
+  Sharing sharing{};                       ///< of trees
   bool scan_few = true;                    ///< what is too small for a tree gets none
 };
 

@@ -34,14 +34,14 @@ struct ShapeMaterials {
 class SceneBuilder {
  public:
   SceneBuilder(const v1::Scene& description, const BlobStore& blobs, const v1::FrameSettings& frame,
-               int threads, const SharedArena* arena, const Skips& skips)
+               int threads, const Sharing& sharing, const Skips& skips)
       : description_(description),
         frame_(frame),
         source_{.blobs = blobs,
                 .accelerator = {},
                 .threads = threads,
                 .keep = {.normals = true, .uvs = true, .colors = true},
-                .arena = arena,
+                .sharing = sharing,
                 .scan_few = skips.small_trees},
         textures_(description, blobs),
         materials_(description, textures_) {
@@ -396,8 +396,8 @@ class SceneBuilder {
 
 std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
                                          const v1::FrameSettings& frame, int threads,
-                                         const SharedArena* arena, const Skips& skips) {
-  return SceneBuilder(description, blobs, frame, threads, arena, skips).build();
+                                         const Sharing& sharing, const Skips& skips) {
+  return SceneBuilder(description, blobs, frame, threads, sharing, skips).build();
 }
 
 }  // namespace tessera

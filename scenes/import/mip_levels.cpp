@@ -27,6 +27,11 @@ class Texels {
       from_[i] =
           static_cast<float>(i == 0 ? 0 : srgb_to_linear((static_cast<double>(i) - 0.5) / 255));
     }
+    size_t code = 0;
+    for (size_t step = 0; step < kSteps; ++step) {
+      code = code_from(code, static_cast<float>(step) / kSteps);
+      code_at_[step] = static_cast<uint8_t>(code);
+    }
   }
 
   bool has_alpha() const { return channels_ % 2 == 0; }
@@ -62,13 +67,21 @@ class Texels {
 
   int code_of(float value, uint32_t channel) const {
     if (!is_srgb_ || channel >= colors_) return static_cast<int>(std::lround(value * 255));
-    const auto above = std::upper_bound(from_.begin(), from_.end(), value);
-    return std::max(static_cast<int>(above - from_.begin()) - 1, 0);
+    const auto step = static_cast<size_t>(value * kSteps);
+    return static_cast<int>(code_from(code_at_[std::min(step, kSteps - 1)], value));
   }
+  /// The nearest code, which is not below `code`.
+  size_t code_from(size_t code, float value) const {
+    while (code < 255 && from_[code + 1] <= value) ++code;
+    return code;
+  }
+
+  static constexpr size_t kSteps = 4096;  ///< each spans less than two codes
 
   uint32_t channels_, bits_, colors_;
   bool is_srgb_;
   std::array<float, 256> linear_{}, from_{};
+  std::array<uint8_t, kSteps> code_at_{};  ///< of the least light of each step
 };
 
 /// The mean of four texels.

@@ -33,6 +33,8 @@ class Help(TesseraTest):
             asked = self.run_program("help", *command)
             self.assertEqual((0, self.run_program(*command, "--help").out), (asked.code, asked.out))
         self.assert_error(self.run_program("help", "rendr"), 2, "'rendr'", "'render'")
+        asked = self.run_program("help", "help")
+        self.assertEqual((0, self.run_program("--help").out), (asked.code, asked.out))
 
     def test_each_bench_has_examples_of_its_own(self):
         for kind in ("", "rays", "octree", "farm"):

@@ -34,6 +34,17 @@ class Render(TesseraTest):
         for name, magic in [("a.png", b"\x89PNG"), ("b.exr", b"\x76\x2f\x31\x01"), ("c.bmp", b"BM")]:
             self.assertTrue((self.folder / name).read_bytes().startswith(magic), name)
 
+    def test_files_of_equal_pictures_are_equal(self):
+        scene = self.write("scene.tessera", scenes.ONE_SPHERE)
+        today = time.strftime("%Y:%m:%d").encode()
+        for name in ("a.png", "a.exr", "a.jpg", "a.tif", "a.pfm"):
+            files = []
+            for workers in (0, 2):
+                self.render(scene, "-o", name, "--size", "64x48", "--workers", workers)
+                files.append((self.folder / name).read_bytes())
+            self.assertEqual(*files, name)
+            self.assertNotIn(today, files[0], name)
+
     def test_files_say_what_the_numbers_of_x3d_stand_for(self):
         scene = self.write("box.x3dv", "#X3D V3.3 utf8\nShape { geometry Box { } }")
         for how, colors in (("display", b"display"), ("linear", b"scene-linear")):

@@ -132,6 +132,61 @@ class Kills(ServiceTest):
         self.stop(service)
 
 
+class Told(ServiceTest):
+    """What users and logs are told of jobs."""
+
+    def test_what_waits_for_workers_says_so(self):
+        service = self.serve()
+        job = self.submit()
+        table = self.ask("status")
+        self.assertIn("waiting", table.splitlines()[1])
+        self.assertEqual("0 workers: jobs wait for some", table.splitlines()[-1])
+        self.assertIn("waits for workers", self.ask("status", job))
+        self.assertEqual(("running", "workers"),
+                         tuple(self.status(job)[key] for key in ("state", "waits_for")))
+        worker = self.worker()
+        self.pixels(job)
+        self.assertIsNone(self.status(job)["waits_for"])
+        self.stop(service, worker)
+
+    def test_of_several_of_one_name_it_is_said_which_is_meant(self):
+        service = self.serve()
+        jobs = [self.submit() for _ in range(3)]
+        result = self.run_program("status", "scene", "--json", "--connect", self.endpoint)
+        self.assertEqual((0, jobs[2]), (result.code, json.loads(result.out)["job"]))
+        self.assertIn(f"job {jobs[2]}, the latest, is meant, not {jobs[0]}, {jobs[1]}", result.err)
+        for name in (jobs[0], "scene"):
+            self.ask("cancel", "--forget", name)
+        self.assertEqual("", self.run_program("status", "scene", "--connect", self.endpoint).err)
+        self.stop(service)
+
+    def test_the_log_tells_of_jobs_that_go_on_and_how_others_end(self):
+        service, worker = self.serve(), self.worker()
+        self.spp = 64
+        job = self.submit("--name", "long")
+        wait_until(lambda: self.status(job)["tiles"]["done"] > 0, "the job runs")
+        self.stop(service)
+        self.assertEqual(0, worker.wait(30))
+        kept = self.kept_tiles()
+        service = self.serve()
+        self.ask("cancel", job)
+        service.send_signal(signal.SIGTERM)
+        log = service.communicate(timeout=60)[1]
+        self.assertIn("the store has 1 job, of which 1 has not ended", log)
+        self.assertIn(f"job {job} (long) goes on: {kept} of {TILES} tiles are kept, {TILES - kept} to do", log)
+        self.assertRegex(log, rf"job {job} was cancelled\n")
+
+    def test_workers_that_leave_with_it_are_not_lost(self):
+        service, workers = self.serve(), [self.worker() for _ in range(3)]
+        job = self.submit()
+        wait_until(lambda: self.status(job)["tiles"]["done"] > 0, "the job runs")
+        service.send_signal(signal.SIGTERM)
+        log = service.communicate(timeout=60)[1]
+        self.assertNotIn("lost worker", log)
+        for worker in workers:
+            self.assertEqual(0, worker.wait(30))
+
+
 class Ends(ServiceTest):
     def test_told_to_end_it_takes_what_is_traced(self):
         reference = self.expected()

@@ -44,7 +44,6 @@ struct ImageAttributes {
   char colors[24] = {};    ///< what the scene's numbers stand for
   uint32_t seed = 0;
   uint32_t samples_per_pixel = 0;
-  double render_seconds = 0;
 };
 
 /// Names of the OpenColorIO configuration in $OCIO. Texts end with a zero.

@@ -96,6 +96,8 @@ OIIO::ImageSpec make_spec(const ImageRequest& request) {
   for (const auto& [name, text] : image_texts(request.attributes)) {
     spec.attribute(name == "Description" ? "ImageDescription" : name, text);
   }
+  // Else OpenImageIO says when it was written, and the same picture is another file each time.
+  spec.attribute("DateTime", "");
   return spec;
 }
 

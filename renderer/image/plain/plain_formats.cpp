@@ -1,6 +1,5 @@
 #include "renderer/image/plain/plain_formats.h"
 
-#include <cstdio>
 #include <fstream>
 
 #include "renderer/image/plain/jpeg_format.h"
@@ -29,14 +28,11 @@ std::optional<ImageAnswer> decode(const std::vector<char>& file, bool to_srgb) {
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> image_texts(const ImageAttributes& attributes) {
-  char seconds[32];
-  std::snprintf(seconds, sizeof seconds, "%.3f", attributes.render_seconds);
   std::vector<std::pair<std::string, std::string>> texts{
       {"tessera:SceneDigest", attributes.scene_digest},
       {"tessera:Colors", attributes.colors},
       {"tessera:Seed", std::to_string(attributes.seed)},
-      {"tessera:Samples", std::to_string(attributes.samples_per_pixel)},
-      {"tessera:RenderSeconds", seconds}};
+      {"tessera:Samples", std::to_string(attributes.samples_per_pixel)}};
   if (attributes.denoiser[0]) texts.emplace_back("tessera:Denoised", attributes.denoiser);
   // Not every format has room for names of ours.
   std::string description;

@@ -107,6 +107,35 @@ TEST_F(CoordinatorTest, ALocalProcessThatEndedIsNoticedAtOnce) {
   EXPECT_EQ(heard(v1::Envelope::kAssign).size(), 6u) << "what the dead one held";
 }
 
+TEST_F(CoordinatorTest, WhoGoesWhenToldToIsNotLost) {
+  coordinator.submit(job(), {});
+  say("p", hello(1));
+  coordinator.shut_down("the day is over");
+  coordinator.on_peer_gone("p", seconds(1));
+  EXPECT_EQ(coordinator.snapshot(seconds(1)).counters.workers_lost, 0u);
+  EXPECT_EQ(coordinator.progress({}).workers, 0);
+}
+
+TEST_F(CoordinatorTest, ALostConnectionIsLostOnceWhateverStillComesByIt) {
+  const uint64_t id = coordinator.submit(job(), {});
+  say("p", hello(1));
+  ready("p", id);
+  const v1::Assign assign = heard(v1::Envelope::kAssign).at(0).assign();
+  v1::Envelope heartbeat;
+  heartbeat.mutable_heartbeat()->set_session(1);
+  // As where the coordinator was stopped meanwhile: heartbeats wait, and the answer finds nobody.
+  for (int i = 0; i < 5; ++i) {
+    say("p", heartbeat, seconds(i));
+    coordinator.on_peer_gone("p", seconds(i));
+  }
+  EXPECT_EQ(coordinator.snapshot(seconds(5)).counters.workers_lost, 1u);
+  EXPECT_EQ(coordinator.progress({}).workers, 0);
+  say("p", band(assign, 1), seconds(5));
+  EXPECT_EQ(coordinator.progress({}).tiles_done, 1u) << "what it sent before counts";
+  say("q", hello(1, 2), seconds(6));
+  EXPECT_EQ(coordinator.progress({}).workers, 1) << "it is back by another connection";
+}
+
 TEST_F(CoordinatorTest, ATimelineHasWhatWasLostWithAWorker) {
   const uint64_t id = coordinator.submit(job(16), {});
   say("p", hello(1));

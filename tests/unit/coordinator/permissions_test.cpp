@@ -60,6 +60,9 @@ TEST(Permissions, ARefusalNamesBothRoles) {
   ASSERT_TRUE(reject);
   EXPECT_EQ(reject->reason(), v1::Reject::NOT_ALLOWED);
   EXPECT_EQ(reject->text(), "the key of node-7 is a worker's; expected a submitter's");
+  message.mutable_job_list_query();
+  EXPECT_EQ(refuse({Role::worker, "node-7"}, message)->text(),
+            "the key of node-7 is a worker's; expected a viewer's or submitter's");
 }
 
 }  // namespace

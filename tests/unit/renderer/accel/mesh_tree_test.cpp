@@ -71,7 +71,7 @@ TEST(SharedMeshTree, IsTheTreeThatEachWouldBuild) {
   const TriangleMesh mesh = hills(60);
   const OwnedDescriptor memory = SharedArena::create();
   const SharedArena arena(memory.get());
-  const SharedTree shared{&arena, Digest::of("hills")};
+  const SharedTree shared{{.arena = &arena}, Digest::of("hills")};
   const BuiltMeshTree own = build_mesh_tree(mesh, 1, BvhQuality::standard);
   const BuiltMeshTree first = shared_mesh_tree(mesh, 1, BvhQuality::standard, shared);
   const SharedArena::Claim claim = arena.claim(shared.key);
@@ -101,10 +101,30 @@ TEST(SharedMeshTree, IsTheTreeThatEachWouldBuild) {
   EXPECT_GT(hits, 400);
 }
 
+TEST(SharedMeshTree, IsBuiltOnceAsLongAsSomebodyHasIt) {
+  const auto mesh = std::make_shared<const TriangleMesh>(hills(60));
+  LiveThings live;
+  const SharedTree shared{{.live = &live}, Digest::of("hills")};
+  const auto make = [&](const SharedTree& as) {
+    return shared_mesh_accelerator(mesh, AcceleratorKind::bvh, 1, as);
+  };
+  auto first = make(shared), second = make(shared);
+  EXPECT_EQ(first, second);
+  EXPECT_NE(first, make({{.live = &live}, Digest::of("valleys")}));
+  EXPECT_NE(first, make({}));
+  const std::weak_ptr<const Accelerator> gone = first;
+  first.reset();
+  EXPECT_EQ(live.find<Accelerator>(shared.key), second);
+  second.reset();
+  EXPECT_TRUE(gone.expired());
+  EXPECT_EQ(live.find<Accelerator>(shared.key), nullptr);
+  EXPECT_NE(make(shared), nullptr);
+}
+
 TEST(SharedMeshTree, SmallOnesAreBuiltByEach) {
   const OwnedDescriptor memory = SharedArena::create();
   const SharedArena arena(memory.get());
-  const SharedTree shared{&arena, Digest::of("few")};
+  const SharedTree shared{{.arena = &arena}, Digest::of("few")};
   shared_mesh_tree(hills(10), 1, BvhQuality::standard, shared);
   EXPECT_FALSE(arena.claim(shared.key).size());
 }

@@ -46,7 +46,7 @@ TEST(PlainFeatures, keep_the_bits_and_are_told_from_others) {
     const v1::Scene scene = parse_scene(scene_with(feature.material, feature.light, feature.rest));
     const PixelRect rect{0, 0, 24, 18};
     const auto picture = [&](const Skips& skips, uint64_t& absent) {
-      const auto renderer = make_tile_renderer(scene, {}, frame_of(24, 18), 1, nullptr, skips);
+      const auto renderer = make_tile_renderer(scene, {}, frame_of(24, 18), 1, {}, skips);
       absent = renderer->build_counters().at("features_absent");
       return render_rect(*renderer, rect).values;
     };

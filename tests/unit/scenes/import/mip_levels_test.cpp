@@ -6,6 +6,8 @@
 #include <cstring>
 #include <span>
 
+#include "renderer/math/encodings.h"
+
 namespace tessera {
 namespace {
 
@@ -56,6 +58,23 @@ TEST(MipLevels, every_code_is_its_own_mean) {
     DecodedTexture t = texture(2, 2, 1, {i, i, i, i});
     add_mip_levels(t, true);
     ASSERT_EQ(code(t, 4), i);
+  }
+}
+
+TEST(MipLevels, take_the_nearest_code_of_any_mean) {
+  std::array<float, 256> from{};
+  for (int i = 1; i < 256; ++i) from[i] = static_cast<float>(srgb_to_linear((i - 0.5) / 255));
+  for (int i = 0; i < 20000; ++i) {
+    const auto part = [&](int k) { return i * (k + 7) * 2654435761u >> 24; };
+    const int a = static_cast<int>(part(0)), b = static_cast<int>(part(1)) / (1 + i % 7);
+    DecodedTexture t = texture(2, 1, 1, {a, b});
+    add_mip_levels(t, true);
+    const auto light = [](int c) { return static_cast<float>(srgb_to_linear(c / 255.0)); };
+    float mean = 0;  // as the texels of one row count twice
+    for (const int c : {a, b, a, b}) mean += 0.25f * light(c);
+    int nearest = 255;
+    while (nearest > 0 && from[static_cast<size_t>(nearest)] > mean) --nearest;
+    ASSERT_EQ(code(t, 2), nearest) << a << " " << b;
   }
 }
 
