@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/lower_case.h"
+#include "base/plain_text.h"
 #include "proto/wire/scene_errors.h"
 #include "proto/wire/scene_walk.h"
 
@@ -72,6 +73,7 @@ v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const st
     throw scene_error({name}, fmt::format("{} bytes", text.size()),
                       fmt::format("at most {}", kMaxSceneFileBytes));
   if (encoding != SceneEncoding::binary) {
+    refuse_utf16(text, name);
     text = skip_byte_order_mark(text);
     const size_t bad = find_invalid_utf8(text);
     if (bad != std::string_view::npos)

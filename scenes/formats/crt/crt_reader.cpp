@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/file.h"
+#include "base/plain_text.h"
 #include "scenes/formats/crt/crt_evaluator.h"
 #include "scenes/formats/crt/crt_parser.h"
 #include "scenes/formats/crt/crt_writer.h"
@@ -66,7 +67,9 @@ LoadedScene parse_crt(const std::string& text, const std::string& name,
 }
 
 LoadedScene read_crt(const std::string& path, const ReadOptions& options) {
-  const std::string text = to_utf8(skip_byte_order_mark(read_input_file(path, kMaxBytes)));
+  const std::string bytes = read_input_file(path, kMaxBytes);
+  refuse_utf16(bytes, path);
+  const std::string text = to_utf8(skip_byte_order_mark(bytes));
   return parse_crt(text, path, AssetFolder(path, options.assets), options.frame);
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
+#include "base/plain_text.h"
 #include "scenes/import/data_uri.h"
 
 namespace tessera {
@@ -98,6 +99,7 @@ void GltfFile::read_container(std::string_view bytes) {
   constexpr size_t kHeader = 12, kChunkHeader = 8;
   constexpr uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
   if (!bytes.starts_with("glTF")) {
+    refuse_utf16(bytes, text_.name);
     text_.text = json_text_ = skip_byte_order_mark(bytes);
     return;
   }

@@ -72,6 +72,45 @@ TEST_F(ReadScene, StepsOverAByteOrderMark) {
   EXPECT_EQ(error(write("b.crt", mark + "1 +")).substr(0, 8), "b.crt:1:");
 }
 
+/// What a text is in another encoding, or with two of the marks before it, of each text format.
+TEST_F(ReadScene, TellsOfTextInUtf16AndStepsOverMarks) {
+  const std::string stl =
+      "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+      "endloop\nendfacet\nendsolid s\n";
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+      "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 "
+      "0\n3 0 1 2\n";
+  write("m.obj", std::string("mtllib m.mtl\nusemtl m\n") + kTriangle);
+  for (const auto& [name, text] : std::vector<std::pair<std::string, std::string>>{
+           {"a.tessera", "nodes { }"},
+           {"a.json", "{ }"},
+           {"a.obj", kTriangle},
+           {"m.mtl", "newmtl m\n"},
+           {"a.ply", ply},
+           {"a.stl", stl},
+           {"a.gltf", R"({"asset":{"version":"2.0"}})"},
+           {"a.x3d", "<X3D><Scene/></X3D>"},
+           {"a.wrl", "#VRML V2.0 utf8\n"},
+           {"a.crt",
+            "cam = Camera { position -> vec3(0, 0, -5) pointing -> vec3(0, 0, 0) fov -> 60 }\n"
+            "Settings { camera -> cam }\nScene { }\n"}}) {
+    const std::string read = name == "m.mtl" ? "m.obj" : name;
+    write(name, "\xEF\xBB\xBF\xEF\xBB\xBF" + text);
+    EXPECT_NO_THROW(read_scene((folder_ / read).string())) << name;
+    for (const std::string mark : {"\xFF\xFE", "\xFE\xFF", ""}) {
+      std::string wide;
+      for (const char c : text)
+        wide += mark == "\xFE\xFF" ? std::string{'\0', c} : std::string{c, '\0'};
+      write(name, mark + wide);
+      EXPECT_EQ(error((folder_ / read).string()),
+                name +
+                    ":1:1: text in UTF-16; expected UTF-8, as `iconv -f UTF-16 -t UTF-8` makes "
+                    "of it");
+    }
+  }
+}
+
 TEST_F(ReadScene, ReadsAnEndingInAnyCase) {
   EXPECT_EQ(read_scene(write("T.OBJ", kTriangle)).scene.metadata().source_file(), "T.OBJ");
 }
