@@ -197,7 +197,7 @@ std::string_view GltfFile::buffer(size_t index) {
         if (!folder_) throw scene_error("other files are not read here");
         held = folder_(path_of_uri(uri));
       } catch (const Error& problem) {
-        throw uri.error(problem.what(), "a file in the folder of the scene or below it");
+        throw uri.error(problem.what(), "a file that can be read");
       }
     }
     bytes = *held;

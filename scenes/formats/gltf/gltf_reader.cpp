@@ -358,7 +358,7 @@ LoadedScene read_gltf(const std::string& path, const ReadOptions& options) {
   const AssetFolder assets(path, options.assets);
   GltfFile file(bytes, path, [&](const std::string& name) {
     const auto found = assets.find(name);
-    if (!found) throw scene_error(fmt::format("'{}' is not inside the scene's folder", name));
+    if (!found) throw scene_error(fmt::format("'{}' is not inside {}", name, assets.shown_root()));
     return read_input_file(found->string(), kMaxBytes);
   });
   return GltfReader(file,

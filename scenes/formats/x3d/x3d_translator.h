@@ -73,6 +73,7 @@ class X3dTranslator {
   void add_inline(const X3dNode& node, const v1::Transform& path, v1::Node& out);
   std::string read_inline(const X3dNode& node, const std::string& url, const v1::Transform& path,
                           v1::Node& out);
+  void add_file(const std::string& file, const std::string& name, const v1::Transform& path);
   void check_names();
   void warn_unknown_field(const X3dNode& node, const X3dNodeType& type, const std::string& name);
   void list_ignored();

@@ -427,8 +427,8 @@ TEST(Gltf, SaysWhereAndWhatIsWrong) {
                   R"("attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"count":1,)"
                   R"("componentType":5126,"type":"VEC3"}],"bufferViews":[{"buffer":0,)"
                   R"("byteLength":12}],"buffers":[{"byteLength":12,"uri":"a.bin"}]})"),
-            "t.gltf:1:262: buffers/0/uri: other files are not read here; expected a file in the "
-            "folder of the scene or below it");
+            "t.gltf:1:262: buffers/0/uri: other files are not read here; expected a file that can "
+            "be read");
 }
 
 TEST(GltfValue, FindsPlacesInJson) {
