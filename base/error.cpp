@@ -1,5 +1,4 @@
 #include "base/error.h"
-#include "base/lower_case.h"
 
 #include <fmt/format.h>
 
@@ -10,6 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/lower_case.h"
+#include "base/plain_text.h"
+
 namespace tessera {
 
 std::string SourcePlace::str() const {
@@ -19,20 +21,21 @@ std::string SourcePlace::str() const {
 }
 
 Error scene_error(const SourcePlace& place, std::string_view found, std::string_view expected) {
-  return Error(ExitCode::bad_scene, fmt::format("{}: {}{}{}", place.str(), found,
-                                                expected.empty() ? "" : "; expected ", expected));
+  return Error(ExitCode::bad_scene,
+               escape_controls(fmt::format("{}: {}{}{}", place.str(), found,
+                                           expected.empty() ? "" : "; expected ", expected)));
 }
 
 Error scene_error(std::string_view message) {
-  return Error(ExitCode::bad_scene, std::string(message));
+  return Error(ExitCode::bad_scene, escape_controls(message, true));
 }
 
 Error usage_error(std::string_view message) {
-  return Error(ExitCode::bad_usage, std::string(message));
+  return Error(ExitCode::bad_usage, escape_controls(message, true));
 }
 
 Error render_error(std::string_view message) {
-  return Error(ExitCode::render_failed, std::string(message));
+  return Error(ExitCode::render_failed, escape_controls(message, true));
 }
 
 namespace {

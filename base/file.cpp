@@ -235,7 +235,8 @@ size_t utf8_sequence(std::string_view text, size_t at) {
 
 std::string_view skip_byte_order_mark(std::string_view text) {
   constexpr std::string_view kMark = "\xEF\xBB\xBF";
-  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+  while (text.starts_with(kMark)) text.remove_prefix(kMark.size());  // some add one more each time
+  return text;
 }
 
 size_t find_invalid_utf8(std::string_view text) {

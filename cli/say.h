@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/plain_text.h"
 #include "proto/wire/printable.h"
 
 namespace tessera {
@@ -31,13 +32,21 @@ inline int flush_output() {
   return error;
 }
 
-/// One line on standard error that may hold what a file says: for a terminal, made printable.
+/// On standard error, and it may hold what a file says: for a terminal, made printable but for its
+/// line ends.
 inline void say_error(std::string_view message) {
   constexpr size_t kLongest = 10'000;  // room for two paths
-  say(stderr, "tessera: {}\n", printable(message, kLongest));
+  std::string shown;
+  for (size_t at = 0; at <= message.size() && shown.size() < kLongest;) {
+    const std::string_view line = message.substr(at, message.find('\n', at) - at);
+    shown += printable(line, kLongest - shown.size()) + "\n";
+    at += line.size() + 1;
+  }
+  say(stderr, "tessera: {}", shown);
 }
+/// One line.
 inline void say_warning(std::string_view message) {
-  say_error(fmt::format("warning: {}", message));
+  say_error(escape_controls(fmt::format("warning: {}", message)));
 }
 
 }  // namespace tessera

@@ -72,7 +72,7 @@ SubmittedJob gather(const SubmitOptions& options) {
     for (const auto& warnings : {loaded.warnings, picture_warnings(render, loaded)}) {
       for (const std::string& warning : warnings) {
         if (render.quiet || !warned.insert(warning).second) continue;
-        say(stderr, "tessera: warning: {}\n", warning);
+        say_warning(warning);
       }
     }
     JobSpec spec;

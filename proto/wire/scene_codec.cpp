@@ -13,12 +13,14 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/lower_case.h"
+#include "base/plain_text.h"
 #include "proto/wire/scene_errors.h"
 #include "proto/wire/scene_walk.h"
 
 namespace tessera {
 namespace {
 
+namespace fs = std::filesystem;
 namespace pb = google::protobuf;
 
 constexpr std::string_view kHeading =
@@ -72,6 +74,7 @@ v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const st
     throw scene_error({name}, fmt::format("{} bytes", text.size()),
                       fmt::format("at most {}", kMaxSceneFileBytes));
   if (encoding != SceneEncoding::binary) {
+    refuse_utf16(text, name);
     text = skip_byte_order_mark(text);
     const size_t bad = find_invalid_utf8(text);
     if (bad != std::string_view::npos)
@@ -146,7 +149,12 @@ std::string with_negative_zeros(std::string_view json) {
   return result;
 }
 
-void fetch_blobs(const std::string& path, SceneWithBlobs& read) {
+void fetch_blobs(const std::string& path, const fs::path& allowed, SceneWithBlobs& read) {
+  std::error_code failure;
+  const fs::path own = fs::weakly_canonical(fs::path(path).parent_path() / ".", failure);
+  const fs::path root = allowed.empty() ? own : allowed;
+  const fs::path folder =
+      own.lexically_relative(root) / (fs::path(path).filename().string() + ".blobs");
   const auto refs = referenced_blobs(read.scene);
   if (!refs)
     throw scene_error({path}, "a blob's name is no digest", "64 lower-case hexadecimal digits");
@@ -154,6 +162,9 @@ void fetch_blobs(const std::string& path, SceneWithBlobs& read) {
     const Digest digest = *Digest::parse(ref.digest());
     if (read.blobs.find(digest)) continue;
     const std::string file = fmt::format("{}.blobs/{}", path, ref.digest());
+    if (!resolve_inside(root, (folder / ref.digest()).string()))
+      throw scene_error({file}, fmt::format("a blob that is not inside '{}'", root.string()),
+                        "a file in that folder or below it");
     // Before any of it is in memory.
     const uint64_t size = check_input_file(file, UINT64_MAX);
     if (size != ref.size())
@@ -221,9 +232,10 @@ std::string encode_scene(const v1::Scene& scene, const BlobStore& blobs, SceneEn
   return with_negative_zeros(text);
 }
 
-SceneWithBlobs read_scene_file(const std::string& path, SceneEncoding encoding) {
+SceneWithBlobs read_scene_file(const std::string& path, SceneEncoding encoding,
+                               const std::filesystem::path& root) {
   SceneWithBlobs read = decode_scene(read_input_file(path, kMaxSceneFileBytes), encoding, path);
-  fetch_blobs(path, read);
+  fetch_blobs(path, root, read);
   return read;
 }
 

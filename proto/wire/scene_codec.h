@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -48,8 +49,10 @@ SceneWithBlobs decode_scene(std::string_view text, SceneEncoding encoding, const
 std::string encode_scene(const v1::Scene& scene, const BlobStore& blobs, SceneEncoding encoding,
                          bool embed = true);
 
-/// As decode_scene, and fetches the blobs that lie in the folder `PATH.blobs`, verified.
-SceneWithBlobs read_scene_file(const std::string& path, SceneEncoding encoding);
+/// As decode_scene, and fetches the blobs that lie in the folder `PATH.blobs`, verified. One that a
+/// link leads to outside of `root` is not read; empty: the folder of the file.
+SceneWithBlobs read_scene_file(const std::string& path, SceneEncoding encoding,
+                               const std::filesystem::path& root = {});
 /// Writes `path` by its ending, and `PATH.blobs/DIGEST` where the blobs are too large to embed. The
 /// file appears whole or not at all. Throws usage_error for an ending that is not ours,
 /// render_error where it cannot be written.

@@ -50,6 +50,16 @@ Affine billboard_turn(const Vec3& axis, const Affine& viewer) {
   return rotation(a, portable::atan2(dot(a, cross(from, to)), dot(from, to)));
 }
 
+/// What nodes unfold to; beyond 2^53 about.
+struct Unfolded {
+  double nodes = 0, instances = 0;
+  Unfolded& operator+=(const Unfolded& more) {
+    nodes += more.nodes;
+    instances += more.instances;
+    return *this;
+  }
+};
+
 class Walker {
  public:
   Walker(const v1::Scene& scene, double time, const Affine& viewer)
@@ -89,10 +99,10 @@ class Walker {
   }
 
   void visit(const Where& where, const v1::Node& node, Inherited inherited) {
-    if (++visits_ > kMaxNodeVisits) {
-      fail_value(where, "the scene",
-                 fmt::format("more than {} nodes once unfolded", kMaxNodeVisits), "fewer");
-    }
+    // Whoever names objects in objects makes much of little; small scenes are not counted twice.
+    constexpr size_t kSmall = size_t{1} << 16;
+    if (++visits_ == kSmall) check_unfolded();
+    if (visits_ > kMaxNodeVisits) fail_nodes(where);
     if (!has_content(node)) return;
     inherited.world_from_parent = world_from_node(where, node, inherited);
     if (!is_invertible(inherited.world_from_parent)) {
@@ -104,6 +114,56 @@ class Walker {
     if (node.has_shape()) add_instance(where, node.shape(), inherited);
     if (!node.instance_of().empty()) enter_object(where, node.instance_of(), inherited);
     if (!node.children().empty()) walk(&where, node.children(), inherited);
+  }
+
+  [[noreturn]] static void fail_nodes(const Where& where) {
+    fail_value(where, "the scene", fmt::format("more than {} nodes once unfolded", kMaxNodeVisits),
+               "fewer");
+  }
+  [[noreturn]] static void fail_instances(const Where& where) {
+    fail_value(where, "the scene", fmt::format("more than {} instances", kMaxInstances), "fewer");
+  }
+
+  /// Refuses what would unfold too far before it does. Takes time in the length of the description.
+  void check_unfolded() {
+    Unfolded all;
+    for (int i = 0; i < scene_.nodes_size(); ++i) {
+      const v1::Node& node = scene_.nodes(i);
+      all += unfolded(node, 0);
+      const Where where{.kind = "node", .name = node.name(), .index = i};
+      if (all.instances > kMaxInstances) fail_instances(where);
+      if (all.nodes > kMaxNodeVisits) fail_nodes(where);
+    }
+  }
+
+  Unfolded unfolded(const v1::Node& node, int depth) {
+    Unfolded sum;
+    if (node.hidden()) return sum;
+    sum.nodes = 1;
+    if (depth >= kMaxNodeDepth || !has_content(node) || is_flat(node)) return sum;
+    if (node.has_shape()) sum.instances = 1;
+    for (const v1::Node& child : node.children()) sum += unfolded(child, depth + 1);
+    if (const auto found = objects_.find(node.instance_of()); found != objects_.end()) {
+      const auto [at, is_new] = unfolded_.try_emplace(found->second);  // nothing while it is open
+      if (is_new) {
+        Unfolded object;
+        for (const v1::Node& part : found->second->nodes()) object += unfolded(part, depth + 1);
+        unfolded_[found->second] = object;
+        sum += object;
+      } else {
+        sum += at->second;
+      }
+    }
+    return sum;
+  }
+
+  /// Or wrong, which the way to it will tell.
+  bool is_flat(const v1::Node& node) const {
+    try {
+      return !is_invertible(read_transform(Where{}, node.transform(), node.keys(), time_));
+    } catch (const Error&) {
+      return true;
+    }
   }
 
   Affine world_from_node(const Where& where, const v1::Node& node,
@@ -142,9 +202,7 @@ class Walker {
   }
 
   void add_instance(const Where& where, const v1::Shape& shape, const Inherited& inherited) {
-    if (graph_.instances.size() >= kMaxInstances) {
-      fail_value(where, "the scene", fmt::format("more than {} instances", kMaxInstances), "fewer");
-    }
+    if (graph_.instances.size() >= kMaxInstances) fail_instances(where);
     const auto [known, is_new] =
         shapes_.try_emplace(&shape, static_cast<uint32_t>(graph_.shapes.size()));
     if (is_new) {
@@ -198,6 +256,7 @@ class Walker {
   std::unordered_map<const v1::Object*, bool> used_objects_;
   std::vector<const v1::Object*> active_;
   size_t visits_ = 0;
+  std::unordered_map<const v1::Object*, Unfolded> unfolded_;
 };
 
 }  // namespace

@@ -112,6 +112,17 @@ void move_all(Things& from, Things& to) {
 
 }  // namespace
 
+fs::path included_file(const AssetFolder& assets, const fs::path& file,
+                       const v1::Include& include) {
+  auto target = assets.from(file.parent_path()).find(include.file());
+  if (!target)
+    throw scene_error(
+        {file.string()},
+        fmt::format("includes '{}', which is not inside {}", include.file(), assets.shown_root()),
+        "a file in that folder or below it");
+  return *std::move(target);
+}
+
 void IncludeResolver::put(LoadedScene& into, const v1::Include& include, const Part& made,
                           const fs::path& file) {
   v1::Node& node = add_place(into.scene, include);
@@ -126,9 +137,7 @@ void IncludeResolver::put(LoadedScene& into, const v1::Include& include, const P
 }
 
 IncludeResolver::IncludeResolver(const std::string& file, const std::string& assets, Reader reader)
-    : first_(fs::weakly_canonical(fs::absolute(file))),
-      assets_(file, assets),
-      reader_(std::move(reader)) {}
+    : first_(whole_path(file)), assets_(file, assets), reader_(std::move(reader)) {}
 
 void IncludeResolver::resolve(LoadedScene& loaded) { resolve(loaded, first_); }
 
@@ -200,30 +209,23 @@ void IncludeResolver::resolve(LoadedScene& loaded, const fs::path& file) {
     throw scene_error({file.string()}, "files included too deep",
                       fmt::format("at most {} levels", kMaxDepth));
   open_.push_back(file);
-  AssetFolder assets = assets_;
-  if (file != first_) assets.folder = file.parent_path();
   const auto includes = std::move(*loaded.scene.mutable_includes());
   loaded.scene.clear_includes();
   for (const v1::Include& include : includes) {
-    const auto target = assets.find(include.file());
-    if (!target)
-      throw scene_error(
-          {file.string()},
-          fmt::format("includes '{}', which is not inside the scene's folder", include.file()),
-          "a file in the folder of the scene or below it");
-    if (std::find(open_.begin(), open_.end(), *target) != open_.end())
+    const fs::path target = included_file(assets_, file, include);
+    if (std::find(open_.begin(), open_.end(), target) != open_.end())
       throw scene_error({file.string()},
                         fmt::format("includes '{}', which includes it in turn", include.file()),
                         "files that do not include themselves");
     if (++placements_ > kMaxPlacements)
       throw scene_error({file.string()}, "too many includes",
                         fmt::format("at most {}", kMaxPlacements));
-    const Part& made = part(loaded, include, *target, [&](const auto& path, const auto& format) {
+    const Part& made = part(loaded, include, target, [&](const auto& path, const auto& format) {
       LoadedScene read = reader_(path, format);
       resolve(read, path);
       return read;
     });
-    put(loaded, include, made, *target);
+    put(loaded, include, made, target);
   }
   open_.pop_back();
 }

@@ -11,6 +11,11 @@
 
 namespace tessera {
 
+/// The file that an include of `file` means, where `assets` are those of the scene's first file.
+/// Throws scene_error where it is outside of them.
+std::filesystem::path included_file(const AssetFolder& assets, const std::filesystem::path& file,
+                                    const v1::Include& include);
+
 /// Places the files that a scene includes into it, and what those include. Nothing outside the
 /// assets of the first file is read, but for what place() is told to. Each file becomes one object,
 /// however often it is placed.

@@ -104,7 +104,10 @@ LoadedScene read_format(const std::string& path, const std::string& format,
   const SceneEncoding encoding = format == "json"       ? SceneEncoding::json
                                  : format == "tesserab" ? SceneEncoding::binary
                                                         : SceneEncoding::text;
-  SceneWithBlobs read = read_scene_file(path, encoding);
+  // The blobs beside a file that is outside of the assets are as much outside as it is.
+  const fs::path own = AssetFolder(path).root;
+  const AssetFolder assets(path, options.assets);
+  SceneWithBlobs read = read_scene_file(path, encoding, assets.folder == own ? assets.root : own);
   LoadedScene loaded;
   loaded.scene = std::move(read.scene);
   loaded.blobs = std::move(read.blobs);
@@ -121,31 +124,64 @@ LoadedScene read_one(const std::string& path, const std::string& asked,
   return loaded;
 }
 
-/// Reads files one by one. What was only checked is kept until it is asked for.
+/// Reads the files of one scene. What was only checked is kept until it is asked for.
 class FileReader {
  public:
-  explicit FileReader(ReadOptions options) : options_(std::move(options)) {
-    options_.check_scene = [this](const std::string& file) -> std::string {
-      try {
-        checked_.insert_or_assign(file, read_one(file, "", options_));
-        return "";
-      } catch (const Error& error) {
-        return error.what();
-      }
-    };
+  /// `first` is the scene's own file.
+  FileReader(const std::string& first, ReadOptions options)
+      : options_(std::move(options)), assets_(first, options_.assets) {
+    options_.check_scene = [this](const std::string& file) { return problem(file, ""); };
   }
   FileReader(const FileReader&) = delete;
   FileReader& operator=(const FileReader&) = delete;
 
   LoadedScene operator()(const std::string& file, const std::string& format) {
-    const auto known = format.empty() ? checked_.find(file) : checked_.end();
-    return known == checked_.end() ? read_one(file, format, options_)
+    const auto known = checked_.find({file, format});
+    return known == checked_.end() ? read(file, format)
                                    : std::move(checked_.extract(known).mapped());
   }
 
  private:
+  using Key = std::pair<std::string, std::string>;  ///< file and format
+
+  LoadedScene read(const std::string& file, const std::string& format) {
+    open_.push_back(whole_path(file));
+    LoadedScene loaded = read_one(file, format, options_);
+    open_.pop_back();
+    return loaded;
+  }
+
+  /// Why the file, or one that it includes, cannot be read; empty where all can. Those that include
+  /// themselves, or are too many, are for the resolver to find.
+  std::string problem(const std::string& file, const std::string& format) {
+    const bool is_open = std::find(open_.begin(), open_.end(), file) != open_.end();
+    if (is_open || open_.size() > IncludeResolver::kMaxDepth) return "";
+    const auto [at, is_new] = problems_.try_emplace({file, format});
+    if (!is_new) return at->second;
+    const auto open = open_;
+    try {
+      LoadedScene loaded = read(file, format);
+      open_.push_back(file);
+      for (const v1::Include& include : loaded.scene.includes()) {
+        const std::string inner = included_file(assets_, file, include).string();
+        if (std::string why = problem(inner, include.format()); !why.empty()) {
+          at->second = std::move(why);
+          break;
+        }
+      }
+      if (at->second.empty()) checked_.insert_or_assign({file, format}, std::move(loaded));
+    } catch (const Error& error) {
+      at->second = error.what();
+    }
+    open_ = open;
+    return at->second;
+  }
+
   ReadOptions options_;
-  std::map<std::string, LoadedScene> checked_;
+  AssetFolder assets_;
+  std::vector<fs::path> open_;  ///< being read, outermost first
+  std::map<Key, std::string> problems_;
+  std::map<Key, LoadedScene> checked_;
 };
 
 /// Moves all that stands in the scene, under one node.
@@ -161,13 +197,14 @@ void place_itself(v1::Scene& scene, const v1::Transform& transform) {
 LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
   ReadOptions without_assets = options;
   without_assets.assets.clear();
-  FileReader read(options), read_placed(without_assets);
   const IncludeResolver::Reader read_whole = [&](const std::string& file,
                                                  const std::string& format) {
+    FileReader read_placed(file, without_assets);
     LoadedScene whole = read_placed(file, format);
     IncludeResolver(file, "", std::ref(read_placed)).resolve(whole);
     return whole;
   };
+  FileReader read(path, options);
   LoadedScene loaded = read(path, options.format);
   IncludeResolver resolver(path, options.assets, std::ref(read));
   resolver.resolve(loaded);

@@ -6,6 +6,10 @@
 
 namespace tessera {
 
+/// Where `path` leads, from the root and with links followed. It need not exist. Throws scene_error
+/// where the system cannot tell, as where the current folder was removed.
+std::filesystem::path whole_path(const std::filesystem::path& path);
+
 /// Where the files are that a scene's file names. A value.
 struct AssetFolder {
   /// Of the file at `path`: its own folder alone; or `assets`, and there the file's own folder
@@ -16,8 +20,12 @@ struct AssetFolder {
   std::filesystem::path folder;  ///< inside `root`: where names begin
   bool searches_root = false;    ///< for what is not in `folder`
 
+  /// The same for what the file in `other` names, or from the root where `other` is not inside.
+  AssetFolder from(const std::filesystem::path& other) const;
   /// The file that `reference` means, as resolve_inside says it. It need not exist.
   std::optional<std::filesystem::path> find(const std::string& reference) const;
+  /// What messages call the root: "the scene's folder", or "the asset root 'DIR'".
+  std::string shown_root() const;
 };
 
 }  // namespace tessera

@@ -36,10 +36,9 @@ std::filesystem::path file_of(const v1::Texture& texture, const AssetFolder& ass
   auto file = assets.find(texture.image().file());
   if (!file)
     throw scene_error({assets.root.string()},
-                      fmt::format("texture '{}' names the file '{}', which is not inside the "
-                                  "scene's folder",
-                                  texture.name(), texture.image().file()),
-                      "a file in the folder of the scene or below it");
+                      fmt::format("texture '{}' names the file '{}', which is not inside {}",
+                                  texture.name(), texture.image().file(), assets.shown_root()),
+                      "a file in that folder or below it");
   return *std::move(file);
 }
 

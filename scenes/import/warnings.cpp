@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/plain_text.h"
+
 namespace tessera {
 
 uint64_t& Warnings::entry(std::string_view what) {
@@ -15,8 +17,9 @@ uint64_t& Warnings::entry(std::string_view what) {
 std::vector<std::string> Warnings::list(std::string_view file) const {
   std::vector<std::string> lines;
   for (const auto& [what, count] : entries_)
-    lines.push_back(count == 1 ? fmt::format("{}: {}", file, what)
-                               : fmt::format("{}: {} ({} times)", file, what, count));
+    lines.push_back(escape_controls(count == 1
+                                        ? fmt::format("{}: {}", file, what)
+                                        : fmt::format("{}: {} ({} times)", file, what, count)));
   if (dropped_) lines.push_back(fmt::format("{}: and {} warnings of other kinds", file, dropped_));
   return lines;
 }

@@ -303,6 +303,20 @@ class HostileNames(TesseraTest):
             self.assert_harmless(self.run_program(command, scene))
 
 
+class ScriptErrors(TesseraTest):
+    def test_the_line_and_a_caret_stand_below(self):
+        line = "  Sphere { center -> vec3(0, 0, 0) material -> white radius -> nought }"
+        at = line.index("nought")
+        scene = self.write("s.crt", f"white = Material {{ color -> rgb(1, 1, 1) }}\nScene {{\n{line}\n}}\n")
+        for command in ("info", "render"):
+            lines = self.run_program(command, scene).err.splitlines()
+            self.assertEqual(3, len(lines), lines)
+            self.assertTrue(lines[0].startswith("tessera: "), lines)
+            self.assertIn(f"s.crt:3:{at + 1}: ", lines[0])
+            self.assertEqual(f"    3 | {line}", lines[1])
+            self.assertEqual(f"      | {' ' * at}^^^^^^", lines[2])
+
+
 class Grammar(TesseraTest):
     def test_one_of_a_kind(self):
         scene = self.write("scene.tessera", "cameras { name: 'a' }\n" + scenes.SUN +

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/file.h"
+#include "base/plain_text.h"
 #include "scenes/formats/crt/crt_evaluator.h"
 #include "scenes/formats/crt/crt_parser.h"
 #include "scenes/formats/crt/crt_writer.h"
@@ -20,17 +21,17 @@ void check_file(const std::string& written, CrtSpan where, const AssetFolder& as
                 CrtDiagnostics& diagnostics) {
   const std::string reference = crt_file_reference(written);
   if (reference.empty() || reference.find('\0') != std::string::npos) {
-    diagnostics.error(where, "a file without a name", "a file in the folder of the script");
+    diagnostics.error(where, "a file without a name", "the name of one");
     return;
   }
   const auto file = assets.find(reference);
   std::error_code ignored;
   if (!file)
-    diagnostics.error(where, fmt::format("'{}' is not inside the script's folder", written),
+    diagnostics.error(where, fmt::format("'{}' is not inside {}", written, assets.shown_root()),
                       "a file in that folder or below it");
   else if (!fs::is_regular_file(*file, ignored))
     diagnostics.error(where, fmt::format("there is no file '{}'", file->string()),
-                      "a file in the folder of the script or below it");
+                      fmt::format("a file in {} or below it", assets.shown_root()));
 }
 
 void check_files(const CrtProgram& program, const AssetFolder& assets,
@@ -66,7 +67,9 @@ LoadedScene parse_crt(const std::string& text, const std::string& name,
 }
 
 LoadedScene read_crt(const std::string& path, const ReadOptions& options) {
-  const std::string text = to_utf8(skip_byte_order_mark(read_input_file(path, kMaxBytes)));
+  const std::string bytes = read_input_file(path, kMaxBytes);
+  refuse_utf16(bytes, path);
+  const std::string text = to_utf8(skip_byte_order_mark(bytes));
   return parse_crt(text, path, AssetFolder(path, options.assets), options.frame);
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
+#include "base/plain_text.h"
 #include "scenes/import/data_uri.h"
 
 namespace tessera {
@@ -22,23 +23,28 @@ uint32_t word_at(std::string_view bytes, size_t offset) {
   return word;
 }
 
-/// Finds where a text stops being JSON of numbers that double precision can hold.
-struct JsonFault final : nlohmann::json_sax<nlohmann::json> {
+/// Looks over a text before anything of it is kept: whether it is JSON of numbers that double
+/// precision can hold, and within our bounds. (The parser that keeps values could ask as it goes,
+/// but then looks through all of an array after each object in it.)
+class JsonCheck final : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  explicit JsonCheck(const std::string& name) : name_(name) {}
+
   size_t begin = 0;      ///< of the word that is wrong
   std::string number{};  ///< that is too large; empty: the text is no JSON
 
-  bool null() override { return true; }
-  bool boolean(bool) override { return true; }
-  bool number_integer(number_integer_t) override { return true; }
-  bool number_unsigned(number_unsigned_t) override { return true; }
-  bool number_float(number_float_t, const string_t&) override { return true; }
-  bool string(string_t&) override { return true; }
-  bool binary(binary_t&) override { return true; }
-  bool start_object(size_t) override { return true; }
-  bool key(string_t&) override { return true; }
-  bool end_object() override { return true; }
-  bool start_array(size_t) override { return true; }
-  bool end_array() override { return true; }
+  bool null() override { return count(); }
+  bool boolean(bool) override { return count(); }
+  bool number_integer(number_integer_t) override { return count(); }
+  bool number_unsigned(number_unsigned_t) override { return count(); }
+  bool number_float(number_float_t, const string_t&) override { return count(); }
+  bool string(string_t&) override { return count(); }
+  bool binary(binary_t&) override { return count(); }
+  bool key(string_t&) override { return count(); }
+  bool start_object(size_t) override { return enter(); }
+  bool end_object() override { return leave(); }
+  bool start_array(size_t) override { return enter(); }
+  bool end_array() override { return leave(); }
   bool parse_error(size_t read, const std::string& word,
                    const nlohmann::json::exception& problem) override {
     constexpr int kNumberTooLarge = 406;
@@ -46,6 +52,27 @@ struct JsonFault final : nlohmann::json_sax<nlohmann::json> {
     begin = read - std::min(read, number.empty() ? 1 : word.size());
     return false;
   }
+
+ private:
+  bool count() {
+    if (++values_ > kMaxValues)
+      throw scene_error({name_}, "too many values", fmt::format("at most {}", kMaxValues));
+    return true;
+  }
+  bool enter() {
+    if (++depth_ > kMaxDepth)
+      throw scene_error({name_}, "JSON that is nested deeper",
+                        fmt::format("at most {} levels", kMaxDepth));
+    return count();
+  }
+  bool leave() {
+    --depth_;
+    return true;
+  }
+
+  const std::string& name_;
+  size_t values_ = 0;
+  int depth_ = 0;
 };
 
 int hex_digit(char c) {
@@ -72,6 +99,7 @@ void GltfFile::read_container(std::string_view bytes) {
   constexpr size_t kHeader = 12, kChunkHeader = 8;
   constexpr uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
   if (!bytes.starts_with("glTF")) {
+    refuse_utf16(bytes, text_.name);
     text_.text = json_text_ = skip_byte_order_mark(bytes);
     return;
   }
@@ -104,34 +132,23 @@ void GltfFile::parse() {
   if (json_text_.size() > kMaxJson)
     throw scene_error({text_.name}, fmt::format("{} bytes of JSON", json_text_.size()),
                       fmt::format("at most {}; a .glb holds more", kMaxJson));
-  size_t values = 0;
-  const auto count = [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
-    if (depth > kMaxDepth)
-      throw scene_error({text_.name}, "JSON that is nested deeper",
-                        fmt::format("at most {} levels", kMaxDepth));
-    if (++values > kMaxValues)
-      throw scene_error({text_.name}, "too many values", fmt::format("at most {}", kMaxValues));
-    return true;
-  };
-  try {
-    json_ = std::make_unique<nlohmann::json>(nlohmann::json::parse(json_text_, count));
-  } catch (const nlohmann::json::exception&) {
-    JsonFault fault;
-    nlohmann::json::sax_parse(json_text_, &fault);
+  JsonCheck check(text_.name);
+  if (!nlohmann::json::sax_parse(json_text_, &check)) {
     SourcePlace place{text_.name};
     if (!text_.text.empty()) {
-      const std::string_view before = json_text_.substr(0, fault.begin);
+      const std::string_view before = json_text_.substr(0, check.begin);
       place.line = 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n'));
       const size_t line = before.rfind('\n');
       place.column = static_cast<int>(line == std::string_view::npos ? before.size()
                                                                      : before.size() - line - 1) +
                      1;
     }
-    if (!fault.number.empty())
-      throw scene_error(place, fmt::format("the number {}", fault.number),
+    if (!check.number.empty())
+      throw scene_error(place, fmt::format("the number {}", check.number),
                         "one that double precision can hold");
     throw scene_error(place, "what is no JSON", "the JSON of a glTF file");
   }
+  json_ = std::make_unique<nlohmann::json>(nlohmann::json::parse(json_text_));
   if (!json_->is_object()) throw root().error("no JSON object", "the JSON of a glTF file");
 }
 
@@ -180,7 +197,7 @@ std::string_view GltfFile::buffer(size_t index) {
         if (!folder_) throw scene_error("other files are not read here");
         held = folder_(path_of_uri(uri));
       } catch (const Error& problem) {
-        throw uri.error(problem.what(), "a file in the folder of the scene or below it");
+        throw uri.error(problem.what(), "a file that can be read");
       }
     }
     bytes = *held;

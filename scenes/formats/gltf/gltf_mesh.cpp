@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "scenes/mesh/mesh_data.h"
 
@@ -74,15 +73,23 @@ GltfMeshes::Attributes GltfMeshes::attributes_of(const GltfValue& primitive,
   return out;
 }
 
-GltfMeshes::Weights GltfMeshes::weights(const GltfValue& node, size_t index) const {
-  const GltfValue own = node["weights"];
-  const GltfValue given = own ? own : file_.element("meshes", index)["weights"];
-  Weights out = given.numbers(given.size()).value_or(Weights{});
-  if (std::all_of(out.begin(), out.end(), [](double weight) { return weight == 0; })) out.clear();
-  return out;
+size_t GltfMeshes::number_of(const GltfValue& weights) {
+  Weights given = weights.numbers(weights.size()).value_or(Weights{});
+  if (std::all_of(given.begin(), given.end(), [](double weight) { return weight == 0; }))
+    given.clear();
+  const auto [at, is_new] = weights_.try_emplace(std::move(given), by_number_.size());
+  if (is_new) by_number_.push_back(&at->first);
+  return at->second;
 }
 
-std::vector<v1::Shape> GltfMeshes::read(size_t index, const Weights& weights) {
+size_t GltfMeshes::weights(const GltfValue& node, size_t index) {
+  if (const GltfValue own = node["weights"]) return number_of(own);
+  const auto [at, is_new] = own_weights_.try_emplace(index, 0);
+  if (is_new) at->second = number_of(file_.element("meshes", index)["weights"]);
+  return at->second;
+}
+
+std::vector<v1::Shape> GltfMeshes::read(size_t index, size_t weights) {
   const GltfValue primitives = file_.element("meshes", index)["primitives"];
   std::vector<Group> groups;
   std::map<std::string, size_t> by_key;
@@ -95,7 +102,7 @@ std::vector<v1::Shape> GltfMeshes::read(size_t index, const Weights& weights) {
       continue;
     }
     const auto material = primitive["material"].index(file_.root()["materials"].size(), "material");
-    Attributes attributes = attributes_of(primitive, material, weights);
+    Attributes attributes = attributes_of(primitive, material, *by_number_[weights]);
     if (!attributes.position) {
       warnings_.add("primitives without POSITION are left out");
       continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -19,10 +20,12 @@ class GltfMeshes {
 
   /// How much of each morph target is added; empty: nothing of any.
   using Weights = std::vector<double>;
-  /// Those of a node that shows mesh `index`, else the mesh's own.
-  Weights weights(const GltfValue& node, size_t index) const;
-  /// The shapes of mesh `index`, with their data among the scene's blobs.
-  std::vector<v1::Shape> read(size_t index, const Weights& weights);
+  /// A number for those of a node that shows mesh `index`, else the mesh's own: the same for equal
+  /// ones. The mesh's are read once, however many nodes show it.
+  size_t weights(const GltfValue& node, size_t index);
+  /// The shapes of mesh `index` by the weights of that number, with their data among the scene's
+  /// blobs.
+  std::vector<v1::Shape> read(size_t index, size_t weights);
 
  private:
   /// Where the numbers of a primitive's vertices stand: accessors' values, empty where there is
@@ -34,6 +37,7 @@ class GltfMeshes {
   };
   struct Group;
 
+  size_t number_of(const GltfValue& weights);
   Attributes attributes_of(const GltfValue& primitive, std::optional<size_t> material,
                            const Weights& weights);
   void add(const GltfValue& primitive, std::optional<size_t> material, Group& group);
@@ -45,6 +49,9 @@ class GltfMeshes {
   GltfMaterials& materials_;
   LoadedScene& out_;
   Warnings& warnings_;
+  std::map<Weights, size_t> weights_;  ///< their numbers
+  std::vector<const Weights*> by_number_;
+  std::map<size_t, size_t> own_weights_;  ///< numbers by mesh
 };
 
 }  // namespace tessera

@@ -95,7 +95,7 @@ class GltfReader {
     if (const size_t count = file_.root()["animations"].size())
       warnings_.add("animations are not read", count);
     list_unused("meshes", "mesh", [&](size_t i) {
-      const auto at = uses_.lower_bound({i, {}});
+      const auto at = uses_.lower_bound({i, 0});
       return at != uses_.end() && at->first.first == i;
     });
     list_unused("materials", "material", [&](size_t i) { return materials_.is_used(i); });
@@ -111,9 +111,9 @@ class GltfReader {
     Affine world;
   };
   /// A mesh that is shown with the same weights is one.
-  using MeshUse = std::pair<size_t, GltfMeshes::Weights>;
+  using MeshUse = std::pair<size_t, size_t>;
 
-  std::optional<MeshUse> mesh_of(const GltfValue& node) const {
+  std::optional<MeshUse> mesh_of(const GltfValue& node) {
     const auto mesh = node["mesh"].index(file_.root()["meshes"].size(), "mesh");
     if (!mesh) return std::nullopt;
     return MeshUse(*mesh, meshes_.weights(node, *mesh));
@@ -358,7 +358,7 @@ LoadedScene read_gltf(const std::string& path, const ReadOptions& options) {
   const AssetFolder assets(path, options.assets);
   GltfFile file(bytes, path, [&](const std::string& name) {
     const auto found = assets.find(name);
-    if (!found) throw scene_error(fmt::format("'{}' is not inside the scene's folder", name));
+    if (!found) throw scene_error(fmt::format("'{}' is not inside {}", name, assets.shown_root()));
     return read_input_file(found->string(), kMaxBytes);
   });
   return GltfReader(file,

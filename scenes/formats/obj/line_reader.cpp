@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/plain_text.h"
 
 namespace tessera {
 namespace {
@@ -82,7 +83,10 @@ bool LineReader::refill() {
   }
   pending_.assign(buffer_, cut);
   buffer_.resize(cut);
-  if (std::exchange(at_start_, false)) buffer_.erase(0, cut - skip_byte_order_mark(buffer_).size());
+  if (std::exchange(at_start_, false)) {
+    refuse_utf16(buffer_, name_);
+    buffer_.erase(0, cut - skip_byte_order_mark(buffer_).size());
+  }
   at_ = word_ = buffer_.data();
   end_ = buffer_.data() + buffer_.size();
   return at_ != end_;

@@ -60,9 +60,8 @@ void read_library(const std::string& written, const AssetFolder& assets, const P
   const auto file = assets.find(name);
   std::error_code ignored;
   if (!file) {
-    out.warnings.push_back(
-        fmt::format("{}: material library '{}' lies outside the file's folder and is not read",
-                    path, to_utf8(written)));
+    out.warnings.push_back(fmt::format("{}: material library '{}' lies outside {} and is not read",
+                                       path, to_utf8(written), assets.shown_root()));
   } else if (!fs::exists(*file, ignored)) {
     out.warnings.push_back(
         fmt::format("{}: material library '{}' is not there", path, to_utf8(written)));

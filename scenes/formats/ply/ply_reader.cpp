@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/plain_text.h"
 #include "renderer/math/encodings.h"
 #include "scenes/formats/ply/ply_source.h"
 #include "scenes/import/picture_problem.h"
@@ -298,6 +299,7 @@ void add_texture(const std::string& file, v1::Scene& scene, v1::Material& materi
 }  // namespace
 
 LoadedScene parse_ply(std::string_view bytes, const std::string& name, const PictureCheck& check) {
+  refuse_utf16(bytes, name);  // the header is a text whatever follows it
   bytes = skip_byte_order_mark(bytes);
   LoadedScene out;
   Warnings warnings;

@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/lower_case.h"
+#include "base/plain_text.h"
 #include "scenes/import/plain_material.h"
 #include "scenes/import/token_reader.h"
 #include "scenes/import/warnings.h"
@@ -61,10 +62,20 @@ bool is_text_length(std::string_view bytes) {
   return bytes.size() != kDataBegin + uint64_t{announced_triangles(bytes)} * kRecord;
 }
 
+bool says_solid(std::string_view bytes) {
+  return lower_case(std::string(TokenReader(bytes, "").word())) == "solid";
+}
+
 /// Binary files may begin with "solid" too; a text has no zero.
 bool is_text(std::string_view bytes) {
-  return lower_case(std::string(TokenReader(bytes, "").word())) == "solid" &&
-         bytes.substr(0, kDataBegin).find('\0') == std::string_view::npos;
+  return says_solid(bytes) && bytes.find('\0') == std::string_view::npos;
+}
+
+/// A binary file's header may be anything: this has to be a text's.
+bool is_text_in_utf16(std::string_view bytes) {
+  std::string head(bytes.substr(0, 40));
+  std::erase_if(head, [](char c) { return c == '\0' || c == '\xFF' || c == '\xFE'; });
+  return is_utf16(bytes) && says_solid(head);
 }
 
 void read_binary(std::string_view bytes, const std::string& name, StlMesh& mesh,
@@ -76,7 +87,11 @@ void read_binary(std::string_view bytes, const std::string& name, StlMesh& mesh,
   const size_t room = (bytes.size() - kDataBegin) / kRecord;
   if (count > room || count > kMaxTriangles)
     throw scene_error(
-        {name}, fmt::format("{} triangles in the header", count),
+        {name},
+        fmt::format(
+            "{}{} triangles in the header",
+            says_solid(bytes) ? "'solid', but zeros behind it as in binary files, and " : "",
+            count),
         fmt::format("at most {}, for which the file has room", std::min(room, kMaxTriangles)));
   if (bytes.size() > kDataBegin + count * kRecord)
     warnings.add("what follows the last triangle is not read");
@@ -96,7 +111,7 @@ void read_binary(std::string_view bytes, const std::string& name, StlMesh& mesh,
 class StlText {
  public:
   StlText(std::string_view bytes, const std::string& name, StlMesh& mesh)
-      : in_(bytes, name), mesh_(mesh) {}
+      : bytes_(bytes), name_(name), in_(bytes, name), mesh_(mesh) {}
 
   void read() {
     for (;;) {
@@ -105,10 +120,10 @@ class StlText {
       if (keyword == "facet") {
         facet();
       } else if (keyword == "solid" || keyword == "endsolid") {
-        in_.rest_of_line();  // its name
+        skip_name();
       } else if (keyword == "end") {
         expect("solid");
-        in_.rest_of_line();
+        skip_name();
       } else {
         throw in_.error(in_.quoted_word(), "facet, solid or endsolid");
       }
@@ -122,6 +137,24 @@ class StlText {
   void expect(std::string_view wanted) {
     if (next() != wanted) throw in_.error(in_.quoted_word(), fmt::format("'{}'", wanted));
   }
+
+  /// To the end of the line, or to the facet that begins in it: some files are one line.
+  void skip_name() {
+    for (size_t before = in_.offset();; before = in_.offset()) {
+      const std::string_view word = in_.word();
+      const size_t begin = in_.offset() - word.size();
+      const bool ends =
+          bytes_.substr(before, begin - before).find_first_of("\r\n") != std::string_view::npos;
+      if (ends) return go_to(before);
+      if (word.empty()) return;
+      if (lower_case(std::string(word)) != "facet") continue;
+      const size_t behind = in_.offset();
+      const bool is_facet = next() == "normal";
+      go_to(is_facet ? begin : behind);
+      if (is_facet) return;
+    }
+  }
+  void go_to(size_t offset) { in_ = TokenReader(bytes_, name_, offset); }
 
   void facet() {
     expect("normal");
@@ -140,6 +173,8 @@ class StlText {
     mesh_.add(corners);
   }
 
+  std::string_view bytes_;
+  const std::string& name_;
   TokenReader in_;
   StlMesh& mesh_;
 };
@@ -152,6 +187,7 @@ LoadedScene parse_stl(std::string_view bytes, const std::string& name) {
   LoadedScene out;
   Warnings warnings;
   StlMesh builder(warnings);
+  if (is_text_length(bytes) && is_text_in_utf16(bytes)) refuse_utf16(bytes, name);
   if (is_text(text) && is_text_length(bytes))
     StlText(text, name, builder).read();
   else

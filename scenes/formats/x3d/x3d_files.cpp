@@ -39,7 +39,7 @@ bool has_scheme(const std::string& url) {
 
 X3dFiles::X3dFiles(const std::string& first_file, const std::string& assets)
     : assets_(AssetFolder(first_file, assets)) {
-  const fs::path whole = fs::weakly_canonical(fs::absolute(first_file));
+  const fs::path whole = whole_path(first_file);
   open.push_back(whole.lexically_relative(assets_->folder).generic_string());
 }
 
@@ -55,7 +55,7 @@ X3dFiles::Found X3dFiles::find(const std::string& url, const std::string& folder
   AssetFolder from = *assets_;
   from.folder = (from.folder / folder).lexically_normal();
   const auto target = from.find(path);
-  if (!target) return {.reason = "it is not inside the scene's folder"};
+  if (!target) return {.reason = fmt::format("it is not inside {}", assets_->shown_root())};
   std::error_code failure;
   if (!fs::is_regular_file(*target, failure)) return {.reason = "there is no such file"};
   return {.file = target->lexically_relative(assets_->folder).generic_string()};

@@ -39,9 +39,12 @@ class X3dFiles {
     return (assets_->folder / file).lexically_normal().string();
   }
 
-  /// The files that are being read, outermost first, and the objects that those read became.
+  /// The files that are being read, outermost first, the objects that those read became, and why
+  /// others could not be.
   std::vector<std::string> open;
-  std::map<std::string, std::string> objects;
+  std::map<std::string, std::string> objects, problems;
+  /// Whether a file is a part of itself, or they are too many: whatever is left out, that is wrong.
+  bool is_endless = false;
 
  private:
   std::optional<AssetFolder> assets_;

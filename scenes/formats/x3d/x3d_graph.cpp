@@ -39,9 +39,10 @@ bool is_light(std::string_view type) {
 
 }  // namespace
 
-std::string X3dBuild::unique(std::set<std::string>& taken, const std::string& wish) {
+std::string X3dBuild::unique(X3dNames& names, const std::string& wish) {
+  int& number = names.next.try_emplace(wish, 2).first->second;
   std::string name = wish;
-  for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}_{}", wish, i);
+  while (!names.taken.insert(name).second) name = fmt::format("{}_{}", wish, number++);
   return name;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -25,6 +24,62 @@ std::string stem(const std::string& file) {
   const std::string name = file.substr(file.rfind('/') + 1);
   return to_utf8(name.substr(0, name.rfind('.')));
 }
+
+/// Takes what a file that turns out to be wrong has put into the scene out of it again.
+class X3dUndo {
+ public:
+  explicit X3dUndo(X3dBuild& build)
+      : build_(build),
+        cameras_(scene().cameras_size()),
+        materials_(scene().materials_size()),
+        textures_(scene().textures_size()),
+        objects_(scene().objects_size()),
+        includes_(scene().includes_size()),
+        has_background_(scene().has_background()),
+        has_scene_fog_(scene().has_fog()),
+        has_fog_(build.has_fog),
+        has_navigation_(build.has_navigation),
+        headlight_(build.headlight),
+        depth_(build.depth),
+        warnings_(build.out.warnings.size()),
+        placeholder_(build.placeholder),
+        open_(build.files.open),
+        known_(build.files.objects) {}
+
+  void operator()() const {
+    cut(*scene().mutable_cameras(), cameras_);
+    cut(*scene().mutable_materials(), materials_);
+    cut(*scene().mutable_textures(), textures_);
+    cut(*scene().mutable_objects(), objects_);
+    cut(*scene().mutable_includes(), includes_);
+    if (!has_background_) scene().clear_background();
+    if (!has_scene_fog_) scene().clear_fog();
+    build_.has_fog = has_fog_;
+    build_.has_navigation = has_navigation_;
+    build_.headlight = headlight_;
+    build_.depth = depth_;
+    build_.out.warnings.resize(warnings_);
+    build_.placeholder = placeholder_;
+    build_.files.open = open_;
+    build_.files.objects = known_;
+  }
+
+ private:
+  template <typename Messages>
+  static void cut(Messages& messages, int size) {
+    messages.DeleteSubrange(size, messages.size() - size);
+  }
+  v1::Scene& scene() const { return build_.out.scene; }
+
+  X3dBuild& build_;
+  int cameras_, materials_, textures_, objects_, includes_;
+  bool has_background_, has_scene_fog_, has_fog_, has_navigation_, headlight_;
+  int depth_;
+  size_t warnings_;
+  std::string placeholder_;
+  std::vector<std::string> open_;
+  std::map<std::string, std::string> known_;
+};
 
 }  // namespace
 
@@ -55,49 +110,63 @@ std::string X3dTranslator::read_inline(const X3dNode& node, const std::string& u
   if (!files.has_folder()) return "no folder is known";
   const X3dFiles::Found found = files.find(url, folder_);
   if (found.file.empty()) return found.reason;
+  const auto endless = [&](const std::string& what, const std::string& expected) {
+    files.is_endless = true;
+    return document_.error(node.offset, what, expected);
+  };
   if (std::find(files.open.begin(), files.open.end(), found.file) != files.open.end())
-    throw document_.error(node.offset, fmt::format("Inline of '{}', of which it is a part", url),
-                          "files that are not a part of themselves");
-  const auto known = files.objects.find(found.file);
-  if (known != files.objects.end()) {
+    throw endless(fmt::format("Inline of '{}', of which it is a part", url),
+                  "files that are not a part of themselves");
+  if (const auto known = files.objects.find(found.file); known != files.objects.end()) {
     out.set_instance_of(known->second);
     return "";
   }
-  if (files.open.size() >= X3dFiles::kMaxOpen || files.objects.size() >= X3dFiles::kMaxFiles)
-    throw document_.error(node.offset, "too many Inlines",
-                          fmt::format("at most {} files, {} one inside the other",
-                                      X3dFiles::kMaxFiles, X3dFiles::kMaxOpen));
+  if (const auto known = files.problems.find(found.file); known != files.problems.end())
+    return known->second;
+  if (files.open.size() >= X3dFiles::kMaxOpen ||
+      files.objects.size() + files.problems.size() >= X3dFiles::kMaxFiles)
+    throw endless("too many Inlines", fmt::format("at most {} files, {} one inside the other",
+                                                  X3dFiles::kMaxFiles, X3dFiles::kMaxOpen));
 
-  const bool is_other = is_other_format(found.file);
-  const std::string full = files.full(found.file);
-  std::optional<X3dDocument> parsed;
+  const X3dUndo undo(build_);
   try {
-    if (!is_other) parsed = X3dDocument::parse(read_input_file(full, X3dDocument::kMaxBytes), full);
-    const SceneCheck& check = build_.options.check_scene;
-    if (const std::string problem = is_other && check ? check(full) : ""; !problem.empty())
-      return problem;
+    const std::string name = build_.unique(build_.object_names, stem(found.file));
+    files.objects.emplace(found.file, name);
+    out.set_instance_of(name);
+    add_file(found.file, name, path);
+    return "";
   } catch (const Error& error) {  // as one that is missing
-    return error.what();
+    if (files.is_endless) throw;
+    undo();
+    out.clear_instance_of();
+    return files.problems[found.file] = error.what();
   }
-  const std::string name = build_.unique(build_.object_names, stem(found.file));
-  files.objects.emplace(found.file, name);
-  out.set_instance_of(name);
-  if (is_other) {
+}
+
+/// Adds what the file shows as the object of that name. Throws where it cannot be read.
+void X3dTranslator::add_file(const std::string& file, const std::string& name,
+                             const v1::Transform& path) {
+  X3dFiles& files = build_.files;
+  const std::string full = files.full(file);
+  if (is_other_format(file)) {
+    const SceneCheck& check = build_.options.check_scene;
+    if (const std::string problem = check ? check(full) : ""; !problem.empty())
+      throw scene_error(problem);
     v1::Include& include = *out_.scene.add_includes();
-    include.set_file(found.file);
+    include.set_file(file);
     include.set_object(name);
     *include.mutable_transform() = path;
-    return "";
+    return;
   }
-  const X3dDocument& document = *parsed;
-  files.open.push_back(found.file);
+  const X3dDocument document =
+      X3dDocument::parse(read_input_file(full, X3dDocument::kMaxBytes), full);
+  files.open.push_back(file);
   v1::Object object;
   object.set_name(name);
-  X3dTranslator(document, build_, X3dFiles::folder_of(found.file))
+  X3dTranslator(document, build_, X3dFiles::folder_of(file))
       .add_all(path, document_.metres_per_unit(), *object.mutable_nodes());
   *out_.scene.add_objects() = std::move(object);
   files.open.pop_back();
-  return "";
 }
 
 }  // namespace tessera

@@ -16,6 +16,12 @@
 
 namespace tessera {
 
+/// Names of one kind, each given out once.
+struct X3dNames {
+  std::set<std::string> taken;
+  std::map<std::string, int> next;  ///< the number that a wish is tried with
+};
+
 /// What the files share that make up one scene.
 struct X3dBuild {
   static constexpr int kMaxDepth = 400;  ///< of groups, through Inlines
@@ -23,7 +29,7 @@ struct X3dBuild {
   const ReadOptions& options;
   X3dFiles files;
   LoadedScene out{};
-  std::set<std::string> object_names{}, material_names{}, texture_names{}, camera_names{};
+  X3dNames object_names{}, material_names{}, texture_names{}, camera_names{};
   bool has_fog = false, has_navigation = false, headlight = true;
   int depth = 0;
   std::map<std::string, std::string> data_pictures{};  ///< what data: URIs hold, by the URI
@@ -31,7 +37,7 @@ struct X3dBuild {
   v1::Camera view{};          ///< from which the scene is seen unless another one is asked for
 
   /// `wish`, or that with a number behind it; from now on it is taken.
-  static std::string unique(std::set<std::string>& taken, const std::string& wish);
+  static std::string unique(X3dNames& names, const std::string& wish);
   void put(const Color& color, v1::Color* out_color) const;
 };
 
@@ -67,6 +73,7 @@ class X3dTranslator {
   void add_inline(const X3dNode& node, const v1::Transform& path, v1::Node& out);
   std::string read_inline(const X3dNode& node, const std::string& url, const v1::Transform& path,
                           v1::Node& out);
+  void add_file(const std::string& file, const std::string& name, const v1::Transform& path);
   void check_names();
   void warn_unknown_field(const X3dNode& node, const X3dNodeType& type, const std::string& name);
   void list_ignored();

@@ -19,6 +19,17 @@ TEST(SceneError, ReadsPlaceFoundExpected) {
   EXPECT_EQ(error.code(), ExitCode::bad_scene);
 }
 
+/// What a file holds may be in it: what() would end at a zero, and a terminal take commands from
+/// it.
+TEST(SceneError, HasNoControlCharacters) {
+  const std::string found("a\0b\x1b[2J\nc", 9);
+  EXPECT_STREQ(scene_error({"a\n.obj", 3, 7}, found, "\t").what(),
+               "a\\n.obj:3:7: a\\x00b\\x1b[2J\\nc; expected \\t");
+  for (const auto& make : {usage_error, render_error})
+    EXPECT_STREQ(make(found).what(), "a\\x00b\\x1b[2J\nc") << "with the lines of whoever wrote it";
+  EXPECT_STREQ(scene_error(found).what(), "a\\x00b\\x1b[2J\nc");
+}
+
 TEST(NearestName, FindsASlipOfThePenAndNothingFarther) {
   const std::array<std::string, 3> names{"whitted", "path", "normals"};
   EXPECT_EQ(nearest_name("whited", names), "whitted");

@@ -5,19 +5,10 @@
 #include <algorithm>
 
 #include "base/file.h"
+#include "base/plain_text.h"
 #include "scenes/formats/x3d/document/gunzip.h"
 
 namespace tessera {
-
-namespace {
-
-/// With a byte-order mark, or by the zero in a first character that is ASCII.
-bool is_utf16(std::string_view bytes) {
-  return bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF") ||
-         (bytes.size() >= 2 && (bytes[0] == '\0') != (bytes[1] == '\0'));
-}
-
-}  // namespace
 
 const X3dField* X3dNode::field(std::string_view name) const {
   const auto at =
@@ -37,9 +28,7 @@ X3dDocument X3dDocument::parse(std::string_view bytes, const std::string& name) 
     plain = gunzip(bytes, kMaxBytes, name);
     bytes = plain;
   }
-  if (is_utf16(bytes))
-    throw scene_error({name, 1, 1}, "text in UTF-16",
-                      "UTF-8, as `iconv -f UTF-16 -t UTF-8` makes of it");
+  refuse_utf16(bytes, name);
   const std::string text = to_utf8(skip_byte_order_mark(bytes));
   const size_t start = text.find_first_not_of(" \t\r\n");
   if (start != std::string::npos && text[start] == '<') return parse_xml(text, name);

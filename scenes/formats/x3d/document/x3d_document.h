@@ -65,6 +65,7 @@ class X3dDocument {
   /// Whether strings stand in quotes: not in XML, where only lists of them do.
   bool quotes_strings() const { return quotes_strings_; }
   double metres_per_unit() const { return metres_per_unit_; }
+  size_t length() const { return source_.size(); }  ///< of the text, in bytes
   double radians_per_unit() const { return radians_per_unit_; }
   const std::map<std::string, std::string>& metadata() const { return metadata_; }
   /// What was met on the way that a user should hear of, without the file's name.

@@ -7,6 +7,29 @@
 
 namespace tessera {
 
+X3dGiven::X3dGiven(const X3dNode& node) {
+  for (const X3dNode::Is& is : node.is) is_.try_emplace(is.field, &is);
+  for (const X3dField& field : node.fields) fields_.try_emplace(field.name, &field);
+  for (const X3dNode::Child& child : node.children)
+    children_[child.container].push_back(child.node);
+}
+
+const X3dNode::Is* X3dGiven::passed_on(std::string_view interface_field) const {
+  const auto known = is_.find(interface_field);
+  return known == is_.end() ? nullptr : known->second;
+}
+
+const X3dField* X3dGiven::field(std::string_view name) const {
+  const auto known = fields_.find(name);
+  return known == fields_.end() ? nullptr : known->second;
+}
+
+const std::vector<X3dNode*>& X3dGiven::children(std::string_view container) const {
+  static const std::vector<X3dNode*> none;
+  const auto known = children_.find(container);
+  return known == children_.end() ? none : known->second;
+}
+
 X3dNode& X3dTree::place(size_t offset) {
   X3dNode& node = (scopes_.size() > 1 ? document_.templates_ : document_.nodes_).emplace_back();
   node.offset = offset;
@@ -69,7 +92,9 @@ void X3dTree::begin_prototype() { scopes_.emplace_back(); }
 void X3dTree::end_prototype() { scopes_.pop_back(); }
 
 void X3dTree::declare(const std::string& name, X3dPrototype prototype) {
-  scopes_.back().prototypes[name] = std::move(prototype);
+  X3dPrototype& declared = scopes_.back().prototypes[name];
+  declared = std::move(prototype);
+  declared.defaults.emplace(declared.interface_node);
 }
 
 const X3dPrototype* X3dTree::prototype(const std::string& name) const {
@@ -86,7 +111,7 @@ X3dNode* X3dTree::instantiate(const X3dPrototype& prototype, const X3dNode& give
     nothing.type = "Group";
     return &nothing;
   }
-  Copying copying{prototype, given, {}};
+  Copying copying{prototype, given.offset, X3dGiven(given), {}};
   X3dNode* node = copy(*prototype.body, copying);
   node->def.clear();
   return node;
@@ -110,7 +135,7 @@ X3dNode* X3dTree::copy(const X3dNode& from, Copying& copying) {
   known->second = &node;
   size_t bytes = 0;
   for (const X3dField& field : from.fields) bytes += field.text.size();
-  count_copy(copying.given.offset, bytes);
+  count_copy(copying.offset, bytes);
   node.type = from.type;
   node.def = from.def;
   node.fields = from.fields;
@@ -122,11 +147,8 @@ X3dNode* X3dTree::copy(const X3dNode& from, Copying& copying) {
 
 /// Gives a field what the instance says, else what the interface does.
 void X3dTree::fill(X3dNode& node, const X3dNode::Is& is, const Copying& copying) {
-  for (const X3dNode* source : {&copying.given, &copying.prototype.interface_node}) {
-    const auto passed_on =
-        std::find_if(source->is.begin(), source->is.end(),
-                     [&](const X3dNode::Is& i) { return i.field == is.interface_field; });
-    if (passed_on != source->is.end()) {
+  for (const X3dGiven* source : {&copying.given, &*copying.prototype.defaults}) {
+    if (const X3dNode::Is* passed_on = source->passed_on(is.interface_field)) {
       node.is.push_back({is.field, passed_on->interface_field});
       return;
     }
@@ -134,15 +156,13 @@ void X3dTree::fill(X3dNode& node, const X3dNode::Is& is, const Copying& copying)
       node.fields.push_back({is.field, field->text, field->offset});
       return;
     }
-    bool found = false;
-    for (const X3dNode::Child& child : source->children) {
-      if (child.container != is.interface_field) continue;
-      found = true;
-      count_copy(copying.given.offset, 0);
-      ++child.node->uses;
-      add_child(node, is.field, child.node);
+    const std::vector<X3dNode*>& children = source->children(is.interface_field);
+    for (X3dNode* child : children) {
+      count_copy(copying.offset, 0);
+      ++child->uses;
+      add_child(node, is.field, child);
     }
-    if (found) return;
+    if (!children.empty()) return;
   }
 }
 

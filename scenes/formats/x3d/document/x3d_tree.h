@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -9,10 +10,27 @@
 
 namespace tessera {
 
-/// PROTO, however it is written.
+/// What a prototype's fields are given: the fields, children and passed-on fields of a node by
+/// name. Refers to the node.
+class X3dGiven {
+ public:
+  explicit X3dGiven(const X3dNode& node);
+
+  const X3dNode::Is* passed_on(std::string_view interface_field) const;
+  const X3dField* field(std::string_view name) const;
+  const std::vector<X3dNode*>& children(std::string_view container) const;
+
+ private:
+  std::map<std::string_view, const X3dNode::Is*> is_;
+  std::map<std::string_view, const X3dField*> fields_;
+  std::map<std::string_view, std::vector<X3dNode*>> children_;
+};
+
+/// PROTO, however it is written. Stays where it is once it is declared.
 struct X3dPrototype {
-  X3dNode interface_node;   ///< its fields and children are the defaults
-  X3dNode* body = nullptr;  ///< the first node, which an instance becomes; may be null
+  X3dNode interface_node;              ///< its fields and children are the defaults
+  X3dNode* body = nullptr;             ///< the first node, which an instance becomes; may be null
+  std::optional<X3dGiven> defaults{};  ///< of interface_node; the tree sets it
 };
 
 /// What the readers of all encodings build a document's nodes with: names, prototypes and limits.
@@ -52,7 +70,8 @@ class X3dTree {
   };
   struct Copying {
     const X3dPrototype& prototype;
-    const X3dNode& given;
+    size_t offset;  ///< of the instance
+    X3dGiven given;
     std::map<const X3dNode*, X3dNode*> made;
   };
 

@@ -74,9 +74,10 @@ const X3dField* X3dValues::read_field(const X3dNode& node, std::string_view name
 
 void X3dValues::spend(size_t bytes, size_t offset) const {
   read_bytes_ += bytes;
-  if (read_bytes_ > kMaxReadBytes)
+  if (read_bytes_ > kMaxReadBytes + kMaxReadTimes * document_.length())
     throw document_.error(offset, "lists that are used too often",
-                          fmt::format("at most {} GiB read in all", kMaxReadBytes >> 30));
+                          fmt::format("at most {} MiB, and {} times the file, read in all",
+                                      kMaxReadBytes >> 20, kMaxReadTimes));
 }
 
 template <typename Number>

@@ -62,8 +62,9 @@ class X3dValues {
 
   /// Counts what is made of a node at `offset` as if so much were read.
   void spend(size_t bytes, size_t offset) const;
-  /// Reading lists again and again, as USE makes possible, must end: "FILE:...: ...".
-  static constexpr size_t kMaxReadBytes = size_t{4} << 30;
+  /// Reading lists again and again, as USE makes possible, must end: so much, and so often the
+  /// length of the file.
+  static constexpr size_t kMaxReadBytes = size_t{256} << 20, kMaxReadTimes = 16;
 
  private:
   template <typename Number>

@@ -105,6 +105,7 @@ class TextBuilder {
     if (out_.points.size() / 3 + 4 > kMaxX3dPoints)
       throw values_.document().error(node_.offset, "a text that is too long",
                                      fmt::format("at most {} corners", kMaxX3dPoints));
+    values_.spend(4 * 3 * sizeof(float), node_.offset);
     const double half = (bold_ ? kBoldPen : kPen) / 2 * unit();
     const Vec3 along = length_squared(b - a) > 0 ? normalize(b - a) * half : Vec3{half, 0, 0};
     const Vec3 up{-along.y, along.x, 0};

@@ -211,6 +211,22 @@ TEST(SceneCodec, KeepsLargeBlobsBesideTheFile) {
   EXPECT_TRUE(MessageDifferencer::Equals(back.scene, made.scene));
   EXPECT_EQ(back.blobs.size(), 1u);
   const fs::path blob = folder / "s.tessera.blobs" / made.blobs.all().begin()->first.hex();
+  // By a link it is found where that leads to a place inside.
+  fs::create_directory(folder / "pool");
+  fs::rename(blob, folder / "pool/blob");
+  fs::create_symlink(folder / "pool/blob", blob);
+  EXPECT_EQ(read_scene_file(path, SceneEncoding::text).blobs.size(), 1u);
+  fs::create_directory(folder / "scenes");
+  const std::string deeper = (folder / "scenes/s.tessera").string();
+  fs::copy(path, deeper);
+  fs::create_directory_symlink("../s.tessera.blobs", deeper + ".blobs");
+  EXPECT_NE(error_of([&] {
+              read_scene_file(deeper, SceneEncoding::text);
+            }).find("a blob that is not inside '" + (folder / "scenes").string() + "'"),
+            std::string::npos);
+  EXPECT_EQ(read_scene_file(deeper, SceneEncoding::text, folder).blobs.size(), 1u);
+  fs::remove(blob);
+  fs::rename(folder / "pool/blob", blob);
   std::ofstream(blob, std::ios::in) << 'y';
   EXPECT_NE(error_of([&] { read_scene_file(path, SceneEncoding::text); }).find("do not have"),
             std::string::npos);

@@ -353,7 +353,14 @@ TEST(Validation, the_graph) {
       bomb += "nodes { instance_of: 'o" + std::to_string(level - 1) + "' } ";
     bomb += "} ";
   }
-  expect_error(bomb + "nodes { instance_of: 'o9' }", "instances; expected fewer");
+  // Found before it unfolds, and so without the way to the one too many.
+  expect_error(bomb + "nodes { name: 'n' instance_of: 'o9' }",
+               "node 'n': the scene is more than 4194304 instances; expected fewer");
+  std::string empty = bomb;
+  const std::string sphere = "nodes { shape { sphere {} } }";
+  empty.replace(empty.find(sphere), sphere.size(), "nodes { } nodes { }");
+  expect_error(empty + "nodes { name: 'n' instance_of: 'o9' }",
+               "node 'n': the scene is more than 16777216 nodes once unfolded; expected fewer");
 }
 
 TEST(Validation, nesting_has_a_limit) {

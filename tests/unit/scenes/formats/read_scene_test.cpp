@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <span>
 
 #include "renderer/math/encodings.h"
 #include "renderer/math/vec.h"
@@ -70,6 +71,45 @@ TEST_F(ReadScene, StepsOverAByteOrderMark) {
       "Settings { camera -> cam }\nScene { }\n";
   EXPECT_EQ(read_scene(write("a.crt", mark + script)).scene.cameras_size(), 1);
   EXPECT_EQ(error(write("b.crt", mark + "1 +")).substr(0, 8), "b.crt:1:");
+}
+
+/// What a text is in another encoding, or with two of the marks before it, of each text format.
+TEST_F(ReadScene, TellsOfTextInUtf16AndStepsOverMarks) {
+  const std::string stl =
+      "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+      "endloop\nendfacet\nendsolid s\n";
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+      "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 "
+      "0\n3 0 1 2\n";
+  write("m.obj", std::string("mtllib m.mtl\nusemtl m\n") + kTriangle);
+  for (const auto& [name, text] : std::vector<std::pair<std::string, std::string>>{
+           {"a.tessera", "nodes { }"},
+           {"a.json", "{ }"},
+           {"a.obj", kTriangle},
+           {"m.mtl", "newmtl m\n"},
+           {"a.ply", ply},
+           {"a.stl", stl},
+           {"a.gltf", R"({"asset":{"version":"2.0"}})"},
+           {"a.x3d", "<X3D><Scene/></X3D>"},
+           {"a.wrl", "#VRML V2.0 utf8\n"},
+           {"a.crt",
+            "cam = Camera { position -> vec3(0, 0, -5) pointing -> vec3(0, 0, 0) fov -> 60 }\n"
+            "Settings { camera -> cam }\nScene { }\n"}}) {
+    const std::string read = name == "m.mtl" ? "m.obj" : name;
+    write(name, "\xEF\xBB\xBF\xEF\xBB\xBF" + text);
+    EXPECT_NO_THROW(read_scene((folder_ / read).string())) << name;
+    for (const std::string mark : {"\xFF\xFE", "\xFE\xFF", ""}) {
+      std::string wide;
+      for (const char c : text)
+        wide += mark == "\xFE\xFF" ? std::string{'\0', c} : std::string{c, '\0'};
+      write(name, mark + wide);
+      EXPECT_EQ(error((folder_ / read).string()),
+                name +
+                    ":1:1: text in UTF-16; expected UTF-8, as `iconv -f UTF-16 -t UTF-8` makes "
+                    "of it");
+    }
+  }
 }
 
 TEST_F(ReadScene, ReadsAnEndingInAnyCase) {
@@ -429,6 +469,39 @@ TEST_F(ReadScene, LeavesOutInlinesThatCannotBeReadWhateverTheirFormat) {
       << "an include that is not read is an error";
 }
 
+/// However deep what is wrong lies: in the file that is named, or in one that this includes.
+TEST_F(ReadScene, LeavesOutInlinesThatIncludeWhatCannotBeRead) {
+  write("good.obj", kTriangle);
+  write("bad.obj", "v 0 0 0\nf 1 2 3\n");
+  write("radius.x3d", "<X3D><Scene><Shape><Sphere radius='-1'/></Shape></Scene></X3D>");
+  const auto inline_of = [&](const std::string& includes) {
+    write("outer.tessera", "includes { file: 'good.obj' }\nincludes { file: 'inner.tessera' }");
+    write("inner.tessera", includes);
+    return read_scene(write("a.x3d",
+                            "<X3D><Scene><Inline url='\"outer.tessera\" \"good.obj\"'/>\n"
+                            "<Inline url='outer.tessera'/><Inline url='good.obj'/></Scene></X3D>"));
+  };
+  for (const auto& [file, reason] :
+       {std::pair<std::string, std::string>{"none.obj", "none.obj: no such file"},
+        {"bad.obj", "bad.obj:2:"},
+        {"../out.obj", "inner.tessera: includes '../out.obj', which is not inside the scene's"},
+        {"radius.x3d", "radius.x3d:1:"}}) {
+    const LoadedScene loaded = inline_of("includes { file: '" + file + "' }");
+    EXPECT_EQ(loaded.scene.objects_size(), 2) << "good.obj and what the Inlines refer to";
+    EXPECT_EQ(loaded.scene.nodes(0).instance_of(), loaded.scene.nodes(2).instance_of());
+    EXPECT_EQ(loaded.scene.nodes(1).instance_of(), "");
+    ASSERT_EQ(loaded.warnings.size(), 1u) << file;
+    EXPECT_NE(loaded.warnings[0].find("a.x3d: line 2: Inline of 'outer.tessera' is left out: "),
+              std::string::npos)
+        << loaded.warnings[0];
+    EXPECT_NE(loaded.warnings[0].find(reason), std::string::npos) << loaded.warnings[0];
+  }
+  EXPECT_EQ(inline_of("includes { file: 'good.obj' }").warnings, std::vector<std::string>{});
+  EXPECT_NE(error_of([&] { inline_of("includes { file: 'a.x3d' }"); }).find("in turn"),
+            std::string::npos)
+      << "what has no end is an error";
+}
+
 TEST_F(ReadScene, LooksForFilesInTheAssetsAlone) {
   ReadOptions options;
   options.assets = (outside_ / "assets").string();
@@ -478,6 +551,98 @@ TEST_F(ReadScene, LooksForFilesInTheAssetsAlone) {
               read("t.tessera", "includes { file: '../scene/s.obj' }");
             }).find("not inside"),
             std::string::npos);
+}
+
+/// Whatever names the file, the message names the folder that it has to be in.
+TEST_F(ReadScene, SaysWhichFolderAFileIsOutsideOf) {
+  ReadOptions options;
+  options.assets = (outside_ / "assets").string();
+  options.decode_texture = [](const std::string&, bool) { return DecodedTexture{}; };
+  fs::create_directories(options.assets);
+  const std::string root = "the asset root '" + fs::canonical(options.assets).string() + "'";
+  for (const auto& [name, text] : std::vector<std::pair<std::string, std::string>>{
+           {"s.tessera", "includes { file: '../x.obj' }"},
+           {"t.tessera", "textures { name: 't' image { file: '../x.png' } }"},
+           {"s.x3d", "<X3D><Scene><Inline url='../x.obj'/></Scene></X3D>"},
+           {"t.x3d",
+            "<X3D><Scene><Shape><Appearance><ImageTexture url='../x.png'/></Appearance><Box/>"
+            "</Shape></Scene></X3D>"},
+           {"s.obj", std::string("mtllib ../x.mtl\n") + kTriangle},
+           {"t.obj", std::string("mtllib t.mtl\nusemtl t\n") + kTriangle},
+           {"s.ply",
+            "ply\nformat ascii 1.0\ncomment TextureFile ../x.png\nelement vertex 3\nproperty float "
+            "x\nproperty float y\nproperty float z\nproperty float u\nproperty float v\nelement "
+            "face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0 0\n1 0 0 1 0\n"
+            "0 1 0 0 1\n3 0 1 2\n"},
+           {"s.gltf",
+            R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{)"
+            R"("attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"count":1,)"
+            R"("componentType":5126,"type":"VEC3"}],"bufferViews":[{"buffer":0,)"
+            R"("byteLength":12}],"buffers":[{"byteLength":12,"uri":"../x.bin"}]})"},
+           {"s.crt",
+            "cam = Camera { position -> vec3(0, 0, -5) pointing -> vec3(0, 0, 0) fov -> 60 }\n"
+            "Settings { camera -> cam }\nScene { Mesh { file -> \"../x.obj\" } }\n"}}) {
+    write("../assets/" + name, text);
+    write("../assets/t.mtl", "newmtl t\nmap_Kd ../x.png\n");
+    const std::string path = (outside_ / "assets" / name).string();
+    std::string said;
+    const std::string error = error_of([&] {
+      const LoadedScene loaded = read_scene(path, options);
+      for (const std::string& warning : loaded.warnings) said += warning + "\n";
+    });
+    said += error;
+    EXPECT_NE(said.find(root), std::string::npos) << name << ": " << said;
+    EXPECT_EQ(said.find("scene's folder"), std::string::npos) << name << ": " << said;
+  }
+}
+
+TEST_F(ReadScene, SaysThatTheCurrentFolderWasRemoved) {
+  const std::string scene = write("a.x3d", "<X3D><Scene/></X3D>");
+  const fs::path before = fs::current_path();
+  fs::create_directory(outside_ / "gone");
+  fs::current_path(outside_ / "gone");
+  fs::remove(outside_ / "gone");
+  ReadOptions options;
+  options.assets = ".";
+  const std::string relative = error_of([] { read_scene("a.x3d"); });
+  const std::string assets = error_of([&] { read_scene(scene, options); });
+  const size_t cameras = read_scene(scene).scene.cameras_size();
+  fs::current_path(before);
+  for (const std::string& message : {relative, assets})
+    EXPECT_EQ(message,
+              "the current folder is not there any more; expected another, or paths that begin "
+              "with '/'");
+  EXPECT_EQ(cameras, 1u) << "where it is not needed it is not missed";
+}
+
+TEST_F(ReadScene, FollowsNoLinkOfABlobOutOfTheAssets) {
+  const std::string bytes(36, '\0');
+  const std::string digest = Digest::of(std::as_bytes(std::span(bytes))).hex();
+  const std::string scene = "nodes { shape { mesh { positions { size: 36 digest: '" + digest +
+                            "' } inline_triangles: [0, 1, 2] } } }";
+  ReadOptions options;
+  options.assets = (outside_ / "assets").string();
+  write("../assets/s/a.tessera", scene);
+  write("../assets/pool", bytes);
+  write("../elsewhere", bytes);
+  fs::create_directory(outside_ / "assets/s/a.tessera.blobs");
+  const fs::path path = outside_ / "assets/s/a.tessera";
+  const fs::path blob = path.string() + ".blobs/" + digest;
+  fs::create_symlink("../../pool", blob);
+  EXPECT_EQ(read_scene(path.string(), options).blobs.size(), 1u);
+  EXPECT_NE(error_of([&] { read_scene(path.string()); }).find("a blob that is not inside"),
+            std::string::npos)
+      << "without assets the scene's own folder is all there is";
+  fs::remove(blob);
+  fs::create_symlink("../../../elsewhere", blob);
+  EXPECT_NE(error_of([&] {
+              read_scene(path.string(), options);
+            }).find("a blob that is not inside '" + fs::canonical(options.assets).string()),
+            std::string::npos);
+  // Beside a scene that is not in the assets itself its blobs are its own.
+  write("b.tessera", scene);
+  write("b.tessera.blobs/" + digest, bytes);
+  EXPECT_EQ(read_scene((folder_ / "b.tessera").string(), options).blobs.size(), 1u);
 }
 
 TEST_F(ReadScene, ReadsPicturesOfMaterialsInsideTheFolderOnly) {

@@ -409,7 +409,7 @@ TEST(CrtScene, FilesAreLookedForInsideTheFolderOnly) {
     return std::string();
   };
   EXPECT_THAT(written("/images/none.jpg"), HasSubstr("there is no file"));
-  EXPECT_THAT(written("../../etc/passwd"), HasSubstr("not inside the script's folder"));
+  EXPECT_THAT(written("../../etc/passwd"), HasSubstr("not inside the scene's folder"));
   EXPECT_THAT(written(""), HasSubstr("a file without a name"));
   write_output_file((folder / "sky.png").string(), "picture");
   EXPECT_EQ(written("/sky.png"), "");

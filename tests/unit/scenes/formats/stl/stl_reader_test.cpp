@@ -82,6 +82,35 @@ TEST(Stl, ReadsKeywordsInCapitalsAndAfterAByteOrderMark) {
             "t.stl:3:7: 'lop'; expected 'loop'");
 }
 
+TEST(Stl, ReadsTextThatIsOneLine) {
+  std::string line = "solid the facet plate\n" + facet("0 0 0", "1 0 0", "1 1 0") +
+                     "endsolid the facet plate\nsolid two\n" + facet("0 0 0", "1 1 0", "0 1 0") +
+                     "endsolid two";
+  EXPECT_EQ(read(line).positions, kSquarePoints);
+  for (char& c : line)
+    if (c == '\n') c = ' ';
+  const Mesh mesh = read(line);
+  EXPECT_EQ(mesh.positions, kSquarePoints);
+  EXPECT_TRUE(mesh.warnings.empty());
+  // In time that grows with the square of their number these would outlast the test's time limit.
+  std::string many;
+  constexpr int kSolids = 300'000;
+  for (int i = 0; i < kSolids; ++i) many += "solid a endsolid a ";
+  EXPECT_EQ(read(many + line).positions, kSquarePoints);
+}
+
+TEST(Stl, SaysWhatIsWrongWithAHeaderThatSaysSolid) {
+  std::string damaged = binary("solid made by a program", kSquare);
+  damaged.replace(80, 4, "\1\1\1\1");
+  EXPECT_EQ(error(damaged),
+            "t.stl: 'solid', but zeros behind it as in binary files, and 16843009 triangles in the "
+            "header; expected at most 2, for which the file has room");
+  std::string wide;
+  for (const char c : "solid x\n" + facet("0 0 0", "1 0 0", "1 1 0")) wide += {c, '\0'};
+  for (const std::string& bytes : {wide, "\xFF\xFE" + wide})
+    EXPECT_EQ(error(bytes).substr(0, 25), "t.stl:1:1: text in UTF-16");
+}
+
 TEST(Stl, LeavesOutWhatHasNoExtent) {
   const Mesh mesh = read(binary("", {kSquare[0], {0, 0, 0, 0, 0, 0, 1, 1, 0}}));
   EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2}));

@@ -355,9 +355,65 @@ TEST_F(X3dFilesTest, FilesAreNoPartOfThemselves) {
           "Inline { url \"d" + std::to_string(i + 1) + ".x3dv\" }");
   EXPECT_NE(error_reading((folder_ / "d0.x3dv").string()).find("too many Inlines"),
             std::string::npos);
-  write("broken.x3dv", "Shape { geometry Sphere { radius -1 } }");
-  EXPECT_EQ(error_reading(write("c.x3dv", "Inline { url \"broken.x3dv\" }")),
-            "broken.x3dv:2:34: radius -1 of Sphere; expected a length above 0");
+}
+
+/// In time that grows with the square of a number these would outlast the test's time limit.
+TEST(X3dEncodings, WhatIsManyTakesTimeInItsNumber) {
+  constexpr int kShapes = 150'000, kFields = 200'000, kInstances = 190'000;
+  std::string same_names = "#VRML V2.0 utf8\n";
+  for (int i = 0; i < kShapes; ++i) same_names += "DEF a Shape{geometry Box{}} USE a\n";
+  const LoadedScene shapes = parse_x3d(same_names, "t.wrl", {});
+  ASSERT_EQ(shapes.scene.objects_size(), kShapes);
+  EXPECT_EQ(shapes.scene.objects(kShapes - 1).name(), "a_" + std::to_string(kShapes));
+  std::string prototype = "#VRML V2.0 utf8\nPROTO p [ ";
+  for (int i = 0; i < kFields; ++i) prototype += "field SFFloat f" + std::to_string(i) + " 0\n";
+  prototype += "] { Transform { ";
+  for (int i = 1; i <= 10; ++i) prototype += "bboxCenter IS f" + std::to_string(kFields - i) + "\n";
+  prototype += "} }\n";
+  for (int i = 0; i < kInstances; ++i) prototype += "p{}\n";
+  EXPECT_EQ(parse_x3d(prototype, "t.wrl", {}).scene.nodes_size(), kInstances);
+}
+
+TEST(X3dEncodings, ListsAreNotReadAgainAndAgainForever) {
+  std::string text =
+      "#VRML V2.0 utf8\nShape { geometry PointSet { coord DEF c Coordinate { point [ ";
+  for (int i = 0; i < 50'000; ++i) text += "0 1 2 ";
+  text += "] } } }\n";
+  for (int i = 0; i < 2'000; ++i) text += "Shape { geometry PointSet { coord USE c } }\n";
+  EXPECT_NE(
+      error(text).find("lists that are used too often; expected at most 256 MiB, and 16 times the "
+                       "file, read in all"),
+      std::string::npos);
+}
+
+/// All of a file is read, or nothing of it: what its first nodes put into the scene goes too.
+TEST_F(X3dFilesTest, OfAFileThatIsWrongNothingIsLeft) {
+  write("good.x3dv", "Shape { geometry Box { } }");
+  write("broken.x3dv",
+        "DEF V Viewpoint { } Background { } Fog { visibilityRange 9 } NavigationInfo { headlight "
+        "FALSE } DEF S Shape { appearance Appearance { material Material { } texture ImageTexture "
+        "{ url \"none.png\" } } geometry Box { } } USE S Inline { url \"good.x3dv\" }\n"
+        "Shape { geometry Sphere { radius -1 } }");
+  write("outer.x3dv", "Inline { url \"broken.x3dv\" } Inline { url \"good.x3dv\" }");
+  const std::string urls = "Inline { url [ \"broken.x3dv\" \"outer.x3dv\" ] }";
+  const LoadedScene loaded = read_x3d(write("main.x3dv", urls + urls), {});
+  EXPECT_EQ(loaded.scene.textures_size(), 0);
+  EXPECT_EQ(loaded.scene.materials_size(), 1) << "of good.x3dv";
+  EXPECT_EQ(loaded.scene.background().kind_case(), v1::Background::KIND_NOT_SET);
+  EXPECT_FALSE(loaded.scene.has_fog());
+  ASSERT_EQ(loaded.scene.cameras_size(), 1);
+  EXPECT_EQ(loaded.scene.cameras(0).name(), "default") << "none of the file's";
+  EXPECT_TRUE(loaded.scene.cameras(0).has_headlight());
+  ASSERT_EQ(loaded.scene.objects_size(), 2);
+  EXPECT_EQ(loaded.scene.objects(1).name(), "outer");
+  for (const v1::Node& node : loaded.scene.nodes()) EXPECT_EQ(node.instance_of(), "outer");
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_NE(loaded.warnings[0].find("outer.x3dv: line 2: Inline of 'broken.x3dv' is left out: "),
+            std::string::npos)
+      << loaded.warnings[0];
+  EXPECT_NE(loaded.warnings[0].find("broken.x3dv:3:34: radius -1 of Sphere; expected a length"),
+            std::string::npos)
+      << loaded.warnings[0];
 }
 
 TEST_F(X3dFilesTest, OtherFormatsBecomeObjectsToo) {
