@@ -5,6 +5,7 @@
 
 #include "renderer/accel/box_row.h"
 #include "renderer/accel/instance.h"
+#include "renderer/accel/plane_row.h"
 #include "renderer/accel/rectangle_row.h"
 #include "renderer/accel/spatial_splits.h"
 #include "renderer/accel/traversal_tree.h"
@@ -65,6 +66,9 @@ struct BvhKernels {
   /// The same of rectangles.
   RectanglesMet (*rectangles_met)(const RectangleRow& row, const Ray& ray, double t_max,
                                   double* entered);
+  /// Which planes of the row the ray meets at t <= `limit`, a bit each, and t, as many as
+  /// row.count rounded up to four; ray.cull does not count.
+  uint32_t (*planes_met)(const PlaneRow& row, const Ray& ray, double limit, double* t);
   const char* name;
 };
 

@@ -34,6 +34,10 @@ const Rectangle* plain_rectangle(const Instance& instance) {
   return rectangle && RectangleRow::can_hold(*rectangle) ? rectangle : nullptr;
 }
 
+bool is_plain_plane(const Instance& instance) {
+  return instance.shape->kind() == ShapeKind::plane && instance.world_from_object.is_identity();
+}
+
 const Rectangle& rectangle_of(const Instance& instance) {
   return static_cast<const Rectangle&>(*instance.shape);
 }
@@ -58,7 +62,8 @@ bool closest_hit_inside_of(const Rectangle& rectangle, uint32_t number, const Ra
 FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& code)
     : instances_(std::move(instances)),
       boxes_entered_(code.boxes_entered),
-      rectangles_met_(code.rectangles_met) {
+      rectangles_met_(code.rectangles_met),
+      planes_met_(code.planes_met) {
   std::vector<Bounds3> boxes;
   for (uint32_t i = 0; i < instances_.size(); ++i) {
     const Instance& instance = instances_[i];
@@ -79,6 +84,27 @@ FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& co
   }
   rectangles_.finish();
   row_ = BoxRow(boxes);
+  take_planes();
+}
+
+size_t FewInstances::planes_among(std::span<const Instance> instances) {
+  return static_cast<size_t>(std::count_if(instances.begin(), instances.end(), is_plain_plane));
+}
+
+void FewInstances::take_planes() {
+  const auto is_plane = [&](uint32_t i) { return is_plain_plane(instances_[i]); };
+  if (static_cast<size_t>(std::count_if(endless_.begin(), endless_.end(), is_plane)) <
+      PlaneRow::kLeast) {
+    return;
+  }
+  std::erase_if(endless_, [&](uint32_t i) {
+    if (planes_.count == PlaneRow::kMost || !is_plane(i)) return false;
+    const Instance& instance = instances_[i];
+    if (instance.casts_shadow) shading_planes_ |= 1u << planes_.count;
+    plane_numbers_[planes_.count] = i;
+    planes_.add(static_cast<const Plane&>(*instance.shape), seen_cull(instance));
+    return true;
+  });
 }
 
 void FewInstances::find_rectangles(const Ray& ray, double t_max, Candidates& candidates) const {
@@ -90,10 +116,52 @@ void FewInstances::find_rectangles(const Ray& ray, double t_max, Candidates& can
 }
 
 void FewInstances::find_boxes(const Ray& ray, double t_max, Candidates& candidates) const {
-  if (row_.count == 0) return;
+  if (row_.count == 0) {
+    candidates.is_unusual |= rectangles_.count == 0;
+    return;
+  }
   const uint32_t in = boxes_entered_(row_, ray, t_max, candidates.entered + kBoxes);
   candidates.left |= (in & row_.all) << kBoxes;
   candidates.is_unusual |= (in & BoxRow::kUnusual) != 0;
+}
+
+inline bool FewInstances::closest_plane(const Ray& ray, Hit& hit,
+                                        TraversalCounters& counters) const {
+  if (ray.cull != Cull::none) {
+    bool found = false;
+    for (size_t i = 0; i < planes_.count; ++i) {
+      const uint32_t number = plane_numbers_[i];
+      found |= closest_hit_of(instances_[number], number, ray, hit, counters);
+    }
+    return found;
+  }
+  counters.primitive_tests += planes_.count;
+  double t[PlaneRow::kMost];
+  uint32_t met = planes_met_(planes_, ray, hit.t, t);
+  if (met == 0) return false;
+  const size_t nearest = take_nearest(met, t);
+  return take_if_closer(t[nearest], plane_numbers_[nearest], hit);
+}
+
+inline bool FewInstances::closest_endless(const Ray& ray, Hit& hit,
+                                          TraversalCounters& counters) const {
+  bool found = planes_.count > 0 && closest_plane(ray, hit, counters);
+  for (const uint32_t i : endless_) found |= closest_hit_of(instances_[i], i, ray, hit, counters);
+  return found;
+}
+
+inline bool FewInstances::any_endless(const Ray& ray, TraversalCounters& counters) const {
+  if (planes_.count > 0 && ray.cull == Cull::none) {
+    counters.primitive_tests += planes_.count;
+    double t[PlaneRow::kMost];
+    if ((planes_met_(planes_, ray, ray.t_max, t) & shading_planes_) != 0) return true;
+  } else {
+    for (size_t i = 0; i < planes_.count; ++i)
+      if (any_hit_of(instances_[plane_numbers_[i]], ray, counters)) return true;
+  }
+  for (const uint32_t i : endless_)
+    if (any_hit_of(instances_[i], ray, counters)) return true;
+  return false;
 }
 
 bool FewInstances::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
@@ -102,8 +170,7 @@ bool FewInstances::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& coun
   find_rectangles(ray, t_max, candidates);
   find_boxes(ray, t_max, candidates);
   if (candidates.is_unusual && !can_hit(ray)) return false;
-  bool found = false;
-  for (const uint32_t i : endless_) found |= closest_hit_of(instances_[i], i, ray, hit, counters);
+  bool found = closest_endless(ray, hit, counters);
   for (uint32_t left = candidates.left; left != 0;) {
     const size_t nearest = take_nearest(left, candidates.entered);
     if (candidates.entered[nearest] > hit.t) break;
@@ -125,8 +192,7 @@ bool FewInstances::any_hit(const Ray& ray, TraversalCounters& counters) const {
   candidates.left &= ~candidates.inside;
   find_boxes(ray, ray.t_max, candidates);
   if (candidates.is_unusual && !can_hit(ray)) return false;
-  for (const uint32_t i : endless_)
-    if (any_hit_of(instances_[i], ray, counters)) return true;
+  if (any_endless(ray, counters)) return true;
   for (uint32_t left = candidates.left; left != 0;)
     if (any_hit_of(instances_[held_[take_lowest(left)]], ray, counters)) return true;
   return false;
@@ -135,8 +201,7 @@ bool FewInstances::any_hit(const Ray& ray, TraversalCounters& counters) const {
 bool FewInstances::any_hit_among(uint32_t boxes, const Ray& ray,
                                  TraversalCounters& counters) const {
   if ((boxes & BoxRow::kUnusual) != 0 && !can_hit(ray)) return false;
-  for (const uint32_t i : endless_)
-    if (any_hit_of(instances_[i], ray, counters)) return true;
+  if (any_endless(ray, counters)) return true;
   for (uint32_t left = boxes & ~BoxRow::kUnusual; left != 0;)
     if (any_hit_of(instances_[held_[kBoxes + take_lowest(left)]], ray, counters)) return true;
   return false;

@@ -1,18 +1,20 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "renderer/accel/accelerator.h"
 #include "renderer/accel/box_row.h"
 #include "renderer/accel/bvh_kernels.h"
+#include "renderer/accel/plane_row.h"
 #include "renderer/accel/rectangle_row.h"
 
 namespace tessera {
 
-/// A few instances without a tree: a ray is held against all rectangles that stand as they are, and
-/// against the boxes of all others, at once, which takes less than to prepare it for a tree. What
-/// cannot be held in a box is always tested.
+/// A few instances without a tree: a ray is held against all rectangles that stand as they are, all
+/// planes if they are several, and the boxes of all others, each at once, which takes less than to
+/// prepare it for a tree. What cannot be held in a box is always tested.
 class FewInstances final : public Accelerator {
  public:
   /// At most BoxRow::kMost that can_be_held(), any number of others.
@@ -30,9 +32,15 @@ class FewInstances final : public Accelerator {
   /// all are in boxes.
   bool any_hit_among(uint32_t boxes, const Ray& ray, TraversalCounters& counters) const;
   /// Whether there is anything to hit in `boxes`, or that is in none.
-  bool holds_any(uint32_t boxes) const { return boxes != 0 || !endless_.empty(); }
+  bool holds_any(uint32_t boxes) const {
+    return boxes != 0 || !endless_.empty() || planes_.count != 0;
+  }
+
+  /// How many planes of `instances` are held against a ray at once, if they are several.
+  static size_t planes_among(std::span<const Instance> instances);
 
  private:
+  void take_planes();
   /// The place of the first box among candidates.
   static constexpr size_t kBoxes = RectangleRow::kMost;
   /// What the ray may hit, a bit each, and lower bounds of t there.
@@ -45,8 +53,15 @@ class FewInstances final : public Accelerator {
   void find_rectangles(const Ray& ray, double t_max, Candidates& candidates) const;
   void find_boxes(const Ray& ray, double t_max, Candidates& candidates) const;
 
+  bool closest_endless(const Ray& ray, Hit& hit, TraversalCounters& counters) const;
+  bool any_endless(const Ray& ray, TraversalCounters& counters) const;
+  bool closest_plane(const Ray& ray, Hit& hit, TraversalCounters& counters) const;
+
   std::vector<Instance> instances_;
-  std::vector<uint32_t> endless_;  ///< always tested, ascending
+  std::vector<uint32_t> endless_;  ///< beside planes_; always tested, ascending
+  PlaneRow planes_;
+  std::array<uint32_t, PlaneRow::kMost> plane_numbers_{};  ///< ascending
+  uint32_t shading_planes_ = 0;                            ///< a bit for each that casts shadows
   /// By candidate: those of the row of rectangles, and from kBoxes on those of the row of boxes.
   std::array<uint32_t, 2 * BoxRow::kMost> held_{};
   RectangleRow rectangles_;
@@ -55,6 +70,7 @@ class FewInstances final : public Accelerator {
   Bounds3 bounds_;
   decltype(BvhKernels::boxes_entered) boxes_entered_;
   decltype(BvhKernels::rectangles_met) rectangles_met_;
+  decltype(BvhKernels::planes_met) planes_met_;
 };
 
 }  // namespace tessera

@@ -60,9 +60,22 @@ Bounds3 bounds_of(const Instance& instance) {
   return instance.world_from_object.bounds(instance.shape->bounds());
 }
 
+/// surface_at() of a plane that stands as it is and has no texture coordinates.
+static SurfaceInteraction surface_in_place(const Plane& plane, const Instance& instance,
+                                           const Ray& ray, const Hit& hit) {
+  SurfaceInteraction surface;
+  plane.place_surface(ray, hit, surface);
+  take_flat_to_world(instance.flip_normals, hit.instance, surface);
+  return surface;
+}
+
 SurfaceInteraction surface_at(std::span<const Instance> instances, const Ray& ray, const Hit& hit) {
   const Instance& instance = instances[hit.instance];
   const bool is_moved = !instance.world_from_object.is_identity();
+  if (!is_moved && instance.shape->kind() == ShapeKind::plane) {
+    const auto& plane = static_cast<const Plane&>(*instance.shape);
+    if (!plane.keeps_uv()) return surface_in_place(plane, instance, ray, hit);
+  }
   SurfaceInteraction surface =
       is_moved ? instance.shape->surface(to_object(instance, ray, ray.cull), hit)
                : instance.shape->surface(ray, hit);

@@ -32,32 +32,38 @@ inline bool is_simple(const Instance& instance, const Ray& ray) {
   return instance.shape->kind() != ShapeKind::other && instance.world_from_object.is_identity() &&
          ray.cull == Cull::none;
 }
+/// The sides of its shape that no ray sees.
+inline Cull seen_cull(const Instance& instance) {
+  const Cull cull = instance.cull;
+  if (!instance.flip_normals || cull == Cull::none) return cull;
+  return cull == Cull::back ? Cull::front : Cull::back;
+}
 /// Where the ray meets, at t <= `limit`, a shape that is tested where it stands and has but one
 /// primitive.
 inline bool in_place(const Instance& instance, const Ray& ray, double limit, double& t,
                      TraversalCounters& counters) {
   ++counters.primitive_tests;
-  Cull cull = instance.cull;
-  if (instance.flip_normals && cull != Cull::none) {
-    cull = cull == Cull::back ? Cull::front : Cull::back;
-  }
+  const Cull cull = seen_cull(instance);
   return instance.shape->kind() == ShapeKind::plane
              ? static_cast<const Plane&>(*instance.shape).intersect(ray, cull, limit, t)
              : static_cast<const Sphere&>(*instance.shape).intersect(ray, cull, limit, t);
 }
 
-/// As Shape::closest_hit for instance `number` and a ray in world space; sets hit.instance.
-inline bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
-                           TraversalCounters& counters) {
-  if (!is_simple(instance, ray)) return closest_hit_of_any(instance, number, ray, hit, counters);
-  double t;
-  if (!in_place(instance, ray, hit.t, t, counters)) return false;
-  // Of hits at equal t the smaller instance counts, whatever its primitive.
+/// Takes the hit of instance `number`, of one primitive, at t <= hit.t, if it counts. Of hits at
+/// equal t the smaller instance does, whatever its primitive.
+inline bool take_if_closer(double t, uint32_t number, Hit& hit) {
   if (t == hit.t && (number > hit.instance || (number == hit.instance && hit.primitive == 0))) {
     return false;
   }
   hit = {t, 0, 0, number, 0};
   return true;
+}
+/// As Shape::closest_hit for instance `number` and a ray in world space; sets hit.instance.
+inline bool closest_hit_of(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
+                           TraversalCounters& counters) {
+  if (!is_simple(instance, ray)) return closest_hit_of_any(instance, number, ray, hit, counters);
+  double t;
+  return in_place(instance, ray, hit.t, t, counters) && take_if_closer(t, number, hit);
 }
 /// As Shape::any_hit; never for an instance that casts no shadow.
 inline bool any_hit_of(const Instance& instance, const Ray& ray, TraversalCounters& counters) {

@@ -88,7 +88,9 @@ std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instanc
   size_t bounded = 0;
   for (const Instance& instance : instances)
     if (const Bounds3 b = bounds_of(instance); can_be_held(instance, b) && !b.empty()) ++bounded;
-  if (kind == AcceleratorKind::linear || bounded == 0 || (scan_few && bounded <= kFewScanned))
+  const bool is_few = bounded == 0 || (scan_few && bounded <= kFewScanned);
+  const bool has_planes = scan_few && FewInstances::planes_among(instances) >= PlaneRow::kLeast;
+  if (kind == AcceleratorKind::linear || (is_few && !has_planes))
     return std::make_unique<InstanceLinearScan>(std::move(instances));
   if (scan_few && bounded <= BoxRow::kMost)
     return std::make_unique<FewInstances>(std::move(instances));

@@ -154,13 +154,12 @@ std::optional<Vec2> Camera::raster_of(const Point3& p) const {
   return Vec2{(u - offset_.x) / scale_.x, (v - offset_.y) / scale_.y};
 }
 
-Ray Camera::ray(double x, double y) const {
+Ray Camera::other_ray(double x, double y) const {
   const double u = offset_.x + x * scale_.x;
   const double v = offset_.y + y * scale_.y;
   Ray ray{eye_, view_, near_, far_};
   switch (projection_) {
     case Projection::perspective:
-      ray.direction = normalize(view_ + right_ * u + up_ * v);
       break;
     case Projection::orthographic:
       ray.origin = eye_ + right_ * u + up_ * v;

@@ -42,7 +42,12 @@ class Camera {
 
   /// The ray of a pinhole through raster point (x, y), y downwards from the frame's top left
   /// corner. Its direction is of unit length.
-  Ray ray(double x, double y) const;
+  Ray ray(double x, double y) const {
+    if (projection_ != Projection::perspective) return other_ray(x, y);
+    const double u = offset_.x + x * scale_.x;
+    const double v = offset_.y + y * scale_.y;
+    return {eye_, normalize(view_ + right_ * u + up_ * v), near_, far_};
+  }
   /// The ray through the point of the lens that the uniform numbers `u` choose.
   Ray lens_ray(double x, double y, const Vec2& u) const;
   /// How many rays through the lens make one sample; 0: there is no lens.
@@ -66,6 +71,9 @@ class Camera {
   const Vec3& view() const { return view_; }
 
  private:
+  /// ray() of any projection but the perspective one.
+  Ray other_ray(double x, double y) const;
+
   Projection projection_;
   Point3 eye_;
   Vec3 view_, right_, up_;  ///< unit and square to each other

@@ -14,12 +14,12 @@ bool sees_over_facet(const SurfacePoint& point, const Vec3& wi) {
 }
 
 /// The stretch between a point and a light on which occluders count.
-template <bool kPlain>
+template <bool kLambert>
 [[gnu::always_inline]] inline Ray shadow_ray(const SurfacePoint& point, RayOrigins& origins,
                                              const Light& light, const LightSample& sample) {
   const bool placed = light.kind == LightKind::point || light.kind == LightKind::spot;
   double t_max = placed ? 1 : sample.distance;
-  if (!kPlain && std::isfinite(light.shadow_distance)) {
+  if (!kLambert && std::isfinite(light.shadow_distance)) {
     t_max = std::min(t_max, light.shadow_distance / (placed ? sample.distance : 1));
   }
   // Which side of the surface it leaves from is told by the whole way to a light's place.
@@ -86,24 +86,24 @@ Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ra
   return true;
 }
 
-/// light_visibility(), compiled where it stands. `buffers` are Occluders::buffers_at() the point.
-template <bool kRich, bool kPlain = false>
+/// light_visibility(), compiled where it stands. `buffer` is that of the light among
+/// Occluders::buffers_at() the point, or null.
+template <bool kRich, bool kPlain = false, bool kLambert = kPlain>
 [[gnu::always_inline]] inline Color visibility_of(const Scene& scene, const SurfacePoint& point,
-                                                  RayOrigins& origins, const LightBuffer* buffers,
+                                                  RayOrigins& origins, const LightBuffer* buffer,
                                                   const Media& media, const Light& light,
                                                   const LightSample& sample, double width,
                                                   TraceState& state) {
   const Occluders& occluders = scene.occluders;
   ++state.counters.rays_shadow;
   uint32_t boxes = 0;
-  if (buffers) {
-    const LightBuffer& buffer = buffers[&light - scene.lights.data()];
-    boxes = buffer.boxes_met(point.surface.point, sample.wi, sample.distance);
+  if (buffer) {
+    boxes = buffer->boxes_met(point.surface.point, sample.wi, sample.distance);
     if ((kPlain || !occluders.clear) && !occluders.few->holds_any(boxes)) return kWhite;
   }
-  const Ray ray = shadow_ray<kPlain>(point, origins, light, sample);
-  if (buffers ? occluders.few->any_hit_among(boxes, ray, state.counters.traversal)
-              : is_stopped(scene, light, ray, state))
+  const Ray ray = shadow_ray<kLambert>(point, origins, light, sample);
+  if (buffer ? occluders.few->any_hit_among(boxes, ray, state.counters.traversal)
+             : is_stopped(scene, light, ray, state))
     return kPlain ? kBlack : kWhite * (1 - light.shadow_intensity);
   if (kPlain || !occluders.clear) return kWhite;
   const bool begins_beyond =
@@ -119,8 +119,9 @@ template <bool kRich>
 Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Media& media, const Light& light, const LightSample& sample,
                        double width, TraceState& state) {
-  return visibility_of<kRich>(scene, point, origins, scene.occluders.buffers_at(point.surface),
-                              media, light, sample, width, state);
+  const LightBuffer* const buffers = scene.occluders.buffers_at(point.surface);
+  const LightBuffer* const buffer = buffers ? buffers + (&light - scene.lights.data()) : nullptr;
+  return visibility_of<kRich>(scene, point, origins, buffer, media, light, sample, width, state);
 }
 
 template <bool kRich>
@@ -167,7 +168,7 @@ template <bool kRich>
   light_visibility<kRich>(scene, point, origins, media, light, sample, width, state);
 }
 
-template <bool kShadows, bool kRich, bool kPlain>
+template <bool kShadows, bool kRich, bool kPlain, bool kLambert>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                      const Vec3& wo, const Media& media, double path_length, TraceState& state) {
   const Material& material = *point.material;
@@ -199,30 +200,35 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
       return;
     }
     if (!kPlain && light.ambient_attenuated) ambient += light.ambient * sample.factor;
+    // Light behind a surface that subtracts it is in the shadow of that surface.
+    const bool shades_itself =
+        kShadows && !kLambert && material.diffuse_model == DiffuseModel::signed_lambert &&
+        (kPlain || (light.casts_shadow && light.shadow_intensity == 1 && material.is_opaque())) &&
+        dot(point.geometric_normal, sample.wi) < 0;
+    if (kPlain && shades_itself) {
+      leave_out(true, light, sample);
+      return;
+    }
     Color arriving = light.intensity * sample.factor;
     Color share;
     if (kRich && material.model != MaterialModel::classic) {
       share = any_reflected_share(material, diffuse, point.normal, sample.wi, wo);
     } else {
-      share = reflected_share<kPlain>(material, kept_diffuse, point.normal, sample.wi, wo);
+      share = reflected_share<kLambert>(material, kept_diffuse, point.normal, sample.wi, wo);
     }
     if (is_black(arriving) || is_black(share)) {
       leave_out(scene.skips.dark_shadow_rays, light, sample);
       return;
     }
     if constexpr (kShadows) {
-      // Light behind a surface that subtracts it is in the shadow of that surface.
-      const bool shades_itself = !kPlain &&
-                                 material.diffuse_model == DiffuseModel::signed_lambert &&
-                                 light.shadow_intensity == 1 && material.is_opaque() &&
-                                 dot(point.geometric_normal, sample.wi) < 0;
-      if (light.casts_shadow && shades_itself) {
+      if (!kPlain && shades_itself) {
         leave_out(scene.skips.dark_shadow_rays, light, sample);
         return;
       }
       if (kPlain || light.casts_shadow)
-        arriving = arriving * visibility_of<kRich, kPlain>(scene, point, origins, buffers, media,
-                                                           light, sample, width, state);
+        arriving = arriving * visibility_of<kRich, kPlain, kLambert>(
+                                  scene, point, origins, buffers ? buffers + index : nullptr, media,
+                                  light, sample, width, state);
     }
     sum += arriving * share;
   };
@@ -248,6 +254,12 @@ template Color local_radiance<false, false, true>(const Scene&, const SurfacePoi
                                                   const Vec3&, const Media&, double, TraceState&);
 template Color local_radiance<true, false, true>(const Scene&, const SurfacePoint&, RayOrigins&,
                                                  const Vec3&, const Media&, double, TraceState&);
+template Color local_radiance<false, false, true, false>(const Scene&, const SurfacePoint&,
+                                                         RayOrigins&, const Vec3&, const Media&,
+                                                         double, TraceState&);
+template Color local_radiance<true, false, true, false>(const Scene&, const SurfacePoint&,
+                                                        RayOrigins&, const Vec3&, const Media&,
+                                                        double, TraceState&);
 
 template Color light_visibility<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Media&,
                                        const Light&, const LightSample&, double, TraceState&);

@@ -7,8 +7,9 @@ namespace tessera {
 
 /// Emission, ambient light and the light of every light of the point's set, towards `wo`.
 /// `media` are those on the viewer's side, `path_length` that from the camera to
-/// the point. Without kRich the scene must have no rich materials, with kPlain only plain features.
-template <bool kShadows, bool kRich, bool kPlain = false>
+/// the point. Without kRich the scene must have no rich materials, with kPlain only simple
+/// features, with kLambert too only plain ones.
+template <bool kShadows, bool kRich, bool kPlain = false, bool kLambert = kPlain>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                      const Vec3& wo, const Media& media, double path_length, TraceState& state);
 

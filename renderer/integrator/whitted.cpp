@@ -15,7 +15,7 @@ constexpr double kNegligible = 1e-9;
 
 /// kPlain: see SceneFeatures; without kSecondary and kRich alone.
 template <bool kShadows, bool kSecondary, bool kRich, bool kPlain = false>
-class WhittedIntegrator final : public Integrator {
+class WhittedIntegrator : public Integrator {
  public:
   explicit WhittedIntegrator(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {
     if (kSecondary) whole_path_.media = media_at_camera(*scene_);
@@ -28,24 +28,46 @@ class WhittedIntegrator final : public Integrator {
 
   Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const override {
     ++state.counters.rays_primary;
-    Color sum = follow(ray, whole_path_, key, state);
-    if constexpr (kSecondary) {
-      for (uint32_t segments = 1; !state.stack.empty(); ++segments) {
-        if (segments >= kMaxSegments) {
-          ++state.counters.paths_cut;
-          state.stack.clear();
-          break;
-        }
-        const PathSegment segment = state.stack.back();
-        state.stack.pop_back();
-        sum += follow(segment.ray, segment, key, state);
-      }
-    }
-    return sum;
+    const Color sum = follow(ray, whole_path_, key, state);
+    return kSecondary ? with_waiting(sum, key, state) : sum;
   }
 
   Color background(const Ray& ray) const override {
     return scene_->background.radiance(ray.origin, ray.direction, scene_->lights);
+  }
+
+ protected:
+  const Scene& scene() const { return *scene_; }
+
+  /// `sum` and what comes along the segments that wait on the stack.
+  Color with_waiting(Color sum, const SampleKey& key, TraceState& state) const {
+    for (uint32_t segments = 1; !state.stack.empty(); ++segments) {
+      if (segments >= kMaxSegments) {
+        ++state.counters.paths_cut;
+        state.stack.clear();
+        break;
+      }
+      const PathSegment segment = state.stack.back();
+      state.stack.pop_back();
+      sum += follow(segment.ray, segment, key, state);
+    }
+    return sum;
+  }
+  /// Not followed, which counts.
+  bool is_faint(const Color& throughput, TraceState& state) const {
+    if (!(max_component(throughput) < kNegligible) || !scene_->skips.faint_branches) return false;
+    ++state.counters.branches_skipped;
+    return true;
+  }
+  /// The way of a ray along `d` from a mirror.
+  static Vec3 mirrored(const Vec3& d, const Vec3& n, const SurfacePoint& point) {
+    Vec3 r = reflect(d, n);
+    // A bent normal may mirror the ray into the surface; there the true one decides.
+    if (dot(r, point.geometric_normal) <= 0) r = reflect(d, point.geometric_normal);
+    return normalize(r);
+  }
+  static const Vec3& mirror_normal(const Vec3& d, const SurfacePoint& point) {
+    return dot(point.normal, d) < 0 ? point.normal : point.geometric_normal;
   }
 
  private:
@@ -113,13 +135,6 @@ class WhittedIntegrator final : public Integrator {
   }
   static bool branches(const Material& material) { return bends(material) || material.is_mirror(); }
 
-  /// Not followed, which counts.
-  bool is_faint(const Color& throughput, TraceState& state) const {
-    if (!(max_component(throughput) < kNegligible) || !scene_->skips.faint_branches) return false;
-    ++state.counters.branches_skipped;
-    return true;
-  }
-
   double grain(const Material& material, const PathSegment& segment, const SampleKey& key) const {
     const auto use = static_cast<SampleUse>(static_cast<uint32_t>(SampleUse::grain) +
                                             segment.depth + segment.passes);
@@ -150,9 +165,9 @@ class WhittedIntegrator final : public Integrator {
     const Material& material = *point.material;
     if (!branches(material)) return kBlack;
     const Vec3 d = end.ray.direction;
-    const Vec3 n = dot(point.normal, d) < 0 ? point.normal : point.geometric_normal;
+    const Vec3& n = mirror_normal(d, point);
     const double cosine = std::min(1.0, -dot(d, n));
-    Color mirrored = kRich ? mirrored_share(material, cosine) : material.reflectivity;
+    Color share = kRich ? mirrored_share(material, cosine) : material.reflectivity;
     Color result = kBlack;
     if (bends(material)) {
       const bool from_inside = point.is_back && !material.thin;
@@ -160,19 +175,16 @@ class WhittedIntegrator final : public Integrator {
       double fresnel = fresnel_dielectric(cosine, eta);
       // Both faces of a sheet reflect, and what is between them does so again and again.
       if (material.thin) fresnel = 2 * fresnel / (1 + fresnel);
-      mirrored += kWhite * (material.transparency * fresnel);
+      share += kWhite * (material.transparency * fresnel);
       Vec3 beyond = d;
       if (fresnel < 1 && (material.thin || refract(d, n, eta, beyond))) {
-        const double share = weight * material.transparency * (1 - fresnel);
+        const double through = weight * material.transparency * (1 - fresnel);
         const Color tint = kRich ? transmission_tint(material) : kWhite;
-        result += bend(end, origins, beyond, tint * share, media_beyond(end.media, point),
+        result += bend(end, origins, beyond, tint * through, media_beyond(end.media, point),
                        state.counters.rays_refraction, state);
       }
     }
-    Vec3 r = reflect(d, n);
-    // A bent normal may mirror the ray into the surface; there the true one decides.
-    if (dot(r, point.geometric_normal) <= 0) r = reflect(d, point.geometric_normal);
-    return result + bend(end, origins, normalize(r), mirrored * weight, end.media,
+    return result + bend(end, origins, mirrored(d, n, point), share * weight, end.media,
                          state.counters.rays_reflection, state);
   }
 
@@ -198,6 +210,57 @@ class WhittedIntegrator final : public Integrator {
   PathSegment whole_path_;  ///< what all camera rays begin with
 };
 
+/// Of scenes of simple features: a ray goes on from a mirror as one ray, so that none waits.
+template <bool kShadows>
+class MirrorIntegrator final : public WhittedIntegrator<kShadows, true, false> {
+ public:
+  using Base = WhittedIntegrator<kShadows, true, false>;
+  using Base::Base;
+
+  Color radiance(const Ray& camera_ray, const SampleKey& key, TraceState& state) const override {
+    const Scene& scene = this->scene();
+    ++state.counters.rays_primary;
+    Ray ray = camera_ray;
+    Color sum = kBlack, throughput = kWhite;
+    double path_length = 0;
+    for (uint32_t depth = 0;; ++depth) {
+      Hit hit;
+      if (!scene.surfaces || !scene.surfaces->closest_hit(ray, hit, state.counters.traversal)) {
+        return sum + throughput * this->background(ray);
+      }
+      const SurfacePoint point(SurfacePoint::Plain{}, scene, hit.instance, ray, hit);
+      const Material& material = *point.material;
+      if (point.is_back && material.sides == Sides::front_only) [[unlikely]] {
+        // By the last digit alone, for such surfaces are not met from behind.
+        state.stack.push_back({.ray = ray,
+                               .throughput = throughput,
+                               .media = {},
+                               .path_length = path_length,
+                               .depth = depth});
+        return this->with_waiting(sum, key, state);
+      }
+      ++state.counters.hits;
+      path_length += hit.t;
+      RayOrigins origins(point.surface);
+      Color result =
+          throughput * local_radiance<kShadows, false, true, false>(
+                           scene, point, origins, -ray.direction, {}, path_length, state);
+      if (!material.is_mirror()) return sum + result;
+      const Vec3 direction =
+          this->mirrored(ray.direction, this->mirror_normal(ray.direction, point), point);
+      throughput = throughput * material.reflectivity;
+      if (this->is_faint(throughput, state)) return sum + result;
+      ray = origins.spawn(direction);
+      if (depth >= scene.settings.max_depth) {
+        if (scene.settings.background_at_max_depth) result += throughput * this->background(ray);
+        return sum + result;
+      }
+      ++state.counters.rays_reflection;
+      sum += result;
+    }
+  }
+};
+
 template <bool kShadows, bool kSecondary>
 std::unique_ptr<const Integrator> make_variant(std::shared_ptr<const Scene> scene) {
   if (scene->features.rich) {
@@ -216,6 +279,10 @@ std::unique_ptr<const Integrator> make_whitted(std::shared_ptr<const Scene> scen
   if (features.plain) {
     return std::make_unique<WhittedIntegrator<false, false, false, true>>(std::move(scene));
   }
+  if (features.simple && features.shadows) {
+    return std::make_unique<MirrorIntegrator<true>>(std::move(scene));
+  }
+  if (features.simple) return std::make_unique<MirrorIntegrator<false>>(std::move(scene));
   if (features.shadows && features.secondary) return make_variant<true, true>(std::move(scene));
   if (features.shadows) return make_variant<true, false>(std::move(scene));
   if (features.secondary) return make_variant<false, true>(std::move(scene));

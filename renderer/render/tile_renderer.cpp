@@ -139,6 +139,8 @@ class SceneTileRenderer final : public TileRenderer {
   bool render_pixels(const RenderTask& task, TileProgress& progress, TileState& state,
                      const Output& output) const {
     uint64_t unseen_pixels = 0;
+    const bool is_lone = shows_one_sample(task);
+    state.cone = scene_->cones.of(task.first_sample);
     uint64_t work_done = progress.work_done.load(std::memory_order_relaxed);
     for (int y = task.rect.y0; y < task.rect.y1; ++y) {
       for (int x = task.rect.x0; x < task.rect.x1; ++x) {
@@ -147,7 +149,11 @@ class SceneTileRenderer final : public TileRenderer {
         const bool seen = is_seen(x, y);
         if (!seen) ++unseen_pixels;
         if (seen || !scene_->background.is_constant()) {
-          put(sum_of(x, y, task, state, way_of(seen)), x, y, seen, output);
+          if (is_lone) {
+            put_color(lone_sample(x, y, task, state, seen), value_at(x, y, output.tile));
+          } else {
+            put(sum_of(x, y, task, state, way_of(seen)), x, y, seen, output);
+          }
         } else {
           put(sum_beyond(state), x, y, seen, output);
         }
@@ -293,14 +299,19 @@ class SceneTileRenderer final : public TileRenderer {
 
   void put(const SampleSum& sum, int x, int y, bool seen, const Output& output,
            std::optional<double> error = std::nullopt) const {
-    TilePixels& tile = output.tile;
-    const PixelRect& rect = tile.rect;
-    const size_t at = static_cast<size_t>(int64_t{y - rect.y0} * rect.width() + (x - rect.x0));
-    float* value = &tile.values[at * static_cast<size_t>(tile.channels)];
-    const Color color = shown(sum, error);
-    for (const double channel : {color.r, color.g, color.b}) *value++ = static_cast<float>(channel);
+    float* value = put_color(shown(sum, error), value_at(x, y, output.tile));
     if (aovs_.aovs().empty()) return;
     aovs_.write(x, y, output.first_sample, seen, sum, output.beside_light, value);
+  }
+  static float* value_at(int x, int y, TilePixels& tile) {
+    const PixelRect& rect = tile.rect;
+    const size_t at = static_cast<size_t>(int64_t{y - rect.y0} * rect.width() + (x - rect.x0));
+    return &tile.values[at * static_cast<size_t>(tile.channels)];
+  }
+  /// Where what is beside light goes.
+  static float* put_color(const Color& color, float* value) {
+    for (const double channel : {color.r, color.g, color.b}) *value++ = static_cast<float>(channel);
+    return value;
   }
 
   // ------------------------------------------------------------------------------------ samples
@@ -315,6 +326,9 @@ class SceneTileRenderer final : public TileRenderer {
 
   Sample trace(const SampleKey& key, TraceState& state) const {
     state.cone = scene_->cones.of(key.sample);
+    return trace_in_cone(key, state);
+  }
+  Sample trace_in_cone(const SampleKey& key, TraceState& state) const {
     const auto [color, negative] =
         through_camera(*scene_, key, [&](const Ray& ray, const SampleKey& own) {
           return integrator_->radiance(ray, own, state);
@@ -354,6 +368,21 @@ class SceneTileRenderer final : public TileRenderer {
       sum.add(finite_sample({x, y, task.first_sample + i}, state, sample_function));
     }
     return sum;
+  }
+
+  /// Whether a pixel is nothing but what its only sample finds.
+  bool shows_one_sample(const RenderTask& task) const {
+    const View view = scene_->settings.view;
+    return (samples_coincide_ || task.sample_count == 1) && aovs_.aovs().empty() &&
+           view != View::samples && view != View::error && scene_->sampler->filter_gain() == 1;
+  }
+  /// sum_of(...).mean() of such a pixel; the sample's cone is set.
+  Color lone_sample(int x, int y, const RenderTask& task, TraceState& state, bool seen) const {
+    state.counters.samples_skipped += task.sample_count - 1;
+    const SampleKey key{x, y, task.first_sample};
+    const Sample sample = seen ? finite_sample(key, state, &SceneTileRenderer::trace_in_cone)
+                               : finite_sample(key, state, &SceneTileRenderer::look_past);
+    return kBlack + sample.color;  // no -0
   }
 
   std::shared_ptr<const Scene> scene_;

@@ -95,6 +95,10 @@ Sampler::Sampler(const SamplerSettings& settings) : settings_(settings) {
   if (settings_.filter != PixelFilter::box && settings_.filter != PixelFilter::tent) {
     table_ = std::make_shared<const FilterTable>(settings_.filter, settings_.filter_radius);
   }
+  const bool is_grid = settings_.pattern == SamplePattern::centered_grid ||
+                       settings_.pattern == SamplePattern::corner_grid;
+  is_centered_ = (settings_.pattern == SamplePattern::center || (is_grid && grid_ == 1)) &&
+                 settings_.filter == PixelFilter::box && settings_.filter_radius == 0.5;
 }
 
 Vec2 Sampler::pixel_square(int x, int y, uint32_t sample) const {
@@ -116,7 +120,7 @@ Vec2 Sampler::pixel_square(int x, int y, uint32_t sample) const {
   return pair(x, y, sample, SampleUse::pixel);
 }
 
-Sampler::RasterSample Sampler::raster_sample(int x, int y, uint32_t sample) const {
+Sampler::RasterSample Sampler::drawn_raster_sample(int x, int y, uint32_t sample) const {
   Vec2 u = pixel_square(x, y, sample);
   bool negative = false;
   if (table_) {

@@ -62,7 +62,10 @@ class Sampler {
     Vec2 point;
     bool negative = false;
   };
-  RasterSample raster_sample(int x, int y, uint32_t sample) const;
+  RasterSample raster_sample(int x, int y, uint32_t sample) const {
+    if (is_centered_ && sample == 0) return {{x + 0.5, y + 0.5}, false};
+    return drawn_raster_sample(x, y, sample);
+  }
   /// raster_sample(x, y, sample).point
   Vec2 raster_point(int x, int y, uint32_t sample) const {
     return raster_sample(x, y, sample).point;
@@ -77,11 +80,13 @@ class Sampler {
   Vec2 pair(int x, int y, uint32_t sample, SampleUse use) const;
 
  private:
+  RasterSample drawn_raster_sample(int x, int y, uint32_t sample) const;
   Vec2 pixel_square(int x, int y, uint32_t sample) const;
   SampleStream picture_stream(uint32_t column, uint32_t row, uint32_t sample) const;
 
   SamplerSettings settings_;
   uint32_t grid_ = 1;                         ///< cells on a side, for the grids
+  bool is_centered_ = false;                  ///< a pixel's first sample is in its centre
   uint32_t sample_bits_ = 0;                  ///< that number a pixel's samples
   std::shared_ptr<const FilterTable> table_;  ///< null for box and tent, which have closed forms
 };

@@ -4,7 +4,8 @@
 
 namespace tessera {
 
-/// SceneFeatures::plain of a scene that is built otherwise.
-bool has_plain_features(const Scene& scene);
+/// Sets SceneFeatures::plain and simple of a scene that is built otherwise. `is_clear`: something
+/// of it may let light through.
+void find_plain_features(Scene& scene, bool is_clear);
 
 }  // namespace tessera

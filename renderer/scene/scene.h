@@ -43,6 +43,9 @@ struct SceneFeatures {
   /// from both sides, and lights of which an occluder takes all: no fog, nothing of the above but
   /// shadows, and no switch of Skips off that a hit would meet.
   bool plain = false;
+  /// The same with mirrors, surfaces without back faces, any diffuse model and lights of which far
+  /// occluders take nothing: no ray is sent on in more than one direction.
+  bool simple = false;
 
   int absent() const { return !shadows + !secondary + !rich + lambert + plain; }
 };

@@ -67,7 +67,7 @@ class SceneBuilder {
     add_lights(choice);
     if (settings.integrator == IntegratorKind::path) add_path_lights();
     build_accelerators();
-    scene_->features.plain = has_plain_features(*scene_);
+    find_plain_features(*scene_, is_any_clear_);
     scene_->seen = seen_rect(*scene_);
     count();
     return scene_;
@@ -294,6 +294,7 @@ class SceneBuilder {
       scene_->shading.push_back({materials.first, materials.count, in.scope});
       instance_shapes_.push_back(in.shape);
       is_clear_.push_back(materials.is_clear || !scene_->skips.opaque_as_clear);
+      is_any_clear_ |= materials.is_clear;
       scene_->features.secondary |= materials.has_secondary;
     }
   }
@@ -390,6 +391,7 @@ class SceneBuilder {
   std::vector<BuiltShape> shapes_;               // one a graph shape
   std::vector<uint32_t> instance_shapes_;        // one an instance: its graph shape
   std::vector<bool> is_clear_;                   // one an instance
+  bool is_any_clear_ = false;
 };
 
 }  // namespace

@@ -108,10 +108,13 @@ Texel ImageTexture::bilinear(const Level& level, double s, double t) const {
   const double left = std::floor(x), top = std::floor(y);
   const auto ix = static_cast<int64_t>(left), iy = static_cast<int64_t>(top);
   if (nearest) return texel(level, ix, iy);
-  const int64_t x0 = wrapped(ix, level.width, settings_.wrap_s);
-  const int64_t x1 = wrapped(ix + 1, level.width, settings_.wrap_s);
-  const int64_t y0 = wrapped(iy, level.height, settings_.wrap_t);
-  const int64_t y1 = wrapped(iy + 1, level.height, settings_.wrap_t);
+  int64_t x0 = ix, x1 = ix + 1, y0 = iy, y1 = iy + 1;
+  if (x0 < 0 || x1 >= level.width || y0 < 0 || y1 >= level.height) [[unlikely]] {
+    x0 = wrapped(x0, level.width, settings_.wrap_s),
+    x1 = wrapped(x1, level.width, settings_.wrap_s);
+    y0 = wrapped(y0, level.height, settings_.wrap_t);
+    y1 = wrapped(y1, level.height, settings_.wrap_t);
+  }
   if (settings_.channels == 3 && settings_.bits == 8 && (x0 | x1 | y0 | y1) >= 0) [[likely]] {
     const std::byte* const texels = texels_.get() + level.offset;
     const auto color = [&](int64_t column, int64_t row) {

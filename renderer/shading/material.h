@@ -89,11 +89,15 @@ struct Material {
     return model <= MaterialModel::unlit && !is_rich() && is_opaque() && !is_mirror() &&
            is_black(specular) && sides != Sides::front_only;
   }
-  /// Whether it is classic, Lambert but for its highlight, and the same from both sides.
+  /// Whether it is classic, lets no light through, and shows nothing else from behind.
+  bool is_simple() const {
+    return model == MaterialModel::classic && !is_rich() && is_opaque() && is_black(absorption) &&
+           sides != Sides::back_material && !flat && grain == 0;
+  }
+  /// Whether it is also Lambert but for its highlight, no mirror, and the same from both sides.
   bool is_plain() const {
-    return model == MaterialModel::classic && !is_rich() && is_opaque() && !is_mirror() &&
-           diffuse_model == DiffuseModel::lambert && sides == Sides::two_sided && !flat &&
-           grain == 0;
+    return is_simple() && !is_mirror() && diffuse_model == DiffuseModel::lambert &&
+           sides == Sides::two_sided;
   }
   /// Whether more than the classic formulas is needed to shade it.
   bool is_rich() const {
@@ -111,8 +115,8 @@ Color highlight(const Material& material, const Vec3& n, const Vec3& wi, const V
 /// viewer) are of unit length. The specular term is zero where the light is behind the surface.
 /// `kLambert`: the material's diffuse term is known to be Lambert's.
 template <bool kLambert = false>
-Color reflected_share(const Material& material, const Color& diffuse, const Vec3& n, const Vec3& wi,
-                      const Vec3& wo) {
+[[gnu::always_inline]] inline Color reflected_share(const Material& material, const Color& diffuse,
+                                                    const Vec3& n, const Vec3& wi, const Vec3& wo) {
   const double n_dot_l = dot(n, wi);
   double factor = n_dot_l;
   if (kLambert || material.diffuse_model == DiffuseModel::lambert) {

@@ -32,12 +32,7 @@ bool Plane::any_hit(const Ray& ray, TraversalCounters& counters) const {
 
 LocalSurface Plane::surface(const Ray& ray, const Hit& hit) const {
   LocalSurface s;
-  s.point = ray.at(hit.t);
-  s.point = s.point - normal_ * signed_distance(s.point);
-  const double error = 2 * distance_error(s.point);
-  for (int a = 0; a < 3; ++a)
-    s.point_error[a] = gamma(3) * std::abs(s.point[a]) + error * std::abs(normal_[a]);
-  s.geometric_normal = s.shading_normal = to_normal(normal_);
+  place_surface(ray, hit, s);
   if (!keep_uv_) return s;
   s.dpdu = dpdu_;
   s.dpdv = dpdv_;

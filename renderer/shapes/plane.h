@@ -17,6 +17,15 @@ class Plane final : public ConvexSolid {
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
+  /// The same in place, but for texture coordinates.
+  void place_surface(const Ray& ray, const Hit& hit, LocalSurface& s) const {
+    s.point = ray.at(hit.t);
+    s.point = s.point - normal_ * signed_distance(s.point);
+    const double error = 2 * distance_error(s.point);
+    s.point_error = abs(s.point - Point3{}) * gamma(3) + abs(normal_) * error;
+    s.geometric_normal = s.shading_normal = to_normal(normal_);
+  }
+  bool keeps_uv() const { return keep_uv_; }
   bool span(const Ray& ray, const RayError& error, SolidSpan& span) const override;
 
   /// Where `ray` meets the sides that `cull` leaves, if it does at t <= `limit`; ray.cull does not
@@ -32,6 +41,7 @@ class Plane final : public ConvexSolid {
   }
   /// Of unit length.
   const Vec3& normal() const { return normal_; }
+  double offset() const { return offset_; }
   double signed_distance(const Point3& p) const {
     return normal_.x * p.x + normal_.y * p.y + normal_.z * p.z - offset_;
   }

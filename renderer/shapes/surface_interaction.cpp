@@ -63,17 +63,4 @@ void take_to_world(const Transform& world_from_object, bool flip_normals, uint32
   s.instance = instance;
 }
 
-void RayOrigins::work_out(bool behind) {
-  const Vec3 n = static_cast<Vec3>(from_.geometric_normal);
-  const double reach = dot(abs(n), from_.point_error);
-  const Vec3 offset = n * (behind ? -reach : reach);
-  Point3& origin = origins_[behind];
-  origin = from_.point + offset;
-  for (int a = 0; a < 3; ++a) {
-    if (offset[a] > 0) origin[a] = next_up(origin[a]);
-    if (offset[a] < 0) origin[a] = next_down(origin[a]);
-  }
-  known_[behind] = true;
-}
-
 }  // namespace tessera

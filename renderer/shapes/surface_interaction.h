@@ -1,5 +1,6 @@
 #pragma once
 
+#include "renderer/math/rounding.h"
 #include "renderer/math/transform.h"
 #include "renderer/shapes/shape.h"
 
@@ -15,6 +16,18 @@ using SurfaceInteraction = LocalSurface;
 /// the front stays the front under a mirroring transform too; `flip_normals` turns them round.
 void take_to_world(const Transform& world_from_object, bool flip_normals, uint32_t instance,
                    LocalSurface& surface);
+/// The same where the transform is the identity and the shading normal is the geometric one.
+inline void take_flat_to_world(bool flip_normals, uint32_t instance, LocalSurface& s) {
+  const Vec3 zero{};
+  s.point = s.point + zero;  // no -0
+  const Vec3 size = abs(s.point - Point3{}) * gamma(4);
+  s.point_error = s.point_error * (gamma(3) + 1) + size + size;
+  const Vec3 front = static_cast<Vec3>(s.geometric_normal) + zero;
+  Vec3 n = length_squared(front) == 1 ? front : normalize(front);
+  if (flip_normals) n = -n;
+  s.geometric_normal = s.shading_normal = to_normal(n);
+  s.instance = instance;
+}
 inline SurfaceInteraction to_world(LocalSurface surface, const Transform& world_from_object,
                                    bool flip_normals, uint32_t instance) {
   take_to_world(world_from_object, flip_normals, instance, surface);
@@ -47,7 +60,21 @@ class RayOrigins {
   }
 
  private:
-  void work_out(bool behind);
+  void work_out(bool behind) {
+    const Vec3 n = static_cast<Vec3>(from_.geometric_normal);
+    const double reach = dot(abs(n), from_.point_error);
+    const Vec3 offset = n * (behind ? -reach : reach);
+    Point3& origin = origins_[behind];
+    origin = from_.point + offset;
+    for (int a = 0; a < 3; ++a) origin[a] = next_towards(origin[a], offset[a]);
+    known_[behind] = true;
+  }
+  /// The next larger value where `way` is positive, the next smaller one where it is negative.
+  static double next_towards(double x, double way) {
+    if (way > 0) return next_up(x);
+    if (way < 0) return next_down(x);
+    return x;
+  }
 
   const SurfaceInteraction& from_;
   Point3 origins_[2];

@@ -118,6 +118,72 @@ TEST(FewInstances, HitsAreThoseOfAScan) {
   EXPECT_LT(tests, scanned / 3);
 }
 
+/// A room of planes with two balls in it, some planes in one place.
+std::vector<Instance> planes_and_balls(UniformNumbers& random, int planes, double size) {
+  const auto between = [&](double a, double b) { return random.between(a, b); };
+  std::vector<Instance> instances;
+  for (int i = 0; i < planes; ++i) {
+    Vec3 normal{0, 0, 0};
+    normal[i % 3] = between(0, 1) < 0.5 ? -1 : 1;
+    if (between(0, 1) < 0.5) normal = {between(-1, 1), between(-1, 1), between(-1, 1)};
+    Instance plane{std::make_shared<Plane>(normal, between(-size, size))};
+    plane.casts_shadow = between(0, 1) < 0.7;
+    if (between(0, 1) < 0.6) plane.cull = between(0, 1) < 0.5 ? Cull::back : Cull::front;
+    plane.flip_normals = between(0, 1) < 0.3;
+    if (between(0, 1) < 0.1) plane.world_from_object = Transform(translation({0, 0, size}));
+    instances.push_back(plane);
+    if (between(0, 1) < 0.3) instances.push_back(plane);
+    if (i < 2) instances.push_back({std::make_shared<Sphere>(Point3{}, size * (0.2 + 0.1 * i))});
+  }
+  return instances;
+}
+
+TEST(FewInstances, PlanesAtOnceAreHitAsOneByOne) {
+  uint64_t hits = 0, stopped = 0, touching = 0;
+  for (uint32_t seed = 0; seed < 60; ++seed) {
+    UniformNumbers random(seed);
+    const auto between = [&](double a, double b) { return random.between(a, b); };
+    const double size = std::exp2(between(-20, 20));
+    // More than fit into a row, too.
+    const auto instances = planes_and_balls(random, 4 + static_cast<int>(seed % 20), size);
+    const InstanceLinearScan scan(instances);
+    std::vector<FewInstances> few;
+    for (const BvhKernels& code : all_kernels()) few.emplace_back(instances, code);
+    for (int i = 0; i < 500; ++i) {
+      const auto place = [&] {
+        return Point3{between(-size, size), between(-size, size), between(-size, size)};
+      };
+      Ray ray{place(), place() - place()};
+      if (i % 8 == 1) ray.direction[i / 8 % 3] = 0;
+      TraversalCounters counters;
+      Hit before;
+      // From where another ray ended, or up to there.
+      if (i % 4 == 2 && scan.closest_hit(ray, before, counters)) {
+        ray.origin = ray.at(before.t);
+        ++touching;
+      }
+      if (i % 4 == 3 && scan.closest_hit(ray, before, counters)) ray.t_max = before.t;
+      if (i % 16 == 5) ray.cull = i % 32 == 5 ? Cull::back : Cull::front;
+      if (i % 16 == 6) ray.t_min = between(0, 2);
+      Hit expected;
+      const bool found = scan.closest_hit(ray, expected, counters);
+      const bool occluded = scan.any_hit(ray, counters);
+      hits += found;
+      stopped += occluded;
+      for (const FewInstances& one : few) {
+        Hit hit, again = expected;
+        EXPECT_EQ(one.closest_hit(ray, hit, counters), found) << seed << " " << i;
+        EXPECT_EQ(hit, expected) << seed << " " << i;
+        EXPECT_FALSE(one.closest_hit(ray, again, counters)) << seed << " " << i;
+        EXPECT_EQ(one.any_hit(ray, counters), occluded) << seed << " " << i;
+      }
+    }
+  }
+  EXPECT_GT(hits, 15'000u);
+  EXPECT_GT(stopped, 10'000u);
+  EXPECT_GT(touching, 3'000u);
+}
+
 TEST(FewInstances, UnusualRaysHitWhatAScanFinds) {
   Room room(1);
   const InstanceLinearScan scan(room.instances());

@@ -61,5 +61,51 @@ TEST(PlainFeatures, keep_the_bits_and_are_told_from_others) {
   }
 }
 
+uint64_t count_of(const TilePixels& tile, const std::string& name) {
+  const auto at = tile.counters.find(name);
+  return at == tile.counters.end() ? 0 : at->second;
+}
+
+// The variant that follows a mirrored ray without a stack gives the bits, and the counts, of that
+// which asks for all.
+TEST(SimpleFeatures, keep_bits_and_counts) {
+  const char* const mirror = "reflectivity { value { r: .5 g: .7 b: .6 } }";
+  const std::string wall =
+      "nodes { shape { materials: 'm' plane { normal { x: 1 } offset: -2 } } } "
+      "materials { name: 'front' sides: FRONT_ONLY classic { diffuse_model: SIGNED } } "
+      "nodes { shape { materials: 'front' plane { normal { z: 1 } offset: -2 } } } ";
+  for (const std::string& material : {
+           fmt::format("classic {{ {} }}", mirror),
+           fmt::format("classic {{ {} diffuse_model: SIGNED }}", mirror),
+           fmt::format("classic {{ {} diffuse_model: HALF_LAMBERT }}", mirror),
+           fmt::format("sides: FRONT_ONLY classic {{ {} }}", mirror),
+           std::string("classic { diffuse_model: SIGNED }"),
+           std::string("classic { reflectivity { value { r: 1e-6 } } }"),
+       }) {
+    for (const char* light : {"", "shadow_distance: .6", "ambient_intensity: .3"}) {
+      for (const char* depth :
+           {"max_depth: 0", "max_depth: 1 background_at_max_depth: true", "max_depth: 9"}) {
+        const std::string settings = fmt::format(
+            "settings {{ integrator {{ {} }} }} "
+            "background {{ solid {{ r: .2 g: .3 b: .4 }} }}",
+            depth);
+        const v1::Scene scene = parse_scene(scene_with(material, light, wall + settings));
+        const PixelRect rect{0, 0, 24, 18};
+        const auto tile = [&](const Skips& skips) {
+          const auto renderer = make_tile_renderer(scene, {}, frame_of(24, 18), 1, nullptr, skips);
+          return render_rect(*renderer, rect);
+        };
+        const TilePixels simple = tile({}), full = tile({.absent_features = false});
+        EXPECT_EQ(simple.values, full.values) << material << light << depth;
+        for (const char* count : {"rays_primary", "rays_shadow", "rays_reflection", "hits",
+                                  "shadow_rays_skipped", "branches_skipped", "samples"}) {
+          EXPECT_EQ(count_of(simple, count), count_of(full, count))
+              << count << ": " << material << light << depth;
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tessera
