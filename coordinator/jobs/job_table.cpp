@@ -27,6 +27,11 @@ AovSet aovs_of(const v1::SubmitJob& request, uint32_t frame) {
   return AovSet(request.frames(static_cast<int>(frame)).settings().aovs());
 }
 
+/// Whether what is kept has that frame: rows of a store may be damaged.
+bool has_frame(const v1::KeptJob& kept, uint32_t frame) {
+  return std::cmp_less(frame, std::min(kept.request().frames_size(), kept.tile_keys_size()));
+}
+
 }  // namespace
 
 FilmShelf::Recipe JobTable::recipe_of(const v1::KeptJob& kept, uint32_t frame) {
@@ -43,7 +48,7 @@ JobTable::JobTable(const JobRules& rules, std::shared_ptr<JobStore> store)
     for (const std::string& hex : kept.blobs()) blobs.insert(Digest::from_hex(hex));
     for (const v1::KeptJob::End& end : kept.ends()) {
       const auto film = Digest::parse(end.end().film_digest());
-      if (film) films_.note(*film, recipe_of(kept, end.frame()));
+      if (film && has_frame(kept, end.frame())) films_.note(*film, recipe_of(kept, end.frame()));
     }
     auto job = std::make_unique<FarmJob>(std::move(kept));
     by_submission_[job->request().submission()] = job->id();

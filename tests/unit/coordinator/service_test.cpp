@@ -31,6 +31,20 @@ TEST_F(ServiceTest, JobsOutliveTheirCoordinator) {
   EXPECT_GT(submit(2), id) << "no number is given twice";
 }
 
+TEST_F(ServiceTest, EndsOfFramesThatAJobHasNotAreNoEnds) {
+  const uint64_t id = submit(1);
+  for (const uint32_t frame : {1u, 1u << 31, ~0u}) {
+    v1::KeptJob::End end;
+    end.set_frame(frame);
+    end.mutable_end()->set_film_digest(Digest::of(std::string("x")).hex());
+    store->save_end(id, end);
+  }
+  restart();
+  coordinator.on_tick({});
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::RUNNING);
+  EXPECT_EQ(ask(id).frames_done(), 0u);
+}
+
 TEST_F(ServiceTest, APictureWhoseTilesAreGoneIsTracedAgainWhereTheyAre) {
   const uint64_t id = submit(1);
   come(1, 4);
