@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -23,6 +24,7 @@ constexpr size_t kMaxSubmissions = 64;
 constexpr int64_t kMaxOfPeer = 8;
 /// Of statuses of jobs, so that they fit one message.
 constexpr size_t kListBytes = size_t{1} << 20;
+constexpr char kNoMemory[] = "the coordinator has no memory for this submission";
 
 v1::JobStatus failed_status(uint64_t submission, ExitCode code, const std::string& why) {
   JobReport report;
@@ -98,6 +100,9 @@ void ClientDesk::on_submit(const PeerId& peer, const v1::SubmitJob& request, Tim
   } catch (const Error& error) {
     tell_failure(id, error.what(), now);
     answer(peer, failed_status(id, error.code(), error.what()));
+  } catch (const std::bad_alloc&) {
+    tell_failure(id, kNoMemory, now);
+    answer(peer, failed_status(id, ExitCode::render_failed, kNoMemory));
   }
 }
 
@@ -133,6 +138,9 @@ void ClientDesk::advance(Submission& submission, Time now) {
   } catch (const Error& error) {
     tell_failure(id, error.what(), now);
     submission.fail(failed_status(id, error.code(), error.what()));
+  } catch (const std::bad_alloc&) {
+    tell_failure(id, kNoMemory, now);
+    submission.fail(failed_status(id, ExitCode::render_failed, kNoMemory));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <new>
 #include <unordered_set>
 #include <utility>
 
@@ -139,10 +140,14 @@ std::optional<PreviewImage> JobTable::preview(uint64_t id, uint32_t frame, int m
   const auto& end = job->end_of(frame);
   const BlobData pixels = end ? films_.find(Digest::from_hex(end->film_digest())) : nullptr;
   if (!pixels) return std::nullopt;
-  Film film(rect_of(job->request().crop()), aovs_of(job->request(), frame));
-  std::memcpy(film.values().data(), pixels->data(),
-              std::min(pixels->size(), film.values().size_bytes()));
-  return make_preview(film, output, from_message(*end).tiles_done, most_side);
+  try {
+    Film film(rect_of(job->request().crop()), aovs_of(job->request(), frame));
+    std::memcpy(film.values().data(), pixels->data(),
+                std::min(pixels->size(), film.values().size_bytes()));
+    return make_preview(film, output, from_message(*end).tiles_done, most_side);
+  } catch (const std::bad_alloc&) {
+    return std::nullopt;
+  }
 }
 
 std::shared_ptr<const FrameTrace> JobTable::trace(uint64_t job, uint32_t frame) const {
