@@ -23,6 +23,12 @@ OctreeKind octree_kind(AcceleratorKind kind) {
 
 }  // namespace
 
+void check_triangle_count(size_t count) {
+  if (count <= kMaxPrimitives) return;
+  throw scene_error(
+      fmt::format("a mesh of {} triangles; expected at most {} in one", count, kMaxPrimitives));
+}
+
 const std::vector<std::string>& available_accelerators() {
   static const std::vector<std::string> names{"bvh",    "bvh-splits", "octree", "nonuniform-octree",
                                               "embree", "linear"};
@@ -32,8 +38,7 @@ const std::vector<std::string>& available_accelerators() {
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
                                                          AcceleratorKind kind, int threads,
                                                          const SharedTree& shared, bool scan_few) {
-  TESSERA_CHECK(mesh->triangles.size() <= kMaxPrimitives,
-                fmt::format("{} > {}", mesh->triangles.size(), kMaxPrimitives));
+  check_triangle_count(mesh->triangles.size());
   const bool is_small = scan_few && mesh->triangles.size() <= kFewTriangles;
   if (kind == AcceleratorKind::linear || is_small)
     return std::make_unique<MeshLinearScan>(std::move(mesh));
@@ -63,8 +68,7 @@ std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const 
                                                           AcceleratorKind kind, int threads,
                                                           std::shared_ptr<BuildCount> built,
                                                           const SharedTree& shared) {
-  TESSERA_CHECK(mesh->triangles.size() <= kMaxPrimitives,
-                fmt::format("{} > {}", mesh->triangles.size(), kMaxPrimitives));
+  check_triangle_count(mesh->triangles.size());
   TESSERA_CHECK(kind != AcceleratorKind::embree, "may be absent, which is told before any ray");
   auto accelerator = std::make_unique<DeferredMesh>(mesh, kind, threads, std::move(built), shared);
   return std::make_shared<MeshShape>(std::move(mesh), std::move(accelerator));

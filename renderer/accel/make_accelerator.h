@@ -19,6 +19,9 @@ namespace tessera {
 /// The names of --accel that this program has; the first is the default.
 const std::vector<std::string>& available_accelerators();
 
+/// Throws a scene Error where no tree can hold so many.
+void check_triangle_count(size_t count);
+
 /// Every triangle of `mesh` must be legal: see drop_degenerate().
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
                                                          AcceleratorKind kind, int threads,
