@@ -37,7 +37,8 @@ const std::vector<std::string>& available_accelerators() {
 
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
                                                          AcceleratorKind kind, int threads,
-                                                         const SharedTree& shared, bool scan_few) {
+                                                         const SharedTree& shared, bool scan_few,
+                                                         const BvhKernels& code) {
   check_triangle_count(mesh->triangles.size());
   const bool is_small = scan_few && mesh->triangles.size() <= kFewTriangles;
   if (kind == AcceleratorKind::linear || is_small)
@@ -45,7 +46,7 @@ std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const T
   if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::bvh_splits) {
     const BvhQuality quality =
         kind == AcceleratorKind::bvh ? BvhQuality::standard : BvhQuality::spatial_splits;
-    return std::make_unique<MeshBvh>(shared_mesh_tree(*mesh, threads, quality, shared));
+    return std::make_unique<MeshBvh>(shared_mesh_tree(*mesh, threads, quality, shared), code);
   }
   if (kind == AcceleratorKind::embree) {
     if (auto embree = EmbreeMesh::make(std::move(mesh), threads)) return embree;
@@ -54,13 +55,14 @@ std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const T
         "Embree 3 "
         "is found); expected bvh, bvh-splits, octree, nonuniform-octree or linear");
   }
-  return std::make_unique<MeshOctree>(*mesh, octree_kind(kind), threads);
+  return std::make_unique<MeshOctree>(*mesh, octree_kind(kind), threads, code);
 }
 
 std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
                                                  AcceleratorKind kind, int threads,
-                                                 const SharedTree& shared, bool scan_few) {
-  auto accelerator = make_mesh_accelerator(mesh, kind, threads, shared, scan_few);
+                                                 const SharedTree& shared, bool scan_few,
+                                                 const BvhKernels& code) {
+  auto accelerator = make_mesh_accelerator(mesh, kind, threads, shared, scan_few, code);
   return std::make_shared<MeshShape>(std::move(mesh), std::move(accelerator));
 }
 
@@ -76,18 +78,19 @@ std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const 
 
 std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,
                                                              AcceleratorKind kind, int threads,
-                                                             bool scan_few) {
+                                                             bool scan_few,
+                                                             const BvhKernels& code) {
   size_t bounded = 0;
   for (const Instance& instance : instances)
     if (const Bounds3 b = bounds_of(instance); can_be_held(instance, b) && !b.empty()) ++bounded;
   if (kind == AcceleratorKind::linear || bounded == 0 || (scan_few && bounded <= kFewScanned))
     return std::make_unique<InstanceLinearScan>(std::move(instances));
   if (scan_few && bounded <= BoxRow::kMost)
-    return std::make_unique<FewInstances>(std::move(instances));
+    return std::make_unique<FewInstances>(std::move(instances), code);
   if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::bvh_splits ||
       kind == AcceleratorKind::embree)
-    return std::make_unique<InstanceBvh>(std::move(instances), threads);
-  return std::make_unique<InstanceOctree>(std::move(instances), octree_kind(kind), threads);
+    return std::make_unique<InstanceBvh>(std::move(instances), threads, code);
+  return std::make_unique<InstanceOctree>(std::move(instances), octree_kind(kind), threads, code);
 }
 
 }  // namespace tessera

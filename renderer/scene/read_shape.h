@@ -6,6 +6,7 @@
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
 #include "renderer/accel/accelerator.h"
+#include "renderer/accel/bvh_kernels.h"
 #include "renderer/accel/deferred_mesh.h"
 #include "renderer/scene/check.h"
 #include "renderer/scene/csg_plan.h"
@@ -26,8 +27,9 @@ struct ShapeSource {
   int threads;
   KeptAttributes keep{};
   std::shared_ptr<BuildCount> deferred{};  ///< where set, trees are built when first needed
-  const SharedArena* arena = nullptr;      ///< where set, trees are shared in it
-  bool scan_few = true;                    ///< what is too small for a tree gets none
+  const SharedArena* arena = nullptr;          ///< where set, trees are shared in it
+  bool scan_few = true;                        ///< what is too small for a tree gets none
+  const BvhKernels* code = &kernels();         ///< of the trees
 };
 
 /// A built shape, and what building it left out.

@@ -126,6 +126,39 @@ TEST(TileRenderer, cost_does_not_depend_on_how_the_frame_is_cut) {
                 whole.values[static_cast<size_t>(3 * (24 * y + x))]);
 }
 
+// A tree that is not built yet is not visited by who passes it by.
+TEST(TileRenderer, cost_does_not_depend_on_which_trees_were_needed_before) {
+  std::string text = "cameras { world_from_camera { steps { translate { z: 10 } } } } ";
+  for (const double x : {-2.0, 2.0}) {
+    text += fmt::format(
+        "nodes {{ transform {{ steps {{ translate {{ x: {} }} }} }} shape {{ mesh "
+        "{{ inline_positions: [-1,-1,0, 1,-1,0, 1,1,0, -1,1,0] "
+        "inline_triangles: [0,1,2, 0,2,3, 0,1,3] }} }} }} ",
+        x);
+  }
+  constexpr int kSide = 16;
+  v1::FrameSettings frame = frame_of(kSide, kSide);
+  frame.set_accelerator("bvh");
+  frame.set_integrator("cost");
+  const auto row_by_row = [&](int first, int step) {
+    const auto renderer = make_tile_renderer(parse_scene(text), {}, frame, 1);
+    std::vector<float> cost(kSide * kSide);
+    for (int i = 0, at = first; i < kSide * kSide; ++i, at += step) {
+      const int x = at / kSide, y = at % kSide;
+      cost[static_cast<size_t>(at)] = render_rect(*renderer, {x, y, x + 1, y + 1}).values[0];
+    }
+    return cost;
+  };
+  EXPECT_EQ(row_by_row(0, 1), row_by_row(kSide * kSide - 1, -1));
+}
+
+TEST(TileRenderer, cost_of_embree_is_not_shown) {
+  v1::FrameSettings frame = frame_of(2, 2);
+  frame.set_accelerator("embree");
+  frame.set_integrator("cost");
+  EXPECT_THROW(make_tile_renderer(parse_scene(kSphere), {}, frame, 1), Error);
+}
+
 TEST(TileRenderer, a_sample_alone_is_the_sample_among_others) {
   v1::FrameSettings frame = frame_of(4, 4);
   frame.set_samples_per_pixel(2);
