@@ -68,11 +68,11 @@ std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleM
 
 std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
                                                           AcceleratorKind kind, int threads,
-                                                          std::shared_ptr<BuildCount> built,
+                                                          std::shared_ptr<DeferredBuilds> builds,
                                                           const SharedTree& shared) {
   check_triangle_count(mesh->triangles.size());
   TESSERA_CHECK(kind != AcceleratorKind::embree, "may be absent, which is told before any ray");
-  auto accelerator = std::make_unique<DeferredMesh>(mesh, kind, threads, std::move(built), shared);
+  auto accelerator = std::make_unique<DeferredMesh>(mesh, kind, threads, std::move(builds), shared);
   return std::make_shared<MeshShape>(std::move(mesh), std::move(accelerator));
 }
 

@@ -39,7 +39,7 @@ std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleM
 /// build. `builds` counts it then.
 std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
                                                           AcceleratorKind kind, int threads,
-                                                          std::shared_ptr<BuildCount> built,
+                                                          std::shared_ptr<DeferredBuilds> builds,
                                                           const SharedTree& shared = {});
 /// Hits carry the index into `instances`.
 std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,

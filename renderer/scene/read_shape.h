@@ -26,7 +26,7 @@ struct ShapeSource {
   AcceleratorKind accelerator;
   int threads;
   KeptAttributes keep{};
-  std::shared_ptr<BuildCount> deferred{};  ///< where set, trees are built when first needed
+  std::shared_ptr<DeferredBuilds> deferred{};  ///< where set, trees are built when first needed
   const SharedArena* arena = nullptr;          ///< where set, trees are shared in it
   bool scan_few = true;                        ///< what is too small for a tree gets none
   const BvhKernels* code = &kernels();         ///< of the trees

@@ -260,7 +260,7 @@ class SceneBuilder {
     const auto meshes = std::count_if(graph_.shapes.begin(), graph_.shapes.end(),
                                       [](const GraphShape& s) { return s.shape->has_mesh(); });
     if (meshes > 1 && scene_->skips.unhit_meshes && scene_->settings.view != View::cost)
-      scene_->built_when_hit = std::make_shared<BuildCount>(0);
+      scene_->built_when_hit = std::make_shared<DeferredBuilds>();
     const auto build_one = [&](size_t i, int threads) {
       const Where where{.kind = graph_.shapes[i].path.c_str()};
       const v1::Shape& shape = *graph_.shapes[i].shape;

@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <future>
+#include <thread>
 #include <vector>
 
 #include "base/error.h"
+#include "renderer/film/aov.h"
 #include "tests/unit/renderer/scene_text.h"
 
 namespace tessera {
@@ -242,6 +245,47 @@ TEST(TileRenderer, stops_when_cancelled_and_tells_its_pixels) {
   EXPECT_EQ(progress.work_done, 64u);
   progress.cancelled = true;
   EXPECT_FALSE(renderer->render({{0, 0, 8, 8}, 0, 1}, progress));
+}
+
+TEST(TileRenderer, tells_within_a_pixel_that_it_gets_on) {
+  const auto work_of = [](const std::string& text, uint32_t samples,
+                          const std::function<void(v1::FrameSettings&)>& ask) {
+    v1::FrameSettings frame = frame_of(1, 1);
+    frame.set_samples_per_pixel(samples);
+    ask(frame);
+    TileProgress progress;
+    const auto renderer = make_tile_renderer(parse_scene(text), {}, frame, 1);
+    EXPECT_TRUE(renderer->render({{0, 0, 1, 1}, 0, samples}, progress));
+    return progress.work_done.load();
+  };
+  constexpr char kLens[] = R"(
+    cameras { world_from_camera { steps { translate { z: 10 } } }
+              lens { radius_x: .1 radius_y: .1 focal_distance: 9 samples: 1024 } }
+    nodes { shape { sphere {} } })";
+  const auto nothing = [](v1::FrameSettings&) {};
+  EXPECT_EQ(work_of(kMixed, 4096, nothing), 4u);
+  EXPECT_EQ(work_of(kLens, 8, nothing), 8u);
+  const auto albedo = [](v1::FrameSettings& frame) {
+    frame.set_aovs(AovSet().with(Aov::albedo).bits());
+  };
+  EXPECT_EQ(work_of(kMixed, 4096, albedo), 4u + 4);
+  const auto error = [](v1::FrameSettings& frame) { frame.set_target_error(1e-12); };
+  EXPECT_GE(work_of(kMixed, 1 << 15, error), 32u);
+}
+
+TEST(TileRenderer, stops_within_a_pixel) {
+  v1::FrameSettings frame = frame_of(1, 1);
+  constexpr uint32_t kSamples = 1 << 24;
+  frame.set_samples_per_pixel(1 << 20);
+  const auto renderer = make_tile_renderer(parse_scene(kMixed), {}, frame, 1);
+  TileProgress progress;
+  auto tile = std::async(std::launch::async, [&] {
+    return renderer->render({{0, 0, 1, 1}, 0, kSamples}, progress);
+  });
+  while (progress.work_done == 0) std::this_thread::yield();
+  progress.cancelled = true;
+  EXPECT_FALSE(tile.get());
+  EXPECT_LT(progress.work_done, kSamples / 1024);
 }
 
 // Looking past everything must give what tracing gives: an endless plane far behind the camera
