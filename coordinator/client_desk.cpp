@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <iterator>
+#include <new>
 #include <optional>
 #include <utility>
 
 #include "base/log.h"
 #include "base/plural.h"
 #include "base/saturating_sum.h"
+#include "coordinator/permissions.h"
 #include "job/job_messages.h"
 #include "proto/wire/printable.h"
 
@@ -22,6 +24,7 @@ constexpr size_t kMaxSubmissions = 64;
 constexpr int64_t kMaxOfPeer = 8;
 /// Of statuses of jobs, so that they fit one message.
 constexpr size_t kListBytes = size_t{1} << 20;
+constexpr char kNoMemory[] = "the coordinator has no memory for this submission";
 
 v1::JobStatus failed_status(uint64_t submission, ExitCode code, const std::string& why) {
   JobReport report;
@@ -40,13 +43,14 @@ v1::JobStatus failed_status(uint64_t submission, ExitCode code, const std::strin
 
 }  // namespace
 
-bool ClientDesk::on_control(const PeerId& peer, const v1::Envelope& message, Time now) {
+bool ClientDesk::on_control(const PeerId& peer, const v1::Envelope& message, Time now,
+                            const AllowedKey& sender) {
   switch (message.message_case()) {
     case v1::Envelope::kSubmitJob:
       on_submit(peer, message.submit_job(), now);
       return true;
     case v1::Envelope::kJobQuery:
-      on_query(peer, message.job_query(), now);
+      on_query(peer, message.job_query(), may_submit(sender), now);
       return true;
     case v1::Envelope::kJobListQuery:
       on_list_query(peer, message.job_list_query(), now);
@@ -71,7 +75,8 @@ void ClientDesk::on_submit(const PeerId& peer, const v1::SubmitJob& request, Tim
   const uint64_t id = request.submission();
   v1::JobQuery query;
   query.set_submission(id);
-  if (submissions_.contains(id) || jobs_.find_submission(id)) return on_query(peer, query, now);
+  if (submissions_.contains(id) || jobs_.find_submission(id))
+    return on_query(peer, query, true, now);
   try {
     if (submissions_.size() + attached_.size() >= kMaxSubmissions) {
       throw render_error(
@@ -95,6 +100,9 @@ void ClientDesk::on_submit(const PeerId& peer, const v1::SubmitJob& request, Tim
   } catch (const Error& error) {
     tell_failure(id, error.what(), now);
     answer(peer, failed_status(id, error.code(), error.what()));
+  } catch (const std::bad_alloc&) {
+    tell_failure(id, kNoMemory, now);
+    answer(peer, failed_status(id, ExitCode::render_failed, kNoMemory));
   }
 }
 
@@ -130,6 +138,9 @@ void ClientDesk::advance(Submission& submission, Time now) {
   } catch (const Error& error) {
     tell_failure(id, error.what(), now);
     submission.fail(failed_status(id, error.code(), error.what()));
+  } catch (const std::bad_alloc&) {
+    tell_failure(id, kNoMemory, now);
+    submission.fail(failed_status(id, ExitCode::render_failed, kNoMemory));
   }
 }
 
@@ -168,7 +179,8 @@ uint64_t ClientDesk::claimed_bytes() const {
 
 // ------------------------------------------------------------------------------------ questions
 
-void ClientDesk::on_query(const PeerId& peer, const v1::JobQuery& query, Time now) {
+void ClientDesk::on_query(const PeerId& peer, const v1::JobQuery& query, bool is_client, Time now) {
+  if (!is_client) return answer(peer, ask(query, now));
   const uint64_t id = query.submission();
   const auto it = submissions_.find(id);
   if (it != submissions_.end()) {
@@ -247,7 +259,8 @@ void ClientDesk::on_list_query(const PeerId& peer, const v1::JobListQuery& query
   for (auto it = jobs_.all().upper_bound(query.after()); it != jobs_.all().end(); ++it) {
     if (it->second->local()) continue;
     v1::JobStatus status = jobs_.status(*it->second, 0, now);
-    // The frame and its end are told to who asks for that job.
+    // The number is its client's alone. The frame and its end are told to who asks for that job.
+    status.clear_submission();
     status.clear_frame();
     status.clear_end();
     bytes += status.ByteSizeLong();

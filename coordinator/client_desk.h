@@ -12,6 +12,7 @@
 #include "coordinator/jobs/job_store.h"
 #include "coordinator/jobs/job_table.h"
 #include "coordinator/submission.h"
+#include "proto/transport/allow_list.h"
 #include "proto/transport/transport.h"
 
 namespace tessera {
@@ -31,7 +32,8 @@ class ClientDesk {
   };
 
   /// False if the message is none of a client's.
-  bool on_control(const PeerId& peer, const v1::Envelope& message, Time now);
+  bool on_control(const PeerId& peer, const v1::Envelope& message, Time now,
+                  const AllowedKey& sender = {});
   /// Only who was asked knows the submission's number, which must be in the answer.
   void on_chunk(const v1::BlobChunk& chunk, Time now);
   void on_missing(const v1::BlobMissing& missing, Time now);
@@ -44,7 +46,8 @@ class ClientDesk {
 
  private:
   void on_submit(const PeerId& peer, const v1::SubmitJob& request, Time now);
-  void on_query(const PeerId& peer, const v1::JobQuery& query, Time now);
+  /// `is_client`: who asks may be the submission's, and not only one who looks.
+  void on_query(const PeerId& peer, const v1::JobQuery& query, bool is_client, Time now);
   v1::JobStatus ask(FarmJob& job, const v1::JobQuery& query, Time now);
   static v1::JobStatus ask(Submission& submission, const v1::JobQuery& query);
   void on_list_query(const PeerId& peer, const v1::JobListQuery& query, Time now);

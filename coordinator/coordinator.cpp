@@ -99,7 +99,7 @@ void Coordinator::on_message(Channel channel, const PeerId& peer, const v1::Enve
     if (message.has_blob_request()) return on_blob_request(peer, message.blob_request());
     if (message.has_blob_chunk()) clients_->on_chunk(message.blob_chunk(), now);
     if (message.has_blob_missing()) clients_->on_missing(message.blob_missing(), now);
-  } else if (!clients_->on_control(peer, message, now)) {
+  } else if (!clients_->on_control(peer, message, now, sender)) {
     workers_->on_control(peer, message, now, sender);
   }
   settle(now);

@@ -18,9 +18,6 @@ struct CoordinatorOptions : JobRules {
   Time greeting = std::chrono::seconds(15);              ///< for a local process to say hello
   Time client_timeout = std::chrono::seconds(15);
 
-  /// What all submissions of clients together may come to take: blobs, scenes and films.
-  uint64_t client_budget_bytes = uint64_t{32} << 30;
-
   // What it tells workers of itself.
   uint32_t protocol_major = kProtocolMajor;
   std::string numerics_id = kNumericsId;

@@ -46,6 +46,8 @@ bool has_role(Role has, Role needs) {
 
 }  // namespace
 
+bool may_submit(const AllowedKey& sender) { return has_role(sender.role, Role::submitter); }
+
 std::optional<v1::Reject> refuse(const AllowedKey& sender, const v1::Envelope& message) {
   const auto needed = needed_role(message);
   if (needed && has_role(sender.role, *needed)) return std::nullopt;

@@ -11,4 +11,7 @@ namespace tessera {
 /// not, the answer to it, which names both roles. What is not listed is for nobody.
 std::optional<v1::Reject> refuse(const AllowedKey& sender, const v1::Envelope& message);
 
+/// Whether it may give orders and submit jobs, not only look.
+bool may_submit(const AllowedKey& sender);
+
 }  // namespace tessera

@@ -223,6 +223,7 @@ void WorkerDesk::on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Tim
     job->note_span(FrameTrace::Kind::scene, worker.id, worker.name(), 0, known.told, now);
   }
   known.ready = true;
+  job->note_built();
   job->assembler().note_build_counters(ready.counters());
   // Not a number fails the comparison, and is left out.
   double& longest = job->report().build_seconds;
@@ -348,10 +349,16 @@ void WorkerDesk::lose(WorkerRecord& worker, LossCause cause, const std::string& 
     if (times == 1) spdlog::warn("lost worker {}: {}", worker.name(), how);
     if (times > 1) spdlog::warn("lost worker {}: {}; {} times of late", worker.name(), how, *times);
   }
+  const auto told = worker.jobs;
   workers_.lose(worker);
   if (cause != LossCause::left) ++counters_.workers_lost;
   for (ActiveJob* job : jobs_.running()) {
-    if (cause != LossCause::left) job->note_lost_worker();
+    if (cause != LossCause::left) {
+      job->note_lost_worker();
+      const auto known = told.find(job->id());
+      const bool builds = known != told.end() && !known->second.ready;
+      if (builds) job->note_lost_builder(worker.id, known->second.told, now);
+    }
     for (const Lease& lease : job->scheduler().leases_of(worker.id)) {
       job->note_span(FrameTrace::Kind::lost, worker.id, worker.name(), lease.tile, lease.issued,
                      now);

@@ -23,6 +23,7 @@ struct TraceRun {
   bool compress = false;
   TileProgress progress;
   std::atomic<bool> started{false};
+  uint64_t waited = 0;  ///< of the session: heartbeats at which it may have waited for a tree
 };
 
 /// What became of a run: its bands, or why there are none.

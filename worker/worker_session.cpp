@@ -337,7 +337,9 @@ void WorkerSession::send_heartbeat(Time now) {
     auto& progress = *heartbeat.add_progress();
     progress.set_job(run->job);
     progress.set_lease(run->lease);
-    progress.set_work_done(run->progress.work_done);
+    // Threads that wait for a tree get on with it, as a job does whose scene is being built.
+    if (run->started && run->renderer->builds()) ++run->waited;
+    progress.set_work_done(run->progress.work_done + run->waited);
     progress.set_started(run->started);
   }
   for (auto& [id, job] : jobs_) {

@@ -354,6 +354,21 @@ void ActiveJob::note_scene_failure(WorkerId worker, ExitCode code, const std::st
   if (all || bad >= kWitnesses) fail(bad > 0 ? ExitCode::bad_scene : ExitCode::render_failed, why);
 }
 
+void ActiveJob::note_lost_builder(WorkerId worker, Time told, Time now) {
+  // Many that are lost at once were cut off, or ended together; that counts once.
+  if (built_ || told < builder_lost_at_.value_or(told)) return;
+  builder_lost_at_ = now;
+  lost_builders_.insert(worker);
+  // More than of a tile: workers also die of what they trace for other jobs.
+  constexpr size_t kMostLost = 5;
+  if (lost_builders_.size() < kMostLost) return;
+  fail(
+      ExitCode::render_failed,
+      fmt::format("{} workers, one after the other, were lost while they built the scene, and none "
+                  "has built it; it may take more memory than they have",
+                  lost_builders_.size()));
+}
+
 void ActiveJob::interrupt() {
   if (ended_) return;
   ended_ = true;

@@ -52,6 +52,11 @@ class ActiveJob {
   void note_scene_failure(WorkerId worker, ExitCode code, const std::string& why,
                           const std::vector<WorkerId>& present);
   bool scene_failed_at(WorkerId worker) const { return scene_failures_.contains(worker); }
+  /// Some worker has built the scene: what may come of it, it ends not every worker.
+  void note_built() { built_ = true; }
+  /// Notes that a worker is lost that was told of the job at `told` and has not built its scene,
+  /// and ends the job where that has happened to too many, each told after the one before was lost.
+  void note_lost_builder(WorkerId worker, Time told, Time now);
   BlobData find_blob(const Digest& digest) const { return blobs_.find(digest); }
 
   TileScheduler& scheduler() { return scheduler_; }
@@ -90,7 +95,10 @@ class ActiveJob {
   bool waits_for_store() const { return keeping_.must && !(unkept_.empty() && undropped_.empty()); }
 
   /// There is this worker; one that was there is lost.
-  void note_worker(WorkerId worker) { workers_seen_.insert(worker); }
+  void note_worker(WorkerId worker) {
+    workers_seen_.insert(worker);
+    lost_builders_.erase(worker);
+  }
   void note_lost_worker() { ++report_.workers_lost; }
   /// Notes for the times in the report and the estimate of what remains.
   void note_assignment(Time now);
@@ -138,6 +146,9 @@ class ActiveJob {
   bool ended_ = false;
   std::map<WorkerId, ExitCode> scene_failures_;
   std::unordered_set<WorkerId> workers_seen_;
+  std::set<WorkerId> lost_builders_;     ///< that did not come back
+  std::optional<Time> builder_lost_at_;  ///< the last of them
+  bool built_ = false;
   /// What the first worker said of what is past everything.
   struct UnseenWord {
     WorkerId from = 0;

@@ -3,7 +3,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <new>
 #include <span>
+#include <utility>
 
 #include "base/error.h"
 #include "coordinator/tiles/assembler.h"
@@ -25,7 +27,11 @@ BlobData FilmShelf::keep_at_hand(const Digest& digest, const Film& film) {
 Digest FilmShelf::put(const Film& film, const Recipe& recipe) {
   const Digest digest = Digest::of(std::as_bytes(film.values()));
   note(digest, recipe);
-  keep_at_hand(digest, film);
+  try {
+    keep_at_hand(digest, film);
+  } catch (const std::bad_alloc&) {
+    // It is put together again when it is asked for, as one that is not at hand any more.
+  }
   return digest;
 }
 
@@ -44,19 +50,22 @@ BlobData FilmShelf::find(const Digest& digest, bool* damaged) {
   const auto recipe = recipes_.find(digest);
   if (recipe == recipes_.end()) return nullptr;
   const auto& [key, crop, tile_size, aovs] = recipe->second;
-  Assembler assembler(crop, cut_tiles(crop, tile_size), aovs);
   try {
+    Assembler assembler(crop, cut_tiles(crop, tile_size), aovs);
     assembler.restore(store_->find(key));
+    assembler.mark_holes();
+    if (Digest::of(std::as_bytes(assembler.film().values())) != digest) {
+      if (damaged) *damaged = true;
+      return nullptr;
+    }
+    return keep_at_hand(digest, assembler.film());
   } catch (const Error& error) {
     spdlog::warn("{}; a picture cannot be shown now", error.what());
-    return nullptr;
+  } catch (const std::bad_alloc&) {
+    spdlog::warn("there is no memory for a picture of {}x{} pixels; it cannot be shown now",
+                 crop.width(), crop.height());
   }
-  assembler.mark_holes();
-  if (Digest::of(std::as_bytes(assembler.film().values())) != digest) {
-    if (damaged) *damaged = true;
-    return nullptr;
-  }
-  return keep_at_hand(digest, assembler.film());
+  return nullptr;
 }
 
 }  // namespace tessera

@@ -32,8 +32,8 @@ class FilmShelf {
   Digest put(const Film& film, const Recipe& recipe);
   void note(const Digest& film, const Recipe& recipe) { recipes_.emplace(film, recipe); }
   void forget(const Digest& film);
-  /// Null where there is no such film, or its tiles are no longer what they were: then `damaged`,
-  /// where it is given, becomes true.
+  /// Null where there is no such film or no memory for it, or its tiles are no longer what they
+  /// were: then `damaged`, where it is given, becomes true.
   BlobData find(const Digest& film, bool* damaged = nullptr);
 
  private:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <new>
 #include <unordered_set>
 #include <utility>
 
@@ -28,6 +29,11 @@ AovSet aovs_of(const v1::SubmitJob& request, uint32_t frame) {
   return AovSet(request.frames(static_cast<int>(frame)).settings().aovs());
 }
 
+/// Whether what is kept has that frame: rows of a store may be damaged.
+bool has_frame(const v1::KeptJob& kept, uint32_t frame) {
+  return std::cmp_less(frame, std::min(kept.request().frames_size(), kept.tile_keys_size()));
+}
+
 }  // namespace
 
 FilmShelf::Recipe JobTable::recipe_of(const v1::KeptJob& kept, uint32_t frame) {
@@ -44,7 +50,7 @@ JobTable::JobTable(const JobRules& rules, std::shared_ptr<JobStore> store)
     for (const std::string& hex : kept.blobs()) blobs.insert(Digest::from_hex(hex));
     for (const v1::KeptJob::End& end : kept.ends()) {
       const auto film = Digest::parse(end.end().film_digest());
-      if (film) films_.note(*film, recipe_of(kept, end.frame()));
+      if (film && has_frame(kept, end.frame())) films_.note(*film, recipe_of(kept, end.frame()));
     }
     auto job = std::make_unique<FarmJob>(std::move(kept));
     by_submission_[job->request().submission()] = job->id();
@@ -138,10 +144,14 @@ std::optional<PreviewImage> JobTable::preview(uint64_t id, uint32_t frame, int m
   const auto& end = job->end_of(frame);
   const BlobData pixels = end ? films_.find(Digest::from_hex(end->film_digest())) : nullptr;
   if (!pixels) return std::nullopt;
-  Film film(rect_of(job->request().crop()), aovs_of(job->request(), frame));
-  std::memcpy(film.values().data(), pixels->data(),
-              std::min(pixels->size(), film.values().size_bytes()));
-  return make_preview(film, output, from_message(*end).tiles_done, most_side);
+  try {
+    Film film(rect_of(job->request().crop()), aovs_of(job->request(), frame));
+    std::memcpy(film.values().data(), pixels->data(),
+                std::min(pixels->size(), film.values().size_bytes()));
+    return make_preview(film, output, from_message(*end).tiles_done, most_side);
+  } catch (const std::bad_alloc&) {
+    return std::nullopt;
+  }
 }
 
 std::shared_ptr<const FrameTrace> JobTable::trace(uint64_t job, uint32_t frame) const {

@@ -102,6 +102,10 @@ class JobTable {
   uint64_t frame_id(uint64_t job, uint32_t frame) const;
   std::vector<FarmJob*> startable();
   bool has_room_for(const FarmJob& job) const;
+  /// Of a frame of a client's job; of this process's own it is not counted.
+  static uint64_t film_bytes_of(const FarmJob& job, uint32_t frame);
+  /// Beside the films of the frames that run.
+  bool has_memory_for(uint64_t film) const;
   void begin(FarmJob& job, uint32_t frame, Time now, Changes& changes);
   void finish(FarmJob& job, FarmJob::Running& running, Changes& changes);
   /// Frames that were done and whose pictures cannot be put together any more: what is damaged of

@@ -3,14 +3,17 @@
 
 #include <algorithm>
 #include <limits>
+#include <new>
 #include <utility>
 
 #include "base/log.h"
+#include "base/saturating_sum.h"
 #include "coordinator/jobs/job_table.h"
 #include "job/check_job.h"
 #include "job/job_messages.h"
 #include "proto/wire/printable.h"
 #include "proto/wire/scene_codec.h"
+#include "renderer/film/film.h"
 
 namespace tessera {
 namespace {
@@ -97,7 +100,26 @@ std::vector<FarmJob*> JobTable::startable() {
   return result;
 }
 
+uint64_t JobTable::film_bytes_of(const FarmJob& job, uint32_t frame) {
+  if (job.local()) return 0;
+  const v1::SubmitJob& request = job.request();
+  const AovSet aovs(request.frames(static_cast<int>(frame)).settings().aovs());
+  return film_bytes(rect_of(request.crop()), aovs);
+}
+
+bool JobTable::has_memory_for(uint64_t film) const {
+  // Else begin() refuses it.
+  if (film > rules_.client_budget_bytes) return true;
+  for (const auto& [id, job] : open_) {
+    for (const FarmJob::Running& running : job->running()) {
+      film = saturating_sum(film, film_bytes_of(*job, running.frame));
+    }
+  }
+  return film <= rules_.client_budget_bytes;
+}
+
 bool JobTable::has_room_for(const FarmJob& job) const {
+  if (!has_memory_for(film_bytes_of(job, *job.next_frame()))) return false;
   if (!job.running().empty()) {
     const auto given_out = [](const FarmJob::Running& running) {
       return !running.active->scheduler().has_pending();
@@ -204,7 +226,19 @@ void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
     job.share(now);
     if (least) job.catch_up(*least);
   }
+  const auto fail = [&](ExitCode code, const std::string& why) {
+    JobReport report;
+    report.end = JobReport::End::failed;
+    report.exit_code = code;
+    report.failure = why;
+    file_end(job, frame, to_message(report));
+  };
   try {
+    const uint64_t film = film_bytes_of(job, frame);
+    if (film > rules_.client_budget_bytes) {
+      throw render_error(fmt::format("a picture of {} bytes; expected at most {}", film,
+                                     rules_.client_budget_bytes));
+    }
     auto active = std::make_unique<ActiveJob>(frame_id(job.id(), frame), spec_of(job, frame),
                                               keeping_of(job), rules_for(job.id()), now);
     tiles_restored_ += active->report().tiles_restored;
@@ -217,11 +251,13 @@ void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
     if (goes_on) log_going_on(job, now);
     list_running();
   } catch (const Error& error) {
-    JobReport report;
-    report.end = JobReport::End::failed;
-    report.exit_code = error.code();
-    report.failure = error.what();
-    file_end(job, frame, to_message(report));
+    fail(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    if (job.local()) throw;
+    const v1::PixelRect& crop = job.request().crop();
+    fail(ExitCode::render_failed,
+         fmt::format("the coordinator has no memory for {}x{} pixels with their scene",
+                     crop.x1() - crop.x0(), crop.y1() - crop.y0()));
   }
 }
 
@@ -242,8 +278,8 @@ void JobTable::finish(FarmJob& job, FarmJob::Running& running, Changes& changes)
   traces_.emplace_back(id, std::move(result.report.trace));
   if (traces_.size() > kKeptTraces) traces_.pop_front();
   job.last_costs() = std::move(costs);
-  end.set_film_digest(films_.put(result.film, recipe_of(job.kept(), frame)).hex());
   end.set_film_size(result.film.values().size_bytes());
+  end.set_film_digest(films_.put(result.film, recipe_of(job.kept(), frame)).hex());
   file_end(job, frame, std::move(end));
 }
 

@@ -340,6 +340,13 @@ std::span<const BvhKernels> all_kernels() {
   return all;
 }
 
+const BvhKernels& common_kernels() {
+  // The best that round each product, as a machine does that has no other.
+  const auto all = all_kernels();
+  const auto found = std::ranges::find(all, std::string_view("SSE4"), &BvhKernels::name);
+  return found == all.end() ? all.back() : *found;
+}
+
 const BvhKernels& kernels() {
   static const BvhKernels chosen = chosen_kernels();
   return chosen;

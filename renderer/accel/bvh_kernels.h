@@ -73,6 +73,9 @@ struct BvhKernels {
 };
 
 const BvhKernels& kernels();
+/// Those that count the same visits on every x86 machine. All find the same hits, but not by the
+/// same visits: boxes that a ray all but grazes are entered or not by whether products are rounded.
+const BvhKernels& common_kernels();
 /// One entry for each instruction set that this machine has, the best first.
 std::span<const BvhKernels> all_kernels();
 

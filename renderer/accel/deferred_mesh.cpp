@@ -7,13 +7,27 @@
 
 namespace tessera {
 
+namespace {
+
+/// Counts while it lives.
+struct UnderWay {
+  explicit UnderWay(std::atomic<int>& count) : count_(count) { ++count_; }
+  ~UnderWay() { --count_; }
+  UnderWay(const UnderWay&) = delete;
+  UnderWay& operator=(const UnderWay&) = delete;
+  std::atomic<int>& count_;
+};
+
+}  // namespace
+
 DeferredMesh::DeferredMesh(std::shared_ptr<const TriangleMesh> mesh, AcceleratorKind kind,
-                           int threads, std::shared_ptr<BuildCount> built, const SharedTree& shared)
+                           int threads, std::shared_ptr<DeferredBuilds> builds,
+                           const SharedTree& shared)
     : mesh_(std::move(mesh)),
       kind_(kind),
       threads_(threads),
       shared_(shared),
-      built_count_(std::move(built)),
+      builds_(builds ? std::move(builds) : std::make_shared<DeferredBuilds>()),
       bounds_(mesh_->bounds()) {}
 
 /// Sure of it: by a box grown by far more than any rounding. What is not a number does not pass by.
@@ -42,8 +56,9 @@ const Accelerator* DeferredMesh::accelerator_for(const Ray& ray) const {
   if (const Accelerator* built = built_.load(std::memory_order_acquire)) return built;
   if (passes_by(ray)) return nullptr;
   std::call_once(once_, [this] {
+    const UnderWay counted(builds_->under_way);
     owned_ = shared_mesh_accelerator(mesh_, kind_, threads_, shared_);
-    if (built_count_) ++*built_count_;
+    ++builds_->built;
     built_.store(owned_.get(), std::memory_order_release);
   });
   return owned_.get();

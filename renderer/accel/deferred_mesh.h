@@ -10,17 +10,20 @@
 
 namespace tessera {
 
-/// Trees that were built since the count was last read.
-using BuildCount = std::atomic<uint64_t>;
+/// What becomes of the meshes of a scene that are built when they are needed.
+struct DeferredBuilds {
+  std::atomic<uint64_t> built{0};  ///< trees, since the count was last read
+  std::atomic<int> under_way{0};   ///< that threads may wait for
+};
 
 /// A mesh whose accelerator is built by the first ray whose line meets its box; other threads that
 /// need it wait. The answers are those of the accelerator. Unlike others it allocates, once, in a
 /// call for a hit.
 class DeferredMesh final : public Accelerator {
  public:
-  /// `kind` must be one that cannot be absent from the program. `built` may be null.
+  /// `kind` must be one that cannot be absent from the program. `builds` may be null.
   DeferredMesh(std::shared_ptr<const TriangleMesh> mesh, AcceleratorKind kind, int threads,
-               std::shared_ptr<BuildCount> built, const SharedTree& shared = {});
+               std::shared_ptr<DeferredBuilds> builds, const SharedTree& shared = {});
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
@@ -36,7 +39,7 @@ class DeferredMesh final : public Accelerator {
   AcceleratorKind kind_;
   int threads_;
   SharedTree shared_;
-  std::shared_ptr<BuildCount> built_count_;
+  std::shared_ptr<DeferredBuilds> builds_;
   Bounds3 bounds_;
   mutable std::once_flag once_;
   mutable std::shared_ptr<const Accelerator> owned_;

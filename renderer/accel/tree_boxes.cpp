@@ -94,7 +94,9 @@ void lay_out_nodes(const WideTree& tree, TraversalTree& to, int threads,
   });
   size_t end = tree.root.is_leaf() ? leaf_units(tree.root) : 0;
   for (uint32_t& each : place) each = static_cast<uint32_t>(std::exchange(end, end + each));
-  TESSERA_CHECK(end < TraversalTree::kLeaf, "a tree larger than 64 GB");
+  if (end >= TraversalTree::kLeaf) {
+    throw scene_error("a mesh with a tree of more than 64 GB; expected it in several");
+  }
   to.extent = to.usual_extent = tree.extent;
   to.units = AlignedArray<TreeUnit>(end);
   to.root = tree.root.is_leaf() ? write_leaf(tree.root, 0) : place[tree.root.bits];

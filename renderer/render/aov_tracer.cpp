@@ -46,7 +46,8 @@ AovTracer::AovTracer(std::shared_ptr<const Scene> scene)
     : scene_(std::move(scene)), aovs_(scene_->settings.aovs) {}
 
 AovTracer::Surfaces AovTracer::surfaces_of(int x, int y, uint32_t first_sample, uint32_t count,
-                                           TraceState& state) const {
+                                           TraceState& state, TileProgress& progress) const {
+  const uint32_t at_once = samples_at_once(*scene_);
   Surfaces surfaces;
   const double gain = scene_->sampler->filter_gain();
   SampleSum albedo(gain), normal(gain);
@@ -65,6 +66,7 @@ AovTracer::Surfaces AovTracer::surfaces_of(int x, int y, uint32_t first_sample, 
         });
     albedo.add({mean.albedo, negative});
     normal.add({mean.normal, negative});
+    if ((i + 1) % at_once == 0 && !progress.go_on()) break;
   }
   surfaces.albedo = albedo.mean();
   surfaces.normal = normal.mean();
@@ -72,11 +74,11 @@ AovTracer::Surfaces AovTracer::surfaces_of(int x, int y, uint32_t first_sample, 
 }
 
 void AovTracer::write(int x, int y, uint32_t first_sample, bool seen, const SampleSum& light,
-                      TraceState& state, float* out) const {
+                      TraceState& state, TileProgress& progress, float* out) const {
   Surfaces surfaces;
   if (seen && aovs_.needs_surfaces()) {
     const bool averages = aovs_.has(Aov::albedo) || aovs_.has(Aov::normal);
-    surfaces = surfaces_of(x, y, first_sample, averages ? light.count() : 1, state);
+    surfaces = surfaces_of(x, y, first_sample, averages ? light.count() : 1, state, progress);
   }
   const FirstSurface nothing{};
   const FirstSurface& first = surfaces.first ? *surfaces.first : nothing;

@@ -5,6 +5,7 @@
 
 #include "renderer/integrator/integrator.h"
 #include "renderer/render/sample_sum.h"
+#include "renderer/render/tile_renderer.h"
 #include "renderer/scene/scene.h"
 
 namespace tessera {
@@ -18,14 +19,15 @@ class AovTracer {
 
   AovSet aovs() const { return aovs_; }
   /// To `out`, the channels behind light of the pixel at x, y, whose light is the mean of samples
-  /// from `first_sample` on. `seen`: its rays may meet something. What no float holds becomes 0.
+  /// from `first_sample` on. `seen`: its rays may meet something. What no float holds becomes 0,
+  /// and what comes where it is cancelled is of no use.
   void write(int x, int y, uint32_t first_sample, bool seen, const SampleSum& light,
-             TraceState& state, float* out) const;
+             TraceState& state, TileProgress& progress, float* out) const;
 
  private:
   struct Surfaces;
-  Surfaces surfaces_of(int x, int y, uint32_t first_sample, uint32_t count,
-                       TraceState& state) const;
+  Surfaces surfaces_of(int x, int y, uint32_t first_sample, uint32_t count, TraceState& state,
+                       TileProgress& progress) const;
 
   std::shared_ptr<const Scene> scene_;
   AovSet aovs_;

@@ -1,11 +1,19 @@
 #pragma once
 
+#include <algorithm>
 #include <utility>
 
 #include "renderer/integrator/integrator.h"
 #include "renderer/scene/scene.h"
 
 namespace tessera {
+
+/// How many samples are taken before it is told that a pixel gets on: about a thousand rays through
+/// the camera. With a thousandth of a second a ray, which is slow, that is once a second.
+inline uint32_t samples_at_once(const Scene& scene) {
+  constexpr uint32_t kRays = 1024;
+  return std::max(1u, kRays / std::max(1u, scene.camera->lens_samples()));
+}
 
 /// What `look(ray, key)` sees along the sample's camera ray, or the mean over the lens; and whether
 /// the filter is negative there.

@@ -56,7 +56,8 @@ class SceneTileRenderer final : public TileRenderer {
         aovs_(scene_),
         samples_coincide_(all_coincide(*scene_) && scene_->skips.equal_samples),
         adaptive_(scene_->settings.target_error > 0 && !samples_coincide_ &&
-                  scene_->skips.converged_blocks) {}
+                  scene_->skips.converged_blocks),
+        samples_at_once_(samples_at_once(*scene_)) {}
 
   CounterMap build_counters() const override { return scene_->counters; }
 
@@ -77,15 +78,19 @@ class SceneTileRenderer final : public TileRenderer {
     if (scene_->background.is_constant() && !scene_->seen.contains(task.rect)) {
       state.beyond = pixel_beyond(task);
     }
-    const Output output{task.first_sample, beside_light, tile};
+    const Output output{task.first_sample, beside_light, tile, progress};
     const bool done = adaptive_ ? render_blocks(task, progress, state, output)
                                 : render_pixels(task, progress, state, output);
-    if (!done) return std::nullopt;
+    if (!done || progress.cancelled.load(std::memory_order_relaxed)) return std::nullopt;
     state.counters.add_to(tile.counters);
     if (!aovs_.aovs().empty()) tile.counters["rays_aov"] = beside_light.counters.rays_primary;
     if (scene_->built_when_hit)
-      tile.counters["meshes_built_when_hit"] = scene_->built_when_hit->exchange(0);
+      tile.counters["meshes_built_when_hit"] = scene_->built_when_hit->built.exchange(0);
     return tile;
+  }
+
+  bool builds() const override {
+    return scene_->built_when_hit && scene_->built_when_hit->under_way > 0;
   }
 
   std::optional<Unseen> unseen(uint32_t sample_count) const override {
@@ -97,7 +102,8 @@ class SceneTileRenderer final : public TileRenderer {
     unseen.one_pixel.values.resize(static_cast<size_t>(unseen.one_pixel.channels));
     const PixelBeyond pixel = pixel_beyond({one, 0, sample_count});
     TraceState beside_light;
-    put(pixel.sum, 0, 0, false, {0, beside_light, unseen.one_pixel});
+    TileProgress unwatched;
+    put(pixel.sum, 0, 0, false, {0, beside_light, unseen.one_pixel, unwatched});
     pixel.counters.add_to(unseen.one_pixel.counters);
     unseen.one_pixel.counters["rays_background_skipped"] = sample_count;
     unseen.one_pixel.counters["tiles_background"] = 1;
@@ -112,6 +118,7 @@ class SceneTileRenderer final : public TileRenderer {
     uint32_t first_sample = 0;
     TraceState& beside_light;  ///< what AOVs cost
     TilePixels& tile;
+    TileProgress& progress;
   };
   /// A pixel past everything before a background of one colour: all of them are alike.
   struct PixelBeyond {
@@ -123,7 +130,9 @@ class SceneTileRenderer final : public TileRenderer {
   };
   PixelBeyond pixel_beyond(const RenderTask& task) const {
     TraceState state;
-    const SampleSum sum = sum_of(0, 0, task, state, &SceneTileRenderer::constant_background);
+    SampleSum sum = empty_sum();
+    TileProgress unwatched;
+    add_samples(sum, 0, 0, task, state, &SceneTileRenderer::constant_background, unwatched);
     return {sum, state.counters};
   }
   /// Its samples, counted as if they had been worked out anew.
@@ -141,23 +150,22 @@ class SceneTileRenderer final : public TileRenderer {
     uint64_t unseen_pixels = 0;
     const bool is_lone = shows_one_sample(task);
     state.cone = scene_->cones.of(task.first_sample);
-    uint64_t work_done = progress.work_done.load(std::memory_order_relaxed);
     for (int y = task.rect.y0; y < task.rect.y1; ++y) {
       for (int x = task.rect.x0; x < task.rect.x1; ++x) {
-        // A pixel of a million samples takes long: a row would be too coarse a step.
-        if (progress.cancelled.load(std::memory_order_relaxed)) return false;
         const bool seen = is_seen(x, y);
         if (!seen) ++unseen_pixels;
         if (seen || !scene_->background.is_constant()) {
           if (is_lone) {
             put_color(lone_sample(x, y, task, state, seen), value_at(x, y, output.tile));
           } else {
-            put(sum_of(x, y, task, state, way_of(seen)), x, y, seen, output);
+            SampleSum sum = empty_sum();
+            if (!add_samples(sum, x, y, task, state, way_of(seen), progress)) return false;
+            put(sum, x, y, seen, output);
           }
         } else {
           put(sum_beyond(state), x, y, seen, output);
         }
-        progress.work_done.store(++work_done, std::memory_order_relaxed);
+        if (!progress.go_on()) return false;
       }
     }
     output.tile.counters["rays_background_skipped"] = unseen_pixels * task.sample_count;
@@ -216,16 +224,18 @@ class SceneTileRenderer final : public TileRenderer {
     while (!converged && done < task.sample_count) {
       const uint32_t next = std::min(done == 0 ? first_look : 2 * done, task.sample_count);
       for (size_t i = 0; i < count; ++i) {
-        if (progress.cancelled.load(std::memory_order_relaxed)) return false;
         BlockPixel& pixel = pixels[i];
         TraceState& counted = pixel.wanted ? state : beside;
-        for (uint32_t sample = done; sample < next; ++sample) {
-          const Sample found = finite_sample({pixel.x, pixel.y, task.first_sample + sample},
-                                             counted, way_of(pixel.seen));
-          pixel.sum.add(found);
-          estimate.add(static_cast<int>(i), found.color);
+        for (uint32_t begin = done, end = 0; begin < next; begin = end) {
+          end = begin + std::min(next - begin, samples_at_once_);
+          for (uint32_t sample = begin; sample < end; ++sample) {
+            const Sample found = finite_sample({pixel.x, pixel.y, task.first_sample + sample},
+                                               counted, way_of(pixel.seen));
+            pixel.sum.add(found);
+            estimate.add(static_cast<int>(i), found.color);
+          }
+          if (!progress.go_on()) return false;
         }
-        progress.work_done.fetch_add(1, std::memory_order_relaxed);
       }
       done = next;
       if (done < first_look || !std::has_single_bit(done)) continue;
@@ -301,7 +311,7 @@ class SceneTileRenderer final : public TileRenderer {
            std::optional<double> error = std::nullopt) const {
     float* value = put_color(shown(sum, error), value_at(x, y, output.tile));
     if (aovs_.aovs().empty()) return;
-    aovs_.write(x, y, output.first_sample, seen, sum, output.beside_light, value);
+    aovs_.write(x, y, output.first_sample, seen, sum, output.beside_light, output.progress, value);
   }
   static float* value_at(int x, int y, TilePixels& tile) {
     const PixelRect& rect = tile.rect;
@@ -357,17 +367,20 @@ class SceneTileRenderer final : public TileRenderer {
     return sample;
   }
 
-  /// The task's samples, added in the order of their numbers.
-  SampleSum sum_of(int x, int y, const RenderTask& task, TraceState& state,
-                   SampleFunction sample_function) const {
-    SampleSum sum = empty_sum();
+  /// The task's samples, added in the order of their numbers. Whether it was not cancelled.
+  bool add_samples(SampleSum& sum, int x, int y, const RenderTask& task, TraceState& state,
+                   SampleFunction sample_function, TileProgress& progress) const {
     // Samples that are all alike are traced once.
     const uint32_t traced = samples_coincide_ ? 1 : task.sample_count;
     state.counters.samples_skipped += task.sample_count - traced;
-    for (uint32_t i = 0; i < traced; ++i) {
-      sum.add(finite_sample({x, y, task.first_sample + i}, state, sample_function));
+    for (uint32_t begin = 0, end = 0;; begin = end) {
+      end = begin + std::min(traced - begin, samples_at_once_);
+      for (uint32_t i = begin; i < end; ++i) {
+        sum.add(finite_sample({x, y, task.first_sample + i}, state, sample_function));
+      }
+      if (end == traced) return true;
+      if (!progress.go_on()) return false;
     }
-    return sum;
   }
 
   /// Whether a pixel is nothing but what its only sample finds.
@@ -390,6 +403,7 @@ class SceneTileRenderer final : public TileRenderer {
   AovTracer aovs_;
   bool samples_coincide_;
   bool adaptive_;
+  uint32_t samples_at_once_;  ///< before it is told that a pixel gets on
 };
 
 }  // namespace

@@ -15,8 +15,14 @@ namespace tessera {
 
 /// How far a tile is, written by the tracing thread and read by any other.
 struct TileProgress {
-  std::atomic<uint64_t> work_done{0};  ///< grows with every pixel
-  std::atomic<bool> cancelled{false};  ///< set from outside: stop within a pixel
+  std::atomic<uint64_t> work_done{0};  ///< grows with every pixel, and every thousand rays of one
+  std::atomic<bool> cancelled{false};  ///< set from outside: stop within so many rays
+
+  /// For the tracing thread: says that it gets on. Whether it shall.
+  bool go_on() {
+    work_done.store(work_done.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+    return !cancelled.load(std::memory_order_relaxed);
+  }
 };
 
 /// Traces tiles of one frame. Its pixels are a pure function of (scene, frame settings, task).
@@ -27,6 +33,9 @@ class TileRenderer {
   /// Nothing if it was cancelled.
   virtual std::optional<TilePixels> render(const RenderTask& task,
                                            TileProgress& progress) const = 0;
+  /// Whether something of the scene is being built that render() may wait for, and with it does not
+  /// get on.
+  virtual bool builds() const { return false; }
   /// What looks past everything, where all such pixels are alike.
   struct Unseen {
     PixelRect seen;        ///< outside of it, no sample of any pixel can hit

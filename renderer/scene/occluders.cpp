@@ -56,14 +56,14 @@ Occluders make_occluders(std::span<const Instance> instances, const std::vector<
   const auto make = [&](std::vector<Instance> of) -> std::shared_ptr<const Accelerator> {
     if (of.empty()) return nullptr;
     return make_instance_accelerator(std::move(of), settings.kind, settings.threads,
-                                     settings.scan_few);
+                                     settings.scan_few, *settings.code);
   };
   const bool looks_up =
       settings.scan_few && settings.kind != AcceleratorKind::linear && are_few_and_near(lights);
   if (is_as_all && opaque.size() == instances.size()) {
     result.opaque = all;
   } else if (looks_up && fit_a_row(opaque)) {
-    result.opaque = std::make_shared<FewInstances>(std::move(opaque));
+    result.opaque = std::make_shared<FewInstances>(std::move(opaque), *settings.code);
   } else {
     result.opaque = make(std::move(opaque));
   }

@@ -35,6 +35,7 @@ struct TreeSettings {
   AcceleratorKind kind = AcceleratorKind::bvh;
   int threads = 1;
   bool scan_few = true;
+  const BvhKernels* code = &kernels();
 };
 
 /// Those of `instances` that `counts` says; `is_clear` is one an instance. `all` is the tree of all

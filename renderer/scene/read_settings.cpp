@@ -185,6 +185,10 @@ RenderSettings read_settings(const v1::Settings& in, const v1::FrameSettings& as
   const v1::IntegratorSettings& integrator = in.integrator();
   out.integrator = integrator_kind(frame.integrator());
   out.view = view_of(frame.integrator());
+  if (out.view == View::cost && out.accelerator == AcceleratorKind::embree) {
+    fail_value(kSettings, "accelerator", "'embree'",
+               "another where the integrator is 'cost': what Embree visits depends on the machine");
+  }
   if (integrator.has_max_depth()) {
     checked(kSettings, "integrator.max_depth", integrator.max_depth(),
             {.min = 0, .max = kMaxDepth});

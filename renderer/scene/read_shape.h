@@ -5,6 +5,7 @@
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
 #include "renderer/accel/accelerator.h"
+#include "renderer/accel/bvh_kernels.h"
 #include "renderer/accel/deferred_mesh.h"
 #include "renderer/scene/check.h"
 #include "renderer/scene/csg_plan.h"
@@ -24,9 +25,10 @@ struct ShapeSource {
   AcceleratorKind accelerator;
   int threads;
   KeptAttributes keep{};
-  std::shared_ptr<BuildCount> deferred{};  ///< where set, trees are built when first needed
-  Sharing sharing{};                       ///< of trees
-  bool scan_few = true;                    ///< what is too small for a tree gets none
+  std::shared_ptr<DeferredBuilds> deferred{};  ///< where set, trees are built when first needed
+  Sharing sharing{};                           ///< of trees
+  bool scan_few = true;                        ///< what is too small for a tree gets none
+  const BvhKernels* code = &kernels();         ///< of the trees
 };
 
 /// A built shape, and what building it left out.

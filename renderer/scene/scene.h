@@ -84,7 +84,7 @@ struct Scene {
 
   CounterMap counters;  ///< of building
   /// Trees of meshes built since it was last set to 0; null where all were built with the scene.
-  std::shared_ptr<BuildCount> built_when_hit;
+  std::shared_ptr<DeferredBuilds> built_when_hit;
 
   /// Pixels outside this rectangle of the frame look past everything: none of their samples can
   /// hit.

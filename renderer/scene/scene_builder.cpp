@@ -55,6 +55,8 @@ class SceneBuilder {
     scene_->settings = read_settings(description_.settings(), frame_);
     const RenderSettings& settings = scene_->settings;
     source_.accelerator = settings.accelerator;
+    // Machines differ in what they visit, workers of one picture must not.
+    if (settings.view == View::cost) source_.code = &common_kernels();
     CameraChoice choice = read_camera(description_, frame_.camera(), settings.time);
     scene_->sampler.emplace(settings.sampler);
     scene_->background = read_background(description_.background(), textures_);
@@ -253,11 +255,12 @@ class SceneBuilder {
 
   void build_shapes() {
     shapes_.resize(graph_.shapes.size());
-    // The only mesh is hit, if the picture shows anything. Of several some may not be.
+    // The only mesh is hit, if the picture shows anything. Of several some may not be. Who counts
+    // visits must not see which rays came before a tree was there.
     const auto meshes = std::count_if(graph_.shapes.begin(), graph_.shapes.end(),
                                       [](const GraphShape& s) { return s.shape->has_mesh(); });
-    if (meshes > 1 && scene_->skips.unhit_meshes)
-      scene_->built_when_hit = std::make_shared<BuildCount>(0);
+    if (meshes > 1 && scene_->skips.unhit_meshes && scene_->settings.view != View::cost)
+      scene_->built_when_hit = std::make_shared<DeferredBuilds>();
     const auto build_one = [&](size_t i, int threads) {
       const Where where{.kind = graph_.shapes[i].path.c_str()};
       const v1::Shape& shape = *graph_.shapes[i].shape;
@@ -311,9 +314,10 @@ class SceneBuilder {
   void build_accelerators() {
     const std::vector<Instance>& instances = scene_->instances;
     if (instances.empty()) return;
-    const TreeSettings settings{source_.accelerator, source_.threads, source_.scan_few};
-    scene_->surfaces =
-        make_instance_accelerator(instances, settings.kind, settings.threads, settings.scan_few);
+    const TreeSettings settings{source_.accelerator, source_.threads, source_.scan_few,
+                                source_.code};
+    scene_->surfaces = make_instance_accelerator(instances, settings.kind, settings.threads,
+                                                 settings.scan_few, *settings.code);
     const auto occluders_of = [&](const std::vector<bool>& counts) {
       return make_occluders(instances, is_clear_, counts, scene_->surfaces, scene_->lights,
                             settings);

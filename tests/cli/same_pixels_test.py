@@ -3,12 +3,14 @@
 import concurrent.futures
 import json
 import os
+import pathlib
 import subprocess
 import unittest
 
 import scenes
 from tessera_process import PROGRAM, SLOWER, TesseraTest
 
+SAMPLES = pathlib.Path(__file__).parents[2] / "scenes/samples"
 WIDTH, HEIGHT = 72, 50  # no multiple of any tile
 WORKERS = [0, 1, 2, 3, 4, 8]
 THREADS = [1, 2, 4]
@@ -18,12 +20,12 @@ if SLOWER > 1:  # sanitizers look at the code, not at the combinations
 
 
 class SamePixels(TesseraTest):
-    def digest(self, scene, options):
+    def digest(self, scene, options, size=(WIDTH, HEIGHT)):
         """The (pixels_sha256, counts that may not depend on the cut) of one render."""
         name = "-".join(map(str, options)).replace("--", "")
         result = subprocess.run(
             [PROGRAM, "render", scene, "-o", f"{name}.png", "--stats", f"{name}.json", "--quiet",
-             "--size", f"{WIDTH}x{HEIGHT}", *map(str, options)],
+             "--size", "x".join(map(str, size)), *map(str, options)],
             cwd=self.folder, env=self.environment(), capture_output=True, text=True,
             timeout=120 * SLOWER)
         self.assertEqual((0, ""), (result.returncode, result.stderr), name)
@@ -58,6 +60,30 @@ class SamePixels(TesseraTest):
     def test_as_many_samples_as_it_takes(self):
         self.assert_all_equal(scenes.glass_scene(), "--target-error", ".05", "--spp", 40, "--filter",
                               "mitchell", workers=[0, 3], threads=[2])
+
+    def test_cost(self):
+        """Two meshes, of which rays come near one before the other."""
+        scene = self.write("scene.tessera", scenes.two_meshes_scene())
+        options = ("--integrator", "cost", "--spp", 4)
+        ways = [("--workers", w, "--threads", t, "--tile", tile, *options)
+                for w in (0, 3) for t in (1, 3) for tile in (8, 16, max(WIDTH, HEIGHT))]
+        ways.append(("--workers", 3, "--verify", "100%", *options))
+        found = {way: self.digest(scene, way)[0] for way in ways}
+        self.assertEqual(1, len(set(found.values())), found)
+
+    def test_cost_on_other_machines(self):
+        """Of a scene whose visits differ where products are not rounded before they are summed."""
+        scene = SAMPLES / "knot.tessera"
+        options = ("--integrator", "cost", "--workers", 0, "--threads", 1)
+        found = {}
+        self.addCleanup(os.environ.pop, "TESSERA_SIMD", None)
+        for simd in ("SCALAR", "SSE4", "AVX2", "AVX3"):
+            os.environ["TESSERA_SIMD"] = simd
+            asked = self.start("render", scene, "--size", "1x1", "--workers", "0", "-o", "x.png")
+            if asked.wait(60 * SLOWER) == 0:
+                found[simd] = self.digest(scene, options, (480, 270))[0]
+        self.assertIn("SCALAR", found)
+        self.assertEqual(1, len(set(found.values())), found)
 
     def test_other_settings_give_other_pixels(self):
         """That the digests could differ at all."""

@@ -53,6 +53,27 @@ def mesh_scene(rings=24, segments=48):
             "} } }\nnodes { shape { plane { } } }\n")
 
 
+def two_meshes_scene():
+    """Two bumpy balls side by side."""
+    nodes = ""
+    for x in (-1.3, 1.3):
+        positions, triangles = [], []
+        rings, segments = 24, 32
+        for i in range(rings + 1):
+            for j in range(segments):
+                u, v = math.pi * i / rings, 2 * math.pi * j / segments
+                radius = 0.9 + 0.1 * math.cos(7 * v) * math.sin(5 * u)
+                positions += [x + radius * math.sin(u) * math.cos(v), 1 + radius * math.cos(u),
+                              radius * math.sin(u) * math.sin(v)]
+                if i < rings:
+                    a, b = i * segments + j, i * segments + (j + 1) % segments
+                    triangles += [a, b, a + segments, b, b + segments, a + segments]
+        nodes += ('nodes { shape { materials: "clay" mesh {\n'
+                  f"inline_positions: [{', '.join(f'{p:.6f}' for p in positions)}]\n"
+                  f"inline_triangles: [{', '.join(map(str, triangles))}]\n}} }} }}\n")
+    return CAMERA + SUN + material("clay", gray("diffuse", 0.7)) + nodes
+
+
 def glass_scene():
     """A mirror and a glass ball that see each other, on a plane."""
     return (CAMERA + SUN +

@@ -112,6 +112,41 @@ TEST_F(ClientTest, TakesBlobsOnlyFromWhoWasAsked) {
   EXPECT_EQ(ask(42, false).state(), v1::JobStatus::RUNNING);
 }
 
+TEST_F(ClientTest, WhoLooksKeepsNoJobAlive) {
+  say("client", submission(42, job()));
+  for (const auto& chunk : chunks()) coordinator.on_message(Channel::bulk, "b", chunk, {});
+  ASSERT_EQ(ask(42, false).state(), v1::JobStatus::RUNNING);
+  v1::Envelope list;
+  list.mutable_job_list_query();
+  const AllowedKey viewer{Role::viewer, "eve", "k"};
+  say("viewer", list, {}, viewer);
+  const v1::JobList jobs = heard(v1::Envelope::kJobList).back().job_list();
+  ASSERT_EQ(jobs.jobs_size(), 1);
+  EXPECT_EQ(jobs.jobs(0).submission(), 0u) << "its client's alone";
+  v1::Envelope query;
+  query.mutable_job_query()->set_submission(42);
+  const auto runs_at = [&](Time now) {
+    coordinator.on_tick(now);
+    v1::JobQuery by_number;
+    by_number.set_job(jobs.jobs(0).job());
+    return coordinator.ask(by_number, now).state() == v1::JobStatus::RUNNING;
+  };
+  say("viewer", query, seconds(14), viewer);
+  EXPECT_EQ(status().state(), v1::JobStatus::RUNNING) << "it is answered";
+  EXPECT_TRUE(runs_at(seconds(14)));
+  EXPECT_FALSE(runs_at(seconds(16)));
+}
+
+TEST_F(ClientTest, WhoMaySubmitKeepsItsJobAlive) {
+  say("client", submission(42, job()));
+  for (const auto& chunk : chunks()) coordinator.on_message(Channel::bulk, "b", chunk, {});
+  v1::Envelope query;
+  query.mutable_job_query()->set_submission(42);
+  say("client", query, seconds(14), {Role::submitter, "alice", "k"});
+  coordinator.on_tick(seconds(16));
+  EXPECT_EQ(ask(42, false).state(), v1::JobStatus::RUNNING);
+}
+
 TEST_F(ClientTest, AreHeldToABudgetTogether) {
   const auto submit = [this](uint64_t number, uint64_t bytes) {
     v1::Envelope message = submission(number, job());

@@ -233,6 +233,52 @@ TEST_F(CoordinatorTest, OneWorkerIsNotBelievedThatASceneIsBad) {
   ASSERT_TRUE(coordinator.take_result(next));
 }
 
+TEST_F(CoordinatorTest, AJobThatEndsWorkersWhileTheyBuildEnds) {
+  const uint64_t id = coordinator.submit(job(), {});
+  const auto come_and_go = [&](WorkerId worker, Time now) {
+    const PeerId peer = "p" + std::to_string(worker);
+    say(peer, hello(worker), now);
+    coordinator.on_peer_gone(peer, now + milliseconds(500));
+  };
+  for (int i = 1; i <= 4; ++i) come_and_go(static_cast<WorkerId>(i), seconds(i));
+  EXPECT_FALSE(coordinator.take_result(id));
+  come_and_go(5, seconds(5));
+  const auto result = coordinator.take_result(id);
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->report.exit_code, ExitCode::render_failed);
+  EXPECT_EQ(result->report.failure,
+            "5 workers, one after the other, were lost while they built the scene, and none has "
+            "built it; it may take more memory than they have");
+}
+
+TEST_F(CoordinatorTest, AJobIsNotBlamedForWorkersThatAreLostOtherwise) {
+  const uint64_t id = coordinator.submit(job(), {});
+  const auto peer = [](int worker) { return "p" + std::to_string(worker); };
+  const auto come = [&](int worker, Time now) {
+    say(peer(worker), hello(static_cast<WorkerId>(worker)), now);
+  };
+  const auto go = [&](int worker, Time now) { coordinator.on_peer_gone(peer(worker), now); };
+  // A cable is drawn.
+  for (int i = 1; i <= 20; ++i) come(i, seconds(1));
+  for (int i = 1; i <= 20; ++i) go(i, seconds(2) + milliseconds(i));
+  // One comes back each time.
+  for (int i = 3; i <= 20; ++i) come(21, seconds(i)), go(21, seconds(i) + milliseconds(500));
+  EXPECT_FALSE(coordinator.take_result(id));
+  // They leave.
+  for (int i = 31; i <= 50; ++i) {
+    come(i, seconds(i));
+    v1::Envelope bye;
+    bye.mutable_bye()->set_session(1);
+    say(peer(i), bye, seconds(i));
+  }
+  EXPECT_FALSE(coordinator.take_result(id));
+  // It has been built.
+  come(51, seconds(51));
+  ready(peer(51), id, seconds(52));
+  for (int i = 61; i <= 80; ++i) come(i, seconds(i)), go(i, seconds(i) + milliseconds(500));
+  EXPECT_FALSE(coordinator.take_result(id));
+}
+
 TEST_F(CoordinatorTest, ServesTheScenesBlobs) {
   JobSpec spec = job();
   const Digest digest = spec.blobs.put(std::vector<std::byte>(10, std::byte{3}));

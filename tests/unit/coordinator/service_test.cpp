@@ -1,5 +1,6 @@
 // Jobs of clients in a store: what outlives a coordinator, who comes first, and a store that is
 // full.
+#include "tests/address_space_limit.h"
 #include "tests/unit/coordinator/service_fixture.h"
 
 namespace tessera::testing {
@@ -29,6 +30,60 @@ TEST_F(ServiceTest, JobsOutliveTheirCoordinator) {
   EXPECT_EQ(heard(v1::Envelope::kBlobChunk).at(0).blob_chunk().data().size(), 32u * 32 * 12)
       << "put together from its tiles";
   EXPECT_GT(submit(2), id) << "no number is given twice";
+}
+
+TEST_F(ServiceTest, EndsOfFramesThatAJobHasNotAreNoEnds) {
+  const uint64_t id = submit(1);
+  for (const uint32_t frame : {1u, 1u << 31, ~0u}) {
+    v1::KeptJob::End end;
+    end.set_frame(frame);
+    end.mutable_end()->set_film_digest(Digest::of(std::string("x")).hex());
+    store->save_end(id, end);
+  }
+  restart();
+  coordinator.on_tick({});
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::RUNNING);
+  EXPECT_EQ(ask(id).frames_done(), 0u);
+}
+
+TEST_F(ServiceTest, AJobWithoutMemoryForItsPictureFailsAndOthersGoOn) {
+  if (!AddressSpaceLimit::kWorks) GTEST_SKIP() << "memory cannot be refused here";
+  const AddressSpaceLimit limit(rlim_t{256} << 20);
+  const uint64_t large = submit(1, 0, 8192);
+  EXPECT_EQ(ask(large).state(), v1::JobStatus::ENDED);
+  EXPECT_EQ(ask(large).how(), v1::JobEnd::FAILED);
+  EXPECT_EQ(ask(large).failure(),
+            "the coordinator has no memory for 8192x8192 pixels with their scene");
+  restart();
+  EXPECT_EQ(ask(large).how(), v1::JobEnd::FAILED) << "it is not tried again";
+  const uint64_t small = submit(2);
+  come(1, 4);
+  for (const v1::Assign& assign : assigned()) say("w1", band(assign, 1));
+  EXPECT_EQ(ask(small).how(), v1::JobEnd::DONE);
+}
+
+TEST_F(ServiceTest, FilmsOfFramesThatRunAreHeldToABudget) {
+  constexpr uint64_t kFilm = 32 * 32 * 12;
+  const auto restart_with = [this](uint64_t budget) {
+    CoordinatorOptions options;
+    options.epoch = ++epoch;
+    options.client_budget_bytes = budget;
+    coordinator = Coordinator(options, store);
+    all.clear();
+  };
+  restart_with(2 * kFilm - 1);
+  const uint64_t one = submit(1), two = submit(2), small = submit(3, 0, 16);
+  EXPECT_EQ(ask(one).state(), v1::JobStatus::RUNNING);
+  EXPECT_EQ(ask(two).state(), v1::JobStatus::QUEUED);
+  EXPECT_EQ(ask(small).state(), v1::JobStatus::RUNNING) << "there is room for this one";
+  come(1, 8);
+  for (const v1::Assign& assign : assigned()) say("w1", band(assign, 1));
+  EXPECT_EQ(ask(one).how(), v1::JobEnd::DONE);
+  EXPECT_EQ(ask(two).state(), v1::JobStatus::RUNNING);
+  restart_with(kFilm - 1);
+  coordinator.on_tick({});
+  EXPECT_EQ(ask(two).how(), v1::JobEnd::FAILED);
+  EXPECT_EQ(ask(two).failure(), "a picture of 12288 bytes; expected at most 12287");
 }
 
 TEST_F(ServiceTest, APictureWhoseTilesAreGoneIsTracedAgainWhereTheyAre) {

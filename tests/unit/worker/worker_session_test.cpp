@@ -56,6 +56,38 @@ TEST_F(WorkerSessionTest, TellsEachSecondWhatItHolds) {
   EXPECT_FALSE(heartbeat.progress(1).started());
 }
 
+TEST_F(WorkerSessionTest, TilesThatWaitForATreeGetOnWithIt) {
+  struct Building : testing::FakeRenderer {
+    using FakeRenderer::FakeRenderer;
+    bool builds() const override { return building; }
+    bool building = true;
+  };
+  const auto renderer = std::make_shared<Building>(5);
+  welcome(1);
+  start(7);
+  serve_blobs();
+  session.on_built({.job = 7, .renderer = renderer, .seconds = 1, .failure = {}, .exit_code = 0},
+                   {});
+  assign(7, 11);
+  assign(7, 12);
+  const auto runs = wants<StartTrace>();
+  runs[0].run->started = true;
+  runs[0].run->progress.work_done = 99;
+  sent(v1::Envelope::kHeartbeat);
+  const auto told = [&](Time now) {
+    session.on_tick(now);
+    ping(0, now);
+    const v1::Heartbeat heartbeat = sent(v1::Envelope::kHeartbeat).at(0).heartbeat();
+    return std::pair(heartbeat.progress(0).work_done(), heartbeat.progress(1).work_done());
+  };
+  EXPECT_EQ(told(seconds(1)), std::pair(uint64_t{100}, uint64_t{0}));
+  EXPECT_EQ(told(seconds(2)), std::pair(uint64_t{101}, uint64_t{0})) << "what has not begun waits";
+  renderer->building = false;
+  EXPECT_EQ(told(seconds(3)).first, 101u) << "one that hangs is noticed";
+  runs[0].run->progress.work_done = 100;
+  EXPECT_EQ(told(seconds(4)).first, 102u);
+}
+
 TEST_F(WorkerSessionTest, ComesAnewWhenTheCoordinatorIsSilent) {
   make_ready(7);
   assign(7, 11);

@@ -4,6 +4,7 @@
 
 #include "coordinator/jobs/memory_job_store.h"
 #include "coordinator/tiles/assembler.h"
+#include "tests/address_space_limit.h"
 
 namespace tessera {
 namespace {
@@ -55,6 +56,17 @@ TEST_F(FilmShelfTest, KeepsNoMoreBytesThanItMayAndThoseAskedForLast) {
   EXPECT_EQ(store->asked, 0) << "it was asked for after the second";
   EXPECT_TRUE(shelf.find(two));
   EXPECT_EQ(store->asked, 1) << "put together again";
+}
+
+TEST_F(FilmShelfTest, OneThatThereIsNoMemoryForIsNotShown) {
+  if (!AddressSpaceLimit::kWorks) GTEST_SKIP() << "memory cannot be refused here";
+  FilmShelf shelf(store);
+  const Digest film = Digest::of(std::string("large"));
+  shelf.note(film, {film, {0, 0, 8192, 8192}, 512});
+  const AddressSpaceLimit limit(rlim_t{256} << 20);
+  bool damaged = false;
+  EXPECT_FALSE(shelf.find(film, &damaged));
+  EXPECT_FALSE(damaged) << "it need not be traced again";
 }
 
 TEST_F(FilmShelfTest, KeepsOneThatIsTooLarge) {

@@ -14,7 +14,7 @@ namespace tessera {
 namespace {
 
 TEST(DeferredMesh, IsBuiltByTheFirstRayThatComesNear) {
-  const auto built = std::make_shared<BuildCount>(0);
+  const auto built = std::make_shared<DeferredBuilds>();
   const DeferredMesh mesh(std::make_shared<TriangleMesh>(icosphere(3)), AcceleratorKind::bvh, 1,
                           built);
   TraversalCounters counters;
@@ -22,12 +22,12 @@ TEST(DeferredMesh, IsBuiltByTheFirstRayThatComesNear) {
   EXPECT_FALSE(mesh.closest_hit({{0, 0, 9}, {1, 0, 0}}, hit, counters));
   EXPECT_FALSE(mesh.any_hit({{3, 3, 9}, {0, 0, -1}}, counters));
   EXPECT_FALSE(mesh.any_hit({{0, 9, 9}, {1, 1, 1}}, counters));
-  EXPECT_EQ(*built, 0u);
+  EXPECT_EQ(built->built, 0u);
   EXPECT_EQ(mesh.statistics().nodes, 0u);
   EXPECT_EQ(mesh.bounds().max.x, icosphere(3).bounds().max.x);
   EXPECT_TRUE(mesh.any_hit({{0, 0, 9}, {0.01, 0.02, -1}}, counters));
   EXPECT_TRUE(mesh.closest_hit({{0, 0, 9}, {0.01, 0.02, -1}}, hit, counters));
-  EXPECT_EQ(*built, 1u);
+  EXPECT_EQ(built->built, 1u);
   EXPECT_GT(mesh.statistics().nodes, 0u);
 }
 
@@ -55,8 +55,26 @@ TEST(DeferredMesh, GivesTheBitsOfTheScanWhetherBuiltOrNot) {
   EXPECT_GT(hits, 700u);
 }
 
+TEST(DeferredMesh, TellsThatItIsBeingBuilt) {
+  const auto shared = std::make_shared<const TriangleMesh>(icosphere(6));
+  bool seen = false;
+  for (int turn = 0; turn < 100 && !seen; ++turn) {
+    const auto builds = std::make_shared<DeferredBuilds>();
+    const DeferredMesh mesh(shared, AcceleratorKind::bvh, 1, builds);
+    EXPECT_EQ(builds->under_way, 0);
+    std::thread first([&] {
+      TraversalCounters counters;
+      mesh.any_hit({{0, 0, 9}, {0.01, 0.02, -1}}, counters);
+    });
+    while (builds->built == 0) seen |= builds->under_way == 1;
+    first.join();
+    EXPECT_EQ(builds->under_way, 0);
+  }
+  EXPECT_TRUE(seen);
+}
+
 TEST(DeferredMesh, IsBuiltOnceByManyThreads) {
-  const auto built = std::make_shared<BuildCount>(0);
+  const auto built = std::make_shared<DeferredBuilds>();
   const DeferredMesh mesh(std::make_shared<TriangleMesh>(icosphere(5)), AcceleratorKind::bvh, 2,
                           built);
   std::atomic<int> hits{0};
@@ -70,7 +88,7 @@ TEST(DeferredMesh, IsBuiltOnceByManyThreads) {
     }
   }
   EXPECT_EQ(hits, 8);
-  EXPECT_EQ(*built, 1u);
+  EXPECT_EQ(built->built, 1u);
 }
 
 }  // namespace

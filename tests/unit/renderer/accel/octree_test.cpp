@@ -6,6 +6,7 @@
 #include <cstring>
 #include <random>
 
+#include "base/error.h"
 #include "renderer/accel/linear_scan.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/shapes/plane.h"
@@ -239,6 +240,11 @@ TEST(Octree, AHundredThousandIdenticalTrianglesStayOneVoxel) {
     EXPECT_TRUE(octree.closest_hit({{0, 0, -5}, {0, 0, 1}}, hit, counters));
     EXPECT_EQ(hit.primitive, 0u);
   }
+}
+
+TEST(MakeAccelerator, MoreTrianglesThanATreeHoldsAreTheScenesFault) {
+  EXPECT_NO_THROW(check_triangle_count(kMaxPrimitives));
+  EXPECT_THROW(check_triangle_count(kMaxPrimitives + 1), Error);
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ TEST(SimpleFeatures, keep_bits_and_counts) {
         const v1::Scene scene = parse_scene(scene_with(material, light, wall + settings));
         const PixelRect rect{0, 0, 24, 18};
         const auto tile = [&](const Skips& skips) {
-          const auto renderer = make_tile_renderer(scene, {}, frame_of(24, 18), 1, nullptr, skips);
+          const auto renderer = make_tile_renderer(scene, {}, frame_of(24, 18), 1, {}, skips);
           return render_rect(*renderer, rect);
         };
         const TilePixels simple = tile({}), full = tile({.absent_features = false});

@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <future>
+#include <thread>
 #include <vector>
 
 #include "base/error.h"
+#include "renderer/film/aov.h"
 #include "tests/unit/renderer/scene_text.h"
 
 namespace tessera {
@@ -126,6 +129,39 @@ TEST(TileRenderer, cost_does_not_depend_on_how_the_frame_is_cut) {
                 whole.values[static_cast<size_t>(3 * (24 * y + x))]);
 }
 
+// A tree that is not built yet is not visited by who passes it by.
+TEST(TileRenderer, cost_does_not_depend_on_which_trees_were_needed_before) {
+  std::string text = "cameras { world_from_camera { steps { translate { z: 10 } } } } ";
+  for (const double x : {-2.0, 2.0}) {
+    text += fmt::format(
+        "nodes {{ transform {{ steps {{ translate {{ x: {} }} }} }} shape {{ mesh "
+        "{{ inline_positions: [-1,-1,0, 1,-1,0, 1,1,0, -1,1,0] "
+        "inline_triangles: [0,1,2, 0,2,3, 0,1,3] }} }} }} ",
+        x);
+  }
+  constexpr int kSide = 16;
+  v1::FrameSettings frame = frame_of(kSide, kSide);
+  frame.set_accelerator("bvh");
+  frame.set_integrator("cost");
+  const auto row_by_row = [&](int first, int step) {
+    const auto renderer = make_tile_renderer(parse_scene(text), {}, frame, 1);
+    std::vector<float> cost(kSide * kSide);
+    for (int i = 0, at = first; i < kSide * kSide; ++i, at += step) {
+      const int x = at / kSide, y = at % kSide;
+      cost[static_cast<size_t>(at)] = render_rect(*renderer, {x, y, x + 1, y + 1}).values[0];
+    }
+    return cost;
+  };
+  EXPECT_EQ(row_by_row(0, 1), row_by_row(kSide * kSide - 1, -1));
+}
+
+TEST(TileRenderer, cost_of_embree_is_not_shown) {
+  v1::FrameSettings frame = frame_of(2, 2);
+  frame.set_accelerator("embree");
+  frame.set_integrator("cost");
+  EXPECT_THROW(make_tile_renderer(parse_scene(kSphere), {}, frame, 1), Error);
+}
+
 TEST(TileRenderer, a_sample_alone_is_the_sample_among_others) {
   v1::FrameSettings frame = frame_of(4, 4);
   frame.set_samples_per_pixel(2);
@@ -209,6 +245,47 @@ TEST(TileRenderer, stops_when_cancelled_and_tells_its_pixels) {
   EXPECT_EQ(progress.work_done, 64u);
   progress.cancelled = true;
   EXPECT_FALSE(renderer->render({{0, 0, 8, 8}, 0, 1}, progress));
+}
+
+TEST(TileRenderer, tells_within_a_pixel_that_it_gets_on) {
+  const auto work_of = [](const std::string& text, uint32_t samples,
+                          const std::function<void(v1::FrameSettings&)>& ask) {
+    v1::FrameSettings frame = frame_of(1, 1);
+    frame.set_samples_per_pixel(samples);
+    ask(frame);
+    TileProgress progress;
+    const auto renderer = make_tile_renderer(parse_scene(text), {}, frame, 1);
+    EXPECT_TRUE(renderer->render({{0, 0, 1, 1}, 0, samples}, progress));
+    return progress.work_done.load();
+  };
+  constexpr char kLens[] = R"(
+    cameras { world_from_camera { steps { translate { z: 10 } } }
+              lens { radius_x: .1 radius_y: .1 focal_distance: 9 samples: 1024 } }
+    nodes { shape { sphere {} } })";
+  const auto nothing = [](v1::FrameSettings&) {};
+  EXPECT_EQ(work_of(kMixed, 4096, nothing), 4u);
+  EXPECT_EQ(work_of(kLens, 8, nothing), 8u);
+  const auto albedo = [](v1::FrameSettings& frame) {
+    frame.set_aovs(AovSet().with(Aov::albedo).bits());
+  };
+  EXPECT_EQ(work_of(kMixed, 4096, albedo), 4u + 4);
+  const auto error = [](v1::FrameSettings& frame) { frame.set_target_error(1e-12); };
+  EXPECT_GE(work_of(kMixed, 1 << 15, error), 32u);
+}
+
+TEST(TileRenderer, stops_within_a_pixel) {
+  v1::FrameSettings frame = frame_of(1, 1);
+  constexpr uint32_t kSamples = 1 << 24;
+  frame.set_samples_per_pixel(1 << 20);
+  const auto renderer = make_tile_renderer(parse_scene(kMixed), {}, frame, 1);
+  TileProgress progress;
+  auto tile = std::async(std::launch::async, [&] {
+    return renderer->render({{0, 0, 1, 1}, 0, kSamples}, progress);
+  });
+  while (progress.work_done == 0) std::this_thread::yield();
+  progress.cancelled = true;
+  EXPECT_FALSE(tile.get());
+  EXPECT_LT(progress.work_done, kSamples / 1024);
 }
 
 // Looking past everything must give what tracing gives: an endless plane far behind the camera
