@@ -49,7 +49,7 @@ DELETIONS = [
      "if (true) return kWhite;"),
     ("soft shadows", DIRECT, "return kPlain ? kBlack : kWhite * (1 - light.shadow_intensity);",
      "return kBlack;"),
-    ("bounded shadows", DIRECT, "if (!kPlain && std::isfinite(light.shadow_distance)) {",
+    ("bounded shadows", DIRECT, "if (!kLambert && std::isfinite(light.shadow_distance)) {",
      "if (false) {"),
     ("attenuated ambient light", DIRECT,
      "if (!kPlain && light.ambient_attenuated) ambient += light.ambient * sample.factor;", ""),

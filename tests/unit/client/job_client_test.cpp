@@ -62,7 +62,8 @@ TEST(JobClient, WhatTheOtherSideSaysIsPrintable) {
   end.set_failure(
       "a\x1b[31m\nb\x7f\xc2\x9b"
       "c\xc3\xa9");
-  EXPECT_EQ(end_of_job(end).report.failure, "a [31m b   c\xc3\xa9");
+  EXPECT_EQ(end_of_job(end).report.failure, R"(a\x1b[31m\nb\x7f\x9bc)"
+                                            "\xc3\xa9");
   end.set_failure(std::string(999, 'a') + "\xc3\xa9");
   EXPECT_EQ(end_of_job(end).report.failure, std::string(999, 'a'));
 }
