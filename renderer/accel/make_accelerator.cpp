@@ -60,10 +60,10 @@ std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const T
 
 std::shared_ptr<const Accelerator> shared_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
                                                            AcceleratorKind kind, int threads,
-                                                           const SharedTree& shared,
-                                                           bool scan_few, const BvhKernels& code) {
-  const bool shares = shared.live && mesh->triangles.size() >= kTrianglesWorthSharing &&
-                      &code == &kernels();
+                                                           const SharedTree& shared, bool scan_few,
+                                                           const BvhKernels& code) {
+  const bool shares =
+      shared.live && mesh->triangles.size() >= kTrianglesWorthSharing && &code == &kernels();
   if (auto live = shares ? shared.live->find<Accelerator>(shared.key) : nullptr) return live;
   std::shared_ptr<const Accelerator> built =
       make_mesh_accelerator(std::move(mesh), kind, threads, shared, scan_few, code);

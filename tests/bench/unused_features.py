@@ -56,7 +56,7 @@ DELETIONS = [
     ("ambient light of the whole scene", DIRECT,
      "if (kPlain || !light.ambient_attenuated) ambient += light.ambient;",
      "ambient += light.ambient;"),
-    ("light that is subtracted", DIRECT, "if (light.casts_shadow && shades_itself) {",
+    ("light that is subtracted", DIRECT, "if (!kPlain && shades_itself) {",
      "if (false) {"),
     ("lights without shadows", DIRECT, "if (kPlain || light.casts_shadow)\n", "if (true)\n"),
     ("half-Lambert and signed Lambert", MATERIAL,
