@@ -5,6 +5,8 @@
 
 #include <fstream>
 
+#include "tests/sanitizers.h"
+
 namespace tessera {
 
 /// While it lives this process gets no more than so many bytes of address space beside those that
@@ -24,11 +26,7 @@ class AddressSpaceLimit {
   AddressSpaceLimit& operator=(const AddressSpaceLimit&) = delete;
 
   /// Not under sanitizers: their own memory would be refused too.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  static constexpr bool kWorks = false;
-#else
-  static constexpr bool kWorks = true;
-#endif
+  static constexpr bool kWorks = !kSanitized;
 
  private:
   rlimit before_{};

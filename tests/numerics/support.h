@@ -13,22 +13,11 @@
 #include "renderer/math/elementary.h"
 #include "renderer/math/precise_vec.h"
 #include "renderer/math/transform.h"
+#include "tests/sanitizers.h"
 
 namespace tessera::numerics {
 
 // What all tests of numerics share: random numbers, ray counts, arithmetic in quad precision.
-
-#if defined(__SANITIZE_ADDRESS__)
-inline constexpr bool kSanitized = true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-inline constexpr bool kSanitized = true;
-#else
-inline constexpr bool kSanitized = false;
-#endif
-#else
-inline constexpr bool kSanitized = false;
-#endif
 
 /// Rays, scenes or the like to try where the full test tries `full`: all of them with
 /// TESSERA_NUMERICS_FULL=1 in the environment, else one hundredth.
