@@ -64,6 +64,10 @@ bool is_utf16(std::string_view bytes) {
 }
 
 void refuse_utf16(std::string_view bytes, const std::string& name) {
+  using namespace std::string_view_literals;
+  if (bytes.starts_with("\xFF\xFE\0\0"sv) || bytes.starts_with("\0\0\xFE\xFF"sv))
+    throw scene_error({name, 1, 1}, "text in UTF-32",
+                      "UTF-8, as `iconv -f UTF-32 -t UTF-8` makes of it");
   if (is_utf16(bytes))
     throw scene_error({name, 1, 1}, "text in UTF-16",
                       "UTF-8, as `iconv -f UTF-16 -t UTF-8` makes of it");

@@ -35,6 +35,7 @@ struct InfoOptions {
 struct SceneInfo {
   std::string digest;
   v1::FrameSettings frame;
+  uint32_t lens_samples = 0;  ///< rays of each sample; 0: there is no lens
   SceneSummary summary;
   Bounds3 bounds;  ///< of every surface, at the scene's instant
   std::vector<std::string> cameras, materials, textures;
@@ -75,6 +76,7 @@ SceneInfo inspect(const InfoOptions& wanted) {
                  .warnings = loaded.warnings};
   info.summary.unused.insert(info.summary.unused.end(), loaded.unused.begin(), loaded.unused.end());
   const auto scene = build(path, loaded, info.frame);
+  info.lens_samples = scene->camera->lens_samples();
   if (scene->surfaces) info.bounds = scene->surfaces->bounds();
   for (const std::string& warning : picture_warnings(options, loaded)) {
     info.warnings.push_back(warning);
@@ -114,6 +116,7 @@ void print_json(const SceneInfo& info) {
                               {"width", info.frame.width()},
                               {"height", info.frame.height()},
                               {"samples_per_pixel", info.frame.samples_per_pixel()},
+                              {"lens_samples", info.lens_samples},
                               {"counts", counts},
                               {"bounds", bounds_json(info.bounds)},
                               {"cameras", info.cameras},
@@ -132,8 +135,10 @@ void print_list(const char* title, const std::vector<std::string>& lines) {
 
 void print_text(const SceneInfo& info) {
   say("{:<20} {}\n", "digest", info.digest);
-  say("{:<20} {}x{}, {} per pixel\n", "picture", info.frame.width(), info.frame.height(),
-      counted(info.frame.samples_per_pixel(), "sample"));
+  say("{:<20} {}x{}, {} per pixel{}\n", "picture", info.frame.width(), info.frame.height(),
+      counted(info.frame.samples_per_pixel(), "sample"),
+      info.lens_samples > 1 ? fmt::format(", each of {} rays through the lens", info.lens_samples)
+                            : "");
   for (const auto& [what, count] : info.summary.counts) say("{:<20} {}\n", what, count);
   say("{:<20} {}\n", "bounds", bounds_text(info.bounds));
   if (info.cameras.empty()) {

@@ -1,11 +1,13 @@
 #include "cli/picture_warnings.h"
 
+#include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
 
 #include <functional>
 
 #include "job/scene_motion.h"
+#include "renderer/image/image_file.h"
 
 namespace tessera {
 namespace {
@@ -64,9 +66,13 @@ bool may_shine(const pb::Message& message) {
   return message.GetDescriptor() == v1::Fog::descriptor();
 }
 
+std::string kind_of(const RenderOptions& options, const v1::Scene& scene) {
+  return options.integrator.value_or(scene.settings().integrator().kind());
+}
+
 bool is_all_black(const RenderOptions& options, const v1::Scene& scene) {
   const v1::IntegratorSettings& integrator = scene.settings().integrator();
-  const std::string kind = options.integrator.value_or(integrator.kind());
+  const std::string kind = kind_of(options, scene);
   if (!kind.empty() && kind != "auto" && kind != "whitted" && kind != "path") return false;
   return is_black(integrator.ambient()) && !shines(scene.background()) &&
          !any_message(scene, may_shine);
@@ -82,6 +88,19 @@ std::vector<std::string> picture_warnings(const RenderOptions& options, const Lo
   const bool several = options.frames && options.frames->first < options.frames->last;
   if (several && !loaded.depends_on_frame && !moves(loaded.scene)) {
     warnings.push_back("nothing in the scene depends on the frame: all pictures will be the same");
+  }
+  return warnings;
+}
+
+std::vector<std::string> file_warnings(const RenderOptions& options, const LoadedScene& loaded) {
+  std::vector<std::string> warnings;
+  const std::string kind = kind_of(options, loaded.scene);
+  if (kind != "cost" && kind != "samples" && kind != "error") return warnings;
+  for (const auto& path : picture_paths(options)) {
+    if (holds_floats(path)) continue;
+    warnings.push_back(fmt::format(
+        "'{}' shows numbers, of which '{}' holds those from 0 to 1 alone; expected .exr", kind,
+        path.string()));
   }
   return warnings;
 }

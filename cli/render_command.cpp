@@ -73,7 +73,7 @@ class RenderRun {
     if (sample_count(first) < kFewSamples) prepare_to_write_pictures();
     const ExitCode code = render_frames();
     // All pictures are written.
-    if (store_ && code == ExitCode::done) store_->remove();
+    if (store_ && code == ExitCode::done) end_store();
     return code;
   }
 
@@ -90,6 +90,14 @@ class RenderRun {
       ++frames_written_;
     }
     return ExitCode::done;
+  }
+
+  void end_store() {
+    const uint64_t others = store_->end();
+    if (others > 0 && !options_.quiet) {
+      say_warning(fmt::format("{} of other scenes or settings stay in '{}'",
+                              counted(others, "tile"), store_path().string()));
+    }
   }
 
   bool by_farm() const { return !options_.connection.endpoint.empty(); }
@@ -123,8 +131,11 @@ class RenderRun {
     scene_digest_ = Digest::of(serialize_scene(loaded_.scene)).hex();
     if (options_.quiet) return;
     for (const std::string& warning : loaded_.warnings) say_warning(warning);
-    for (const std::string& warning : picture_warnings(options_, loaded_)) {
-      if (warned_.insert(warning).second) say_warning(warning);
+    for (const auto& warnings :
+         {picture_warnings(options_, loaded_), file_warnings(options_, loaded_)}) {
+      for (const std::string& warning : warnings) {
+        if (warned_.insert(warning).second) say_warning(warning);
+      }
     }
   }
 

@@ -119,7 +119,9 @@ JobProgress FarmJob::progress(Time now) const {
   }
   progress.tiles_total = tiles_per_frame_ * ends_.size();
   const auto since = accepted_ ? accepted_ : begun_;
-  progress.elapsed_seconds = since ? to_seconds(now - *since) : 0;
+  // Of one that has ended, until it was last at work.
+  const Time until = ended() ? counted_until_ : now;
+  progress.elapsed_seconds = since && until > *since ? to_seconds(until - *since) : 0;
   progress.remaining_seconds = -1;
   if (begun_ && progress.tiles_done > done_when_begun_) {
     progress.remaining_seconds =

@@ -14,4 +14,11 @@ SqliteTileStore::SqliteTileStore(const std::filesystem::path& file)
                        .fails = "cannot keep finished tiles"}),
       tiles_(database_) {}
 
+uint64_t SqliteTileStore::end() {
+  for (const Digest& job : asked_for_) tiles_.drop_all(job);
+  const uint64_t others = tiles_.count();
+  if (others == 0) database_.remove();
+  return others;
+}
+
 }  // namespace tessera

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <set>
 
 #include "coordinator/store/sqlite_database.h"
 #include "coordinator/store/tile_table.h"
@@ -18,12 +20,17 @@ class SqliteTileStore : public TileStore {
 
   void keep(const Digest& job, const FinishedTile& tile) override { tiles_.keep(job, tile); }
   void drop(const Digest& job, const PixelRect& tile) override { tiles_.drop(job, tile); }
-  std::vector<FinishedTile> find(const Digest& job) override { return tiles_.find(job); }
+  std::vector<FinishedTile> find(const Digest& job) override {
+    asked_for_.insert(job);
+    return tiles_.find(job);
+  }
 
-  /// Closes and deletes the file: nothing in it is needed any more.
-  void remove() { database_.remove(); }
+  /// Nothing of the jobs that were asked for is needed any more: closes and deletes the file,
+  /// unless tiles of others are in it. Returns how many.
+  uint64_t end();
 
  private:
+  std::set<Digest> asked_for_;
   SqliteDatabase database_;
   TileTable tiles_;
 };

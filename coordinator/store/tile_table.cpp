@@ -42,6 +42,12 @@ void TileTable::drop_all(const Digest& key) {
   Statement(database_, "DELETE FROM tiles WHERE job = ?").bind(hex).step();
 }
 
+uint64_t TileTable::count() {
+  Statement rows(database_, "SELECT count(*) FROM tiles");
+  rows.step();
+  return static_cast<uint64_t>(rows.integer(0));
+}
+
 std::vector<FinishedTile> TileTable::find(const Digest& key) {
   const std::string hex = key.hex();
   Statement rows(database_, "SELECT x0, y0, x1, y1, kept FROM tiles WHERE job = ? ORDER BY rowid");

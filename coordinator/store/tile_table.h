@@ -15,6 +15,8 @@ class TileTable {
   void keep(const Digest& key, const FinishedTile& tile);
   void drop(const Digest& key, const PixelRect& tile);
   void drop_all(const Digest& key);
+  /// Tiles of whatever job.
+  uint64_t count();
   std::vector<FinishedTile> find(const Digest& key);
 
  private:

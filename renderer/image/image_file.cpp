@@ -186,6 +186,8 @@ void check_color_management(const ColorManagement& names) {
 
 bool holds_aovs(const fs::path& path) { return format_of(path).has_channels; }
 
+bool holds_floats(const fs::path& path) { return format_of(path).is_float; }
+
 void write_image(const fs::path& path, const Film& film, const OutputSettings& settings,
                  const ImageMetadata& metadata) {
   const Format& format = format_of(path);

@@ -57,6 +57,9 @@ void check_color_management(const ColorManagement& names);
 /// Whether what is beside light has a place in the format that the ending names.
 bool holds_aovs(const std::filesystem::path& path);
 
+/// Whether the format that the ending names takes any number.
+bool holds_floats(const std::filesystem::path& path);
+
 /// Writes the format that the ending names: exr, hdr and pfm take the linear values, every other
 /// one is made 8 bits by `settings`. What is beside light goes where holds_aovs(). It is encoded in
 /// memory, then goes through write_output_file. Throws a render error where either fails.

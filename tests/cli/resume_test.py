@@ -55,6 +55,11 @@ class Resume(TesseraTest):
                 self.load(2 * self.spp)  # that was too little for us to be in time
 
     def finish(self):
+        restored, _ = self.finish_beside_others()
+        self.assertEqual([], [p.name for p in self.folder.glob("*.tiles*")])
+        return restored
+
+    def finish_beside_others(self):
         (self.folder / "stats.json").unlink(missing_ok=True)
         process = self.start_render(2)
         _, err = process.communicate(timeout=PATIENCE)
@@ -63,8 +68,7 @@ class Resume(TesseraTest):
         self.assertEqual(self.reference["pixels_sha256"], stats["pixels_sha256"])
         self.assertEqual(self.reference["rays"], stats["rays"])
         self.assertEqual(TILES, stats["tiles"]["done"])
-        self.assertEqual([], [p.name for p in self.folder.glob("*.tiles*")])
-        return stats["tiles"]["restored"]
+        return stats["tiles"]["restored"], err
 
     def test_after_kills_at_any_moment(self):
         for seed in range(6):
@@ -80,11 +84,17 @@ class Resume(TesseraTest):
         self.assertIn(f"{kept} of {TILES} tiles are kept", err)
         self.assertEqual(kept, self.finish())
 
-    def test_another_scene_starts_anew(self):
-        self.end_midway(2, 100_000, signal.SIGKILL)
-        self.scene = self.write("scene.tessera", scenes.glass_scene().replace("0.9", "0.8"))
+    def test_another_scene_starts_anew_and_takes_nothing_from_the_first(self):
+        kept, _ = self.end_midway(2, 100_000, signal.SIGKILL)
+        first = self.scene
+        self.scene = self.write("other.tessera", scenes.glass_scene().replace("0.9", "0.8"))
         self.load(self.spp)
-        self.assertEqual(0, self.finish())
+        restored, err = self.finish_beside_others()
+        self.assertEqual(0, restored)
+        self.assertIn(f"{kept} tiles of other scenes or settings stay in", err)
+        self.scene = first
+        self.load(self.spp)
+        self.assertEqual(kept, self.finish())
 
     def test_a_file_of_something_else_is_refused_and_kept(self):
         self.kept.write_bytes(b"diary " * 1000)

@@ -62,6 +62,19 @@ TEST_F(ServiceTest, AJobWithoutMemoryForItsPictureFailsAndOthersGoOn) {
   EXPECT_EQ(ask(small).how(), v1::JobEnd::DONE);
 }
 
+TEST_F(ServiceTest, TheTimeOfAJobEndsWithIt) {
+  const uint64_t job = submit(1);
+  come(1, 4);
+  const auto elapsed = [&](int seconds) {
+    return ask(job, v1::JobQuery::ASK, std::chrono::seconds(seconds)).elapsed_seconds();
+  };
+  EXPECT_EQ(elapsed(5), 5);
+  for (const v1::Assign& assign : assigned()) say("w1", band(assign, 1), std::chrono::seconds(7));
+  EXPECT_EQ(ask(job).how(), v1::JobEnd::DONE);
+  EXPECT_EQ(elapsed(7), 7);
+  EXPECT_EQ(elapsed(60), 7);
+}
+
 TEST_F(ServiceTest, FilmsOfFramesThatRunAreHeldToABudget) {
   constexpr uint64_t kFilm = 32 * 32 * 12;
   const auto restart_with = [this](uint64_t budget) {

@@ -64,11 +64,23 @@ TEST_F(TileStoreTest, FindsWhatAnEarlierOneKept) {
   EXPECT_TRUE(store.find(Digest::of("a third")).empty());
 }
 
-TEST_F(TileStoreTest, LeavesNothingOnceRemoved) {
+TEST_F(TileStoreTest, LeavesNothingOfTheJobsThatWereAskedFor) {
+  {
+    SqliteTileStore store(file_);
+    store.keep(other_, tile(0, "another's"));
+    store.keep(other_, tile(32, "another's"));
+  }
+  {
+    SqliteTileStore store(file_);
+    EXPECT_TRUE(store.find(job_).empty());
+    store.keep(job_, tile(0, "one"));
+    EXPECT_EQ(store.end(), 2u);
+    EXPECT_FALSE(fs::is_empty(folder_));
+  }
   SqliteTileStore store(file_);
-  store.keep(job_, tile(0, "one"));
-  EXPECT_FALSE(fs::is_empty(folder_));
-  store.remove();
+  EXPECT_TRUE(store.find(job_).empty());
+  EXPECT_EQ(store.find(other_).size(), 2u);
+  EXPECT_EQ(store.end(), 0u);
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
