@@ -1,11 +1,9 @@
 #include "renderer/image/plain/jpeg_slices.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
-#include <future>
-#include <thread>
 
+#include "renderer/image/plain/for_all.h"
 #include "renderer/image/plain/jpeg_errors.h"
 
 namespace tessera {
@@ -129,25 +127,11 @@ std::span<char> JpegSlices::decode(size_t number, size_t channels, std::span<cha
 
 bool decode_slices(const JpegSlices& slices, size_t channels, std::span<char> pixels,
                    const std::function<void(std::span<char>)>& finish) {
-  std::atomic<size_t> next = 0;
-  std::atomic<bool> is_whole = true;
-  const auto decode = [&] {
-    for (size_t number = next++; is_whole && number < slices.count(); number = next++) {
-      const std::span<char> decoded = slices.decode(number, channels, pixels);
-      if (decoded.empty())
-        is_whole = false;
-      else
-        finish(decoded);
-    }
-  };
-  constexpr size_t kMostThreads = 8;
-  const size_t threads = std::clamp<size_t>(std::thread::hardware_concurrency(), 1, kMostThreads);
-  // Where there is no thread to be had, nothing is left when it is waited for.
-  std::vector<std::future<void>> others;
-  for (size_t i = 1; i < threads; ++i) others.push_back(std::async(decode));
-  decode();
-  for (const auto& other : others) other.wait();
-  return is_whole;
+  return for_all(slices.count(), [&](size_t number) {
+    const std::span<char> decoded = slices.decode(number, channels, pixels);
+    if (!decoded.empty()) finish(decoded);
+    return !decoded.empty();
+  });
 }
 
 }  // namespace tessera

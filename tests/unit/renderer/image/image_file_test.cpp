@@ -232,6 +232,15 @@ TEST_F(ImageFile, a_large_jpeg_is_the_same_however_it_is_read) {
   EXPECT_EQ(different, 0u);
 }
 
+TEST_F(ImageFile, a_png_of_several_parts_is_one_picture) {
+  write_image(folder_ / "a.png", large_picture(), display_, {});
+  write_image(folder_ / "a.bmp", large_picture(), display_, {});
+  // By OpenImageIO, and by ourselves.
+  EXPECT_EQ(read_image(folder_ / "a.png").values, read_image(folder_ / "a.bmp").values);
+  EXPECT_EQ(*read_texture_image(folder_ / "a.png").texels,
+            *read_texture_image(folder_ / "a.bmp").texels);
+}
+
 TEST_F(ImageFile, a_large_jpeg_that_breaks_off_is_no_picture) {
   write_image(folder_ / "a.jpg", large_picture(), display_, {});
   std::ifstream file(folder_ / "a.jpg", std::ios::binary);
