@@ -50,5 +50,8 @@ class Blob {
 inline BlobData make_blob(std::vector<std::byte> bytes) {
   return std::make_shared<const Blob>(std::move(bytes));
 }
+inline BlobData copy_to_blob(std::span<const std::byte> bytes) {
+  return make_blob({bytes.begin(), bytes.end()});
+}
 
 }  // namespace tessera

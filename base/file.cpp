@@ -17,8 +17,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/descriptor_bytes.h"
 #include "base/error.h"
+#include "base/folder.h"
+#include "base/open_file.h"
 
 namespace tessera {
 namespace {
@@ -32,13 +33,12 @@ using FileHandle = std::unique_ptr<std::FILE, CloseFile>;
 
 /// "; did you mean 'x'?" for the file beside `path` that is nearest to it.
 std::string near_file(const fs::path& path) {
-  constexpr size_t kMostNames = 10000;
+  constexpr size_t kMostEntries = 10000;
   std::vector<std::string> names;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  for (const auto& entry : entries_in(folder)) {
+  for (const auto& entry : entries_in(folder, kMostEntries)) {
     std::error_code unknown;
     if (entry.is_regular_file(unknown)) names.push_back(entry.path().filename().string());
-    if (names.size() == kMostNames) break;
   }
   std::sort(names.begin(), names.end());
   const auto nearest = nearest_name(path.filename().string(), names);
@@ -150,9 +150,7 @@ class UnfinishedFile {
   bool rename_to(const fs::path& place) {
     if (std::rename(path_.c_str(), place.c_str()) != 0) return false;
     unfinished = false;
-    // The name itself is durable once its folder is; some file systems can not sync one.
-    const int folder = ::open(folder_of(place).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (folder >= 0) ::fsync(folder), ::close(folder);
+    sync_folder(folder_of(place));
     return true;
   }
 

@@ -63,7 +63,7 @@ bool is_utf16(std::string_view bytes) {
          ((bytes[0] == '\0' && is_text(bytes[1])) || (bytes[1] == '\0' && is_text(bytes[0])));
 }
 
-void refuse_utf16(std::string_view bytes, const std::string& name) {
+void refuse_wide_text(std::string_view bytes, const std::string& name) {
   using namespace std::string_view_literals;
   if (bytes.starts_with("\xFF\xFE\0\0"sv) || bytes.starts_with("\0\0\xFE\xFF"sv))
     throw scene_error({name, 1, 1}, "text in UTF-32",

@@ -12,7 +12,7 @@ std::string escape_controls(std::string_view text, bool keeps_lines = false);
 /// Whether a text begins as one in UTF-16 does: with a byte-order mark, or with a first character
 /// that is ASCII.
 bool is_utf16(std::string_view bytes);
-/// Throws scene_error where the text of the file `name` is in UTF-16.
-void refuse_utf16(std::string_view bytes, const std::string& name);
+/// Throws scene_error where the text of the file `name` is in UTF-16 or UTF-32.
+void refuse_wide_text(std::string_view bytes, const std::string& name);
 
 }  // namespace tessera

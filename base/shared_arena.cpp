@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/descriptor_bytes.h"
 #include "base/error.h"
+#include "base/open_file.h"
 
 namespace tessera {
 namespace {

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -19,9 +18,10 @@
 #include <tuple>
 #include <utility>
 
-#include "base/descriptor_bytes.h"
 #include "base/error.h"
+#include "base/folder.h"
 #include "base/log.h"
+#include "base/open_file.h"
 #include "base/process.h"
 #include "base/shared_arena.h"
 
@@ -33,15 +33,12 @@ constexpr Time kLook = std::chrono::milliseconds(1);
 
 constexpr std::string_view kFolderName = "tessera-farm-";
 
-/// Holds `folder` against removal until it is closed, which also the kernel does for whoever is
-/// killed; -1 where another holds it or it is gone.
+/// Holds `folder` against removal until it is closed; -1 where another holds it or it is gone.
 int hold(const std::string& folder) {
   const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (descriptor < 0) return -1;
   struct stat status {};
-  const bool held = flock(descriptor, LOCK_EX | LOCK_NB) == 0 && fstat(descriptor, &status) == 0 &&
-                    status.st_nlink > 0 && status.st_uid == geteuid();
-  if (held) return descriptor;
+  if (hold_alone(descriptor, status) && status.st_uid == geteuid()) return descriptor;
   close(descriptor);
   return -1;
 }

@@ -34,6 +34,14 @@ constexpr std::array<std::pair<const char*, Total>, 18> kTotals = {{
 
 PixelRect rect_of(const v1::PixelRect& r) { return {r.x0(), r.y0(), r.x1(), r.y1()}; }
 
+AovSet aovs_of(const v1::SubmitJob& request, uint32_t frame) {
+  return AovSet(request.frames(static_cast<int>(frame)).settings().aovs());
+}
+
+uint64_t film_bytes_of(const v1::SubmitJob& request, uint32_t frame) {
+  return film_bytes(rect_of(request.crop()), aovs_of(request, frame));
+}
+
 v1::PixelRect to_message(const PixelRect& rect) {
   v1::PixelRect message;
   message.set_x0(rect.x0);

@@ -25,8 +25,8 @@ class AddressSpaceLimit {
   AddressSpaceLimit(const AddressSpaceLimit&) = delete;
   AddressSpaceLimit& operator=(const AddressSpaceLimit&) = delete;
 
-  /// Not under sanitizers: their own memory would be refused too.
   static constexpr bool kWorks = !kSanitized;
+  static constexpr auto kWhyNot = "a sanitizer's own memory would be refused too";
 
  private:
   rlimit before_{};

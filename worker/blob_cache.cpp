@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -13,9 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/descriptor_bytes.h"
 #include "base/error.h"
+#include "base/folder.h"
 #include "base/log.h"
+#include "base/open_file.h"
 #include "base/owned_descriptor.h"
 
 namespace tessera {
@@ -32,19 +32,10 @@ bool is_unfinished(std::string_view name) {
          Digest::parse(name.substr(0, kDigits));
 }
 
-/// Whoever writes a file holds it, so that others know a killed writer's from one under way. Not by
-/// the writer's number: in containers all are number 1.
-bool hold(int descriptor) {
+/// Whoever writes a file holds it, so that others know a killed writer's from one under way.
+bool hold(const OwnedDescriptor& file) {
   struct stat status {};
-  return flock(descriptor, LOCK_EX | LOCK_NB) == 0 && fstat(descriptor, &status) == 0 &&
-         status.st_nlink > 0;
-}
-
-void sync_folder(const fs::path& folder) {
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  fsync(descriptor);
-  close(descriptor);
+  return file.get() >= 0 && hold_alone(file.get(), status);
 }
 
 }  // namespace
@@ -106,7 +97,7 @@ void BlobCache::remove_unfinished() {
     if (!is_unfinished(entry.path().filename().string())) continue;
     const OwnedDescriptor file(
         open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
-    if (file.get() >= 0 && hold(file.get())) unlink(entry.path().c_str());
+    if (hold(file)) unlink(entry.path().c_str());
   }
 }
 
@@ -139,8 +130,7 @@ bool BlobCache::write(const fs::path& path, const Blob& blob) {
     complain(std::strerror(errno));
     return false;
   }
-  if (!hold(file.get())) return false;  // another has just removed it
-  if (write_all(file.get(), {blob.data(), blob.size()}) && fsync(file.get()) == 0 &&
+  if (hold(file) && write_all(file.get(), {blob.data(), blob.size()}) && fsync(file.get()) == 0 &&
       rename(unfinished.c_str(), path.c_str()) == 0) {
     sync_folder(folder_);
     return true;

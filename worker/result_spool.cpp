@@ -16,8 +16,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/descriptor_bytes.h"
+#include "base/folder.h"
 #include "base/log.h"
+#include "base/open_file.h"
 #include "base/plural.h"
 #include "proto/wire/frame.h"
 #include "worker/blob_cache.h"
@@ -94,8 +95,7 @@ std::optional<LeftFile> open_left(const fs::path& path, const std::string& numer
   left.file = open(path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   if (left.file < 0) return std::nullopt;
   struct stat status {};
-  if (flock(left.file, LOCK_EX | LOCK_NB) == 0 && fstat(left.file, &status) == 0 &&
-      S_ISREG(status.st_mode) && status.st_nlink > 0) {
+  if (hold_alone(left.file, status) && S_ISREG(status.st_mode)) {
     left.size = static_cast<uint64_t>(status.st_size);
     if (is_of_use(left, path, status, numerics_id)) return left;
     spdlog::warn(

@@ -14,8 +14,7 @@
 namespace tessera {
 BlobData FilmShelf::keep_at_hand(const Digest& digest, const Film& film) {
   const auto pixels = std::as_bytes(film.values());
-  at_hand_.emplace_front(
-      digest, std::make_shared<const Blob>(std::vector<std::byte>(pixels.begin(), pixels.end())));
+  at_hand_.emplace_front(digest, copy_to_blob(pixels));
   uint64_t bytes = 0;
   for (const auto& [film_digest, data] : at_hand_) bytes += data->size();
   for (; at_hand_.size() > 1 && bytes > most_bytes_; at_hand_.pop_back()) {

@@ -25,10 +25,6 @@ namespace {
 
 constexpr int kFrameBits = 20;
 constexpr size_t kMaxJobs = 4096;
-AovSet aovs_of(const v1::SubmitJob& request, uint32_t frame) {
-  return AovSet(request.frames(static_cast<int>(frame)).settings().aovs());
-}
-
 /// Whether what is kept has that frame: rows of a store may be damaged.
 bool has_frame(const v1::KeptJob& kept, uint32_t frame) {
   return std::cmp_less(frame, std::min(kept.request().frames_size(), kept.tile_keys_size()));

@@ -101,10 +101,7 @@ std::vector<FarmJob*> JobTable::startable() {
 }
 
 uint64_t JobTable::film_bytes_of(const FarmJob& job, uint32_t frame) {
-  if (job.local()) return 0;
-  const v1::SubmitJob& request = job.request();
-  const AovSet aovs(request.frames(static_cast<int>(frame)).settings().aovs());
-  return film_bytes(rect_of(request.crop()), aovs);
+  return job.local() ? 0 : tessera::film_bytes_of(job.request(), frame);
 }
 
 bool JobTable::has_memory_for(uint64_t film) const {

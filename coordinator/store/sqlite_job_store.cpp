@@ -9,9 +9,9 @@
 #include <system_error>
 #include <utility>
 
-#include "base/descriptor_bytes.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "base/folder.h"
 #include "base/monotonic.h"
 #include "proto/wire/kept.h"
 
@@ -248,7 +248,7 @@ BlobData SqliteJobStore::find_blob(const Digest& digest) {
     return nullptr;
   }
   verified_.insert(digest);
-  return std::make_shared<const Blob>(std::move(bytes));
+  return make_blob(std::move(bytes));
 }
 
 void SqliteJobStore::keep_only_blobs(const std::unordered_set<Digest>& digests) {

@@ -15,9 +15,11 @@ SqliteTileStore::SqliteTileStore(const std::filesystem::path& file)
       tiles_(database_) {}
 
 uint64_t SqliteTileStore::end() {
+  uint64_t others = tiles_.count();
+  for (const Digest& job : asked_for_) others -= tiles_.count(job);
+  // Deleting rows takes time and room; a file goes at once.
+  if (others == 0) return database_.remove(), others;
   for (const Digest& job : asked_for_) tiles_.drop_all(job);
-  const uint64_t others = tiles_.count();
-  if (others == 0) database_.remove();
   return others;
 }
 

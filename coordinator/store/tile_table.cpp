@@ -48,6 +48,13 @@ uint64_t TileTable::count() {
   return static_cast<uint64_t>(rows.integer(0));
 }
 
+uint64_t TileTable::count(const Digest& key) {
+  const std::string hex = key.hex();
+  Statement rows(database_, "SELECT count(*) FROM tiles WHERE job = ?");
+  rows.bind(hex).step();
+  return static_cast<uint64_t>(rows.integer(0));
+}
+
 std::vector<FinishedTile> TileTable::find(const Digest& key) {
   const std::string hex = key.hex();
   Statement rows(database_, "SELECT x0, y0, x1, y1, kept FROM tiles WHERE job = ? ORDER BY rowid");

@@ -15,8 +15,9 @@ class TileTable {
   void keep(const Digest& key, const FinishedTile& tile);
   void drop(const Digest& key, const PixelRect& tile);
   void drop_all(const Digest& key);
-  /// Tiles of whatever job.
+  /// Tiles of whatever job, and of one.
   uint64_t count();
+  uint64_t count(const Digest& key);
   std::vector<FinishedTile> find(const Digest& key);
 
  private:

@@ -198,7 +198,7 @@ bool BlobFetch::complete(Parts::iterator it, BlobStore& store) {
     note_damage(it);
     return false;
   }
-  store.put(it->first, std::make_shared<const Blob>(std::move(part.data)));
+  store.put(it->first, make_blob(std::move(part.data)));
   parts_.erase(it);
   return true;
 }

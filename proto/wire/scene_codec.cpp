@@ -74,7 +74,7 @@ v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const st
     throw scene_error({name}, fmt::format("{} bytes", text.size()),
                       fmt::format("at most {}", kMaxSceneFileBytes));
   if (encoding != SceneEncoding::binary) {
-    refuse_utf16(text, name);
+    refuse_wide_text(text, name);
     text = skip_byte_order_mark(text);
     const size_t bad = find_invalid_utf8(text);
     if (bad != std::string_view::npos)
@@ -112,8 +112,7 @@ BlobStore take_blobs(v1::Scene& scene, const std::string& name) {
     if (!digest || Digest::of(bytes) != *digest)
       throw scene_error({name}, fmt::format("blob '{}' does not have that digest", blob.digest()),
                         "the digest of its data (docs/scenes.md)");
-    blobs.put(*digest,
-              std::make_shared<const Blob>(std::vector<std::byte>(bytes.begin(), bytes.end())));
+    blobs.put(*digest, copy_to_blob(bytes));
     blob.clear_data();
   }
   scene.clear_blobs();
@@ -173,8 +172,7 @@ void fetch_blobs(const std::string& path, const fs::path& allowed, SceneWithBlob
     if (Digest::of(bytes) != digest)
       throw scene_error({file}, "the data do not have the digest of the file's name", "whole data");
     const auto view = std::as_bytes(std::span(bytes));
-    read.blobs.put(digest,
-                   std::make_shared<const Blob>(std::vector<std::byte>(view.begin(), view.end())));
+    read.blobs.put(digest, copy_to_blob(view));
   }
 }
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/descriptor_bytes.h"
+#include "base/open_file.h"
 
 namespace tessera {
 namespace {

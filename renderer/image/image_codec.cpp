@@ -141,7 +141,7 @@ std::optional<ImageCodec::Answer> ImageCodec::receive_answer(ImageChannel& chann
   if (!reply.done) {
     throw render_error(std::string(reinterpret_cast<const char*>(payload.data()), payload.size()));
   }
-  return Answer{reply.layout, std::make_shared<const Blob>(std::move(payload))};
+  return Answer{reply.layout, make_blob(std::move(payload))};
 }
 
 ImageCodec::Answer ImageCodec::call(ImageRequest request, std::string_view payload) {

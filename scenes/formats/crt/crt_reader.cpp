@@ -68,7 +68,7 @@ LoadedScene parse_crt(const std::string& text, const std::string& name,
 
 LoadedScene read_crt(const std::string& path, const ReadOptions& options) {
   const std::string bytes = read_input_file(path, kMaxBytes);
-  refuse_utf16(bytes, path);
+  refuse_wide_text(bytes, path);
   const std::string text = to_utf8(skip_byte_order_mark(bytes));
   return parse_crt(text, path, AssetFolder(path, options.assets), options.frame);
 }

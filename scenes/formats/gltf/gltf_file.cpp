@@ -99,7 +99,7 @@ void GltfFile::read_container(std::string_view bytes) {
   constexpr size_t kHeader = 12, kChunkHeader = 8;
   constexpr uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
   if (!bytes.starts_with("glTF")) {
-    refuse_utf16(bytes, text_.name);
+    refuse_wide_text(bytes, text_.name);
     text_.text = json_text_ = skip_byte_order_mark(bytes);
     return;
   }

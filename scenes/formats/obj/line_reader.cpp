@@ -84,7 +84,7 @@ bool LineReader::refill() {
   pending_.assign(buffer_, cut);
   buffer_.resize(cut);
   if (std::exchange(at_start_, false)) {
-    refuse_utf16(buffer_, name_);
+    refuse_wide_text(buffer_, name_);
     buffer_.erase(0, cut - skip_byte_order_mark(buffer_).size());
   }
   at_ = word_ = buffer_.data();

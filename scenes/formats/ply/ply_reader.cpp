@@ -299,7 +299,7 @@ void add_texture(const std::string& file, v1::Scene& scene, v1::Material& materi
 }  // namespace
 
 LoadedScene parse_ply(std::string_view bytes, const std::string& name, const PictureCheck& check) {
-  refuse_utf16(bytes, name);  // the header is a text whatever follows it
+  refuse_wide_text(bytes, name);  // the header is a text whatever follows it
   bytes = skip_byte_order_mark(bytes);
   LoadedScene out;
   Warnings warnings;

@@ -187,7 +187,7 @@ LoadedScene parse_stl(std::string_view bytes, const std::string& name) {
   LoadedScene out;
   Warnings warnings;
   StlMesh builder(warnings);
-  if (is_text_length(bytes) && is_text_in_utf16(bytes)) refuse_utf16(bytes, name);
+  if (is_text_length(bytes) && is_text_in_utf16(bytes)) refuse_wide_text(bytes, name);
   if (is_text(text) && is_text_length(bytes))
     StlText(text, name, builder).read();
   else

@@ -68,8 +68,7 @@ TEST_F(ClientTest, HaveFewScenesReadAtOneGoByTheirBytes) {
     const std::string text = serialize_scene(scene);
     const auto bytes = std::as_bytes(std::span(text));
     const Digest digest = Digest::of(bytes);
-    scenes.put_blob(
-        digest, std::make_shared<const Blob>(std::vector<std::byte>(bytes.begin(), bytes.end())));
+    scenes.put_blob(digest, copy_to_blob(bytes));
     v1::JobFrame& frame = *request.add_frames();
     frame.set_scene_digest(digest.hex());
     frame.set_scene_size(bytes.size());

@@ -47,7 +47,7 @@ TEST_F(ServiceTest, EndsOfFramesThatAJobHasNotAreNoEnds) {
 }
 
 TEST_F(ServiceTest, AJobWithoutMemoryForItsPictureFailsAndOthersGoOn) {
-  if (!AddressSpaceLimit::kWorks) GTEST_SKIP() << "memory cannot be refused here";
+  if (!AddressSpaceLimit::kWorks) GTEST_SKIP() << AddressSpaceLimit::kWhyNot;
   const AddressSpaceLimit limit(rlim_t{256} << 20);
   const uint64_t large = submit(1, 0, 8192);
   EXPECT_EQ(ask(large).state(), v1::JobStatus::ENDED);

@@ -28,7 +28,7 @@ X3dDocument X3dDocument::parse(std::string_view bytes, const std::string& name) 
     plain = gunzip(bytes, kMaxBytes, name);
     bytes = plain;
   }
-  refuse_utf16(bytes, name);
+  refuse_wide_text(bytes, name);
   const std::string text = to_utf8(skip_byte_order_mark(bytes));
   const size_t start = text.find_first_not_of(" \t\r\n");
   if (start != std::string::npos && text[start] == '<') return parse_xml(text, name);

@@ -59,7 +59,7 @@ TEST_F(FilmShelfTest, KeepsNoMoreBytesThanItMayAndThoseAskedForLast) {
 }
 
 TEST_F(FilmShelfTest, OneThatThereIsNoMemoryForIsNotShown) {
-  if (!AddressSpaceLimit::kWorks) GTEST_SKIP() << "memory cannot be refused here";
+  if (!AddressSpaceLimit::kWorks) GTEST_SKIP() << AddressSpaceLimit::kWhyNot;
   FilmShelf shelf(store);
   const Digest film = Digest::of(std::string("large"));
   shelf.note(film, {film, {0, 0, 8192, 8192}, 512});

@@ -162,8 +162,7 @@ TEST(JobStoreBlobs, ThatAreDamagedAreAllFoundBeforeTheyAreCountedOn) {
     for (const char* text : {"sound", "turned", "short", "gone"}) {
       const auto bytes = std::as_bytes(std::span(std::string_view(text)));
       digests.push_back(Digest::of(bytes));
-      store.put_blob(digests.back(),
-                     std::make_shared<const Blob>(std::vector(bytes.begin(), bytes.end())));
+      store.put_blob(digests.back(), copy_to_blob(bytes));
       EXPECT_TRUE(store.has_blob(digests.back()));
     }
   }

@@ -204,7 +204,7 @@ TEST(BlobFetch, TellsWhoseItIs) {
   ASSERT_EQ(requests.size(), 1u);
   EXPECT_EQ(requests[0].submission(), 77u);
   EXPECT_EQ(answer_blob_request(requests[0], nullptr).blob_missing().submission(), 77u);
-  const auto blob = std::make_shared<const Blob>(std::vector<std::byte>(1));
+  const auto blob = make_blob(std::vector<std::byte>(1));
   EXPECT_EQ(answer_blob_request(requests[0], blob).blob_chunk().submission(), 77u);
 }
 
@@ -225,7 +225,7 @@ TEST(BlobFetch, AMissingBlobIsAFailureThatNamesIt) {
 }
 
 TEST(BlobServer, NeverReadsPastTheEnd) {
-  const auto blob = std::make_shared<const Blob>(random_bytes(100));
+  const auto blob = make_blob(random_bytes(100));
   v1::BlobRequest request;
   request.set_offset(90);
   request.set_length(0xffffffff);

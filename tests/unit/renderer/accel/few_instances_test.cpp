@@ -1,5 +1,6 @@
 #include "renderer/accel/few_instances.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "renderer/accel/linear_scan.h"
@@ -88,33 +89,48 @@ class Room {
   std::vector<std::shared_ptr<const Rectangle>> rectangles_;
 };
 
+/// How many of the rays compared hit something, and how many are stopped.
+struct Compared {
+  uint64_t hits = 0, stopped = 0;
+};
+
+/// Expects of FewInstances over the same, by each code, what a scan finds.
+void expect_as_scan(const InstanceLinearScan& scan, const std::vector<FewInstances>& few,
+                    const Ray& ray, TraversalCounters& of_scan, TraversalCounters& counters,
+                    Compared& compared) {
+  Hit expected;
+  const bool found = scan.closest_hit(ray, expected, of_scan);
+  const bool occluded = scan.any_hit(ray, of_scan);
+  compared.hits += found;
+  compared.stopped += occluded;
+  for (const FewInstances& one : few) {
+    Hit hit, again = expected;
+    TraversalCounters of_again;
+    EXPECT_EQ(one.closest_hit(ray, hit, counters), found);
+    EXPECT_EQ(hit, expected);
+    EXPECT_FALSE(one.closest_hit(ray, again, of_again));
+    EXPECT_EQ(one.any_hit(ray, counters), occluded);
+  }
+}
+
 TEST(FewInstances, HitsAreThoseOfAScan) {
-  uint64_t hits = 0, stopped = 0, tests = 0, scanned = 0;
+  Compared compared;
+  uint64_t tests = 0, scanned = 0;
   for (uint32_t seed = 0; seed < 60; ++seed) {
     Room room(seed);
     const InstanceLinearScan scan(room.instances());
     std::vector<FewInstances> few;
     for (const BvhKernels& code : all_kernels()) few.emplace_back(room.instances(), code);
     for (int i = 0; i < 1000; ++i) {
-      const Ray ray = room.ray();
+      SCOPED_TRACE(fmt::format("seed {}, ray {}", seed, i));
       TraversalCounters of_scan, counters;
-      Hit expected;
-      const bool found = scan.closest_hit(ray, expected, of_scan);
-      const bool occluded = scan.any_hit(ray, of_scan);
-      hits += found;
-      stopped += occluded;
-      for (const FewInstances& one : few) {
-        Hit hit;
-        EXPECT_EQ(one.closest_hit(ray, hit, counters), found) << seed << " " << i;
-        EXPECT_EQ(hit, expected) << seed << " " << i;
-        EXPECT_EQ(one.any_hit(ray, counters), occluded) << seed << " " << i;
-      }
+      expect_as_scan(scan, few, room.ray(), of_scan, counters, compared);
       tests += counters.primitive_tests / few.size();
       scanned += of_scan.primitive_tests;
     }
   }
-  EXPECT_GT(hits, 20'000u);
-  EXPECT_GT(stopped, 15'000u);
+  EXPECT_GT(compared.hits, 20'000u);
+  EXPECT_GT(compared.stopped, 15'000u);
   EXPECT_LT(tests, scanned / 3);
 }
 
@@ -139,7 +155,8 @@ std::vector<Instance> planes_and_balls(UniformNumbers& random, int planes, doubl
 }
 
 TEST(FewInstances, PlanesAtOnceAreHitAsOneByOne) {
-  uint64_t hits = 0, stopped = 0, touching = 0;
+  Compared compared;
+  uint64_t touching = 0;
   for (uint32_t seed = 0; seed < 60; ++seed) {
     UniformNumbers random(seed);
     const auto between = [&](double a, double b) { return random.between(a, b); };
@@ -165,22 +182,12 @@ TEST(FewInstances, PlanesAtOnceAreHitAsOneByOne) {
       if (i % 4 == 3 && scan.closest_hit(ray, before, counters)) ray.t_max = before.t;
       if (i % 16 == 5) ray.cull = i % 32 == 5 ? Cull::back : Cull::front;
       if (i % 16 == 6) ray.t_min = between(0, 2);
-      Hit expected;
-      const bool found = scan.closest_hit(ray, expected, counters);
-      const bool occluded = scan.any_hit(ray, counters);
-      hits += found;
-      stopped += occluded;
-      for (const FewInstances& one : few) {
-        Hit hit, again = expected;
-        EXPECT_EQ(one.closest_hit(ray, hit, counters), found) << seed << " " << i;
-        EXPECT_EQ(hit, expected) << seed << " " << i;
-        EXPECT_FALSE(one.closest_hit(ray, again, counters)) << seed << " " << i;
-        EXPECT_EQ(one.any_hit(ray, counters), occluded) << seed << " " << i;
-      }
+      SCOPED_TRACE(fmt::format("seed {}, ray {}", seed, i));
+      expect_as_scan(scan, few, ray, counters, counters, compared);
     }
   }
-  EXPECT_GT(hits, 15'000u);
-  EXPECT_GT(stopped, 10'000u);
+  EXPECT_GT(compared.hits, 15'000u);
+  EXPECT_GT(compared.stopped, 10'000u);
   EXPECT_GT(touching, 3'000u);
 }
 

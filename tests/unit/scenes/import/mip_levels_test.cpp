@@ -21,12 +21,6 @@ DecodedTexture texture(uint32_t width, uint32_t height, uint32_t channels,
   return out;
 }
 
-template <typename Numbers>
-BlobData blob_of(const Numbers& numbers) {
-  const auto bytes = std::as_bytes(std::span(numbers));
-  return make_blob({bytes.begin(), bytes.end()});
-}
-
 int code(const DecodedTexture& t, size_t i) { return static_cast<int>(t.texels->data()[i]); }
 
 TEST(MipLevels, halve_and_round_up_to_one) {
@@ -92,15 +86,21 @@ TEST(MipLevels, what_is_clear_has_no_colour) {
 
 TEST(MipLevels, keep_halves_and_floats) {
   const std::array<uint16_t, 2> pair{0x3e00, 0xc200};  // 1.5 and -3
-  DecodedTexture halves{
-      .width = 2, .height = 1, .channels = 1, .bits = 16, .texels = blob_of(pair)};
+  DecodedTexture halves{.width = 2,
+                        .height = 1,
+                        .channels = 1,
+                        .bits = 16,
+                        .texels = copy_to_blob(std::as_bytes(std::span(pair)))};
   EXPECT_EQ(add_mip_levels(halves, true), 2u);
   uint16_t mean;
   std::memcpy(&mean, halves.texels->data() + 4, 2);
   EXPECT_EQ(mean, 0xba00);  // -.75
   const std::array<float, 2> values{1000, 1};
-  DecodedTexture floats{
-      .width = 1, .height = 2, .channels = 1, .bits = 32, .texels = blob_of(values)};
+  DecodedTexture floats{.width = 1,
+                        .height = 2,
+                        .channels = 1,
+                        .bits = 32,
+                        .texels = copy_to_blob(std::as_bytes(std::span(values)))};
   add_mip_levels(floats, false);
   float middle;
   std::memcpy(&middle, floats.texels->data() + 8, 4);

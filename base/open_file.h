@@ -1,11 +1,10 @@
 #pragma once
 
+#include <sys/stat.h>
+
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <span>
-#include <string>
-#include <vector>
 
 namespace tessera {
 
@@ -15,10 +14,9 @@ bool write_all(int descriptor, std::span<const std::byte> bytes);
 bool write_all_at(int descriptor, uint64_t at, std::span<const std::byte> bytes);
 bool read_all_at(int descriptor, uint64_t at, std::span<std::byte> bytes);
 
-/// What lies in a folder, in no order; of one that cannot be read, as far as it can.
-std::vector<std::filesystem::directory_entry> entries_in(const std::filesystem::path& folder);
-
-/// Sixteen letters that no other process, of any machine, takes for a file beside this one.
-std::string unique_name();
+/// Holds a file or folder until `descriptor` is closed, which also the kernel does for whoever is
+/// killed: unlike a process's number, that means the same in every container. False where another
+/// holds it, or it has no name any more. `status` is filled in where it is held.
+bool hold_alone(int descriptor, struct stat& status);
 
 }  // namespace tessera

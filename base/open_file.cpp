@@ -1,15 +1,12 @@
-#include "base/descriptor_bytes.h"
+#include "base/open_file.h"
 
-#include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <random>
 
 namespace tessera {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Until `step(done)`, which tells how many more bytes were done, has done them all.
 template <typename Step>
@@ -45,19 +42,9 @@ bool read_all_at(int descriptor, uint64_t at, std::span<std::byte> bytes) {
   });
 }
 
-std::vector<fs::directory_entry> entries_in(const fs::path& folder) {
-  std::vector<fs::directory_entry> entries;
-  std::error_code failure;
-  // Not by a loop over its range, whose steps throw.
-  for (fs::directory_iterator it(folder, failure), end; !failure && it != end;
-       it.increment(failure))
-    entries.push_back(*it);
-  return entries;
-}
-
-std::string unique_name() {
-  std::random_device random;
-  return fmt::format("{:08x}{:08x}", random(), random());
+bool hold_alone(int descriptor, struct stat& status) {
+  return flock(descriptor, LOCK_EX | LOCK_NB) == 0 && fstat(descriptor, &status) == 0 &&
+         status.st_nlink > 0;
 }
 
 }  // namespace tessera
