@@ -8,6 +8,7 @@
 
 #include "base/saturating_sum.h"
 #include "job/job.h"
+#include "job/job_messages.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/film/aov.h"
 #include "renderer/film/tile.h"
