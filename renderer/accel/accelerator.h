@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "renderer/accel/ray_row.h"
 #include "renderer/math/bounds.h"
 #include "renderer/shapes/ray.h"
 #include "renderer/shapes/shape.h"
@@ -51,6 +52,15 @@ class Accelerator {
   virtual void closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
                             TraversalCounters& counters) const {
     for (size_t i = 0; i < rays.size(); ++i) closest_hit(rays[i], hits[i], counters);
+  }
+  /// The same for the rays of a row, of which none has been hit: a hit each, at an infinite t where
+  /// there is none. As many hits as rays.
+  virtual void closest_hits(const RayRow& rays, std::span<Hit> hits,
+                            TraversalCounters& counters) const {
+    for (size_t i = 0; i < rays.count; ++i) {
+      hits[i] = {};
+      closest_hit(rays.ray(i), hits[i], counters);
+    }
   }
   virtual AcceleratorStatistics statistics() const = 0;
 };

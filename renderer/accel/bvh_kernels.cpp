@@ -25,6 +25,7 @@
 // After what it takes from there.
 #include "renderer/accel/box_row-inl.h"
 #include "renderer/accel/plane_row-inl.h"
+#include "renderer/accel/ray_row-inl.h"
 #include "renderer/accel/rectangle_row-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -273,17 +274,9 @@ bool instance_any(const InstanceTree& scene, const Ray& ray, uint32_t& first,
 }
 
 BvhKernels kernels_of_target() {
-  return {mesh_closest,
-          mesh_any,
-          mesh_packet,
-          leaf_closest,
-          leaf_any,
-          instance_closest,
-          instance_any,
-          boxes_entered,
-          rectangles_met,
-          planes_met,
-          hwy::TargetName(HWY_TARGET)};
+  return {mesh_closest,   mesh_any,         mesh_packet,  leaf_closest,
+          leaf_any,       instance_closest, instance_any, boxes_entered,
+          rectangles_met, planes_met,       row_met,      hwy::TargetName(HWY_TARGET)};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -6,6 +6,7 @@
 #include "renderer/accel/box_row.h"
 #include "renderer/accel/instance.h"
 #include "renderer/accel/plane_row.h"
+#include "renderer/accel/ray_row.h"
 #include "renderer/accel/rectangle_row.h"
 #include "renderer/accel/spatial_splits.h"
 #include "renderer/accel/traversal_tree.h"
@@ -69,6 +70,9 @@ struct BvhKernels {
   /// Which planes of the row the ray meets at t <= `limit`, a bit each, and t, as many as
   /// row.count rounded up to four; ray.cull does not count.
   uint32_t (*planes_met)(const PlaneRow& row, const Ray& ray, double limit, double* t);
+  /// The nearest of the planes that each of the rays meets, and the boxes that it may hit something
+  /// in before.
+  void (*row_met)(const PlaneRow& planes, const BoxRow& boxes, const RayRow& rays, RayRowMet& met);
   const char* name;
 };
 

@@ -63,7 +63,8 @@ FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& co
     : instances_(std::move(instances)),
       boxes_entered_(code.boxes_entered),
       rectangles_met_(code.rectangles_met),
-      planes_met_(code.planes_met) {
+      planes_met_(code.planes_met),
+      row_met_(code.row_met) {
   std::vector<Bounds3> boxes;
   for (uint32_t i = 0; i < instances_.size(); ++i) {
     const Instance& instance = instances_[i];
@@ -84,6 +85,14 @@ FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& co
   }
   rectangles_.finish();
   row_ = BoxRow(boxes);
+  for (const uint32_t i : endless_) {
+    if (row_planes_.count == PlaneRow::kMost || !is_plain_plane(instances_[i])) {
+      row_endless_.push_back(i);
+      continue;
+    }
+    row_plane_numbers_[row_planes_.count] = i;
+    row_planes_.add(static_cast<const Plane&>(*instances_[i].shape), seen_cull(instances_[i]));
+  }
   take_planes();
 }
 
@@ -180,6 +189,43 @@ bool FewInstances::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& coun
                  : closest_hit_of(instances_[i], i, ray, hit, counters);
   }
   return found;
+}
+
+void FewInstances::closest_hits(const RayRow& rays, std::span<Hit> hits,
+                                TraversalCounters& counters) const {
+  if (rectangles_.count > 0) {
+    Accelerator::closest_hits(rays, hits, counters);
+    return;
+  }
+  RayRowMet met;
+  row_met_(row_planes_, row_, rays, met);
+  for (size_t i = 0; i < rays.count; ++i) {
+    Hit& hit = hits[i];
+    hit = {};
+    auto boxes = static_cast<uint32_t>(met.boxes[i]);
+    if ((boxes & BoxRow::kUnusual) != 0) [[unlikely]] {
+      closest_hit(rays.ray(i), hit, counters);
+      continue;
+    }
+    counters.primitive_tests += row_planes_.count;
+    if (met.plane[i] != RayRowMet::kNone)
+      hit = {met.plane_t[i], 0, 0, row_plane_numbers_[static_cast<size_t>(met.plane[i])], 0};
+    if (boxes == 0 && row_endless_.empty()) continue;
+    const Ray ray = rays.ray(i);
+    for (const uint32_t of : row_endless_) closest_hit_of(instances_[of], of, ray, hit, counters);
+    double entered[BoxRow::kMost];
+    if ((boxes & (boxes - 1)) != 0) {
+      for (uint32_t left = boxes; left != 0;) {
+        const size_t box = take_lowest(left);
+        entered[box] = met.entered[box][i];
+      }
+    }
+    while (boxes != 0) {
+      const size_t box = take_nearest(boxes, entered);
+      if (met.entered[box][i] > hit.t) break;
+      closest_hit_of(instances_[held_[kBoxes + box]], held_[kBoxes + box], ray, hit, counters);
+    }
+  }
 }
 
 bool FewInstances::any_hit(const Ray& ray, TraversalCounters& counters) const {

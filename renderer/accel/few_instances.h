@@ -22,6 +22,9 @@ class FewInstances final : public Accelerator {
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  using Accelerator::closest_hits;
+  void closest_hits(const RayRow& rays, std::span<Hit> hits,
+                    TraversalCounters& counters) const override;
   AcceleratorStatistics statistics() const override;
 
   /// The boxes; a bit of a mask stands for one of them.
@@ -61,7 +64,11 @@ class FewInstances final : public Accelerator {
   std::vector<uint32_t> endless_;  ///< beside planes_; always tested, ascending
   PlaneRow planes_;
   std::array<uint32_t, PlaneRow::kMost> plane_numbers_{};  ///< ascending
-  uint32_t shading_planes_ = 0;                            ///< a bit for each that casts shadows
+  /// The same for many rays at once, however few planes there are.
+  PlaneRow row_planes_;
+  std::array<uint32_t, PlaneRow::kMost> row_plane_numbers_{};
+  std::vector<uint32_t> row_endless_;  ///< beside row_planes_
+  uint32_t shading_planes_ = 0;        ///< a bit for each that casts shadows
   /// By candidate: those of the row of rectangles, and from kBoxes on those of the row of boxes.
   std::array<uint32_t, 2 * BoxRow::kMost> held_{};
   RectangleRow rectangles_;
@@ -71,6 +78,7 @@ class FewInstances final : public Accelerator {
   decltype(BvhKernels::boxes_entered) boxes_entered_;
   decltype(BvhKernels::rectangles_met) rectangles_met_;
   decltype(BvhKernels::planes_met) planes_met_;
+  decltype(BvhKernels::row_met) row_met_;
 };
 
 }  // namespace tessera

@@ -30,6 +30,8 @@ class LightBuffer {
   }
   /// A bit for each box that rays may hit something in which leave the surface at `point` for the
   /// light, in direction `wi` of unit length and so far away.
+  /// Of a light far away it is told by the point alone, else by the direction.
+  bool is_by_direction() const { return is_place_; }
   uint32_t boxes_met(const Point3& point, const Vec3& wi, double distance) const {
     if (!is_place_) return met_along(point - Point3{});
     if (!(distance > 1e-100)) [[unlikely]]
@@ -37,12 +39,20 @@ class LightBuffer {
     return met_towards(wi);
   }
 
- private:
+  // The parts of boxes_met() by direction, for many at once.
   /// Cells along each edge of a face.
   static constexpr int kSide = 32;
   /// The most that the smaller parts of a direction can be, and a little.
   static constexpr double kEdge = 0.70711;
 
+  /// A place on a face as `part` of a direction, its smaller ones, in cells.
+  static constexpr double kCellsPerPart = kSide / (2 * kEdge);
+  /// That of a cell (face * kSide + row) * kSide + column; the face is the axis of the largest part
+  /// twice, and one more where that is negative.
+  uint32_t boxes_of_cell(size_t cell) const { return cells_[cell]; }
+  uint32_t all_boxes() const { return all_; }
+
+ private:
   /// A range of places on a face.
   struct Range {
     double low, high;
@@ -62,7 +72,7 @@ class LightBuffer {
     if (!(column >= 0 && column < kSide && row >= 0 && row < kSide)) return 0;
     return at(0, static_cast<int>(column), static_cast<int>(row));
   }
-  static double place_of(double part) { return (part + kEdge) * (kSide / (2 * kEdge)); }
+  static double place_of(double part) { return (part + kEdge) * kCellsPerPart; }
   static int cell(double part) { return static_cast<int>(place_of(part)); }
   static size_t index_of(int face, int column, int row) {
     const int index = (face * kSide + row) * kSide + column;

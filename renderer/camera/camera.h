@@ -48,6 +48,19 @@ class Camera {
     const double v = offset_.y + y * scale_.y;
     return {eye_, normalize(view_ + right_ * u + up_ * v), near_, far_};
   }
+  /// What ray() of the perspective projection is worked out of: view + right * u + up * v, (u, v)
+  /// being offset + (x, y) * scale, made of unit length.
+  struct Pinhole {
+    Point3 eye;
+    Vec3 view, right, up;
+    Vec2 offset, scale;
+    double near_distance = 0, far_distance = 0;
+  };
+  /// Nothing for other projections.
+  std::optional<Pinhole> pinhole() const {
+    if (projection_ != Projection::perspective) return std::nullopt;
+    return Pinhole{eye_, view_, right_, up_, offset_, scale_, near_, far_};
+  }
   /// The ray through the point of the lens that the uniform numbers `u` choose.
   Ray lens_ray(double x, double y, const Vec2& u) const;
   /// How many rays through the lens make one sample; 0: there is no lens.

@@ -71,21 +71,6 @@ Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ra
   return left;
 }
 
-/// Whether what lets nothing through does; what stopped the last ray to this light is asked first.
-[[gnu::always_inline]] inline bool is_stopped(const Scene& scene, const Light& light,
-                                              const Ray& ray, TraceState& state) {
-  const Occluders& occluders = scene.occluders;
-  TraceCounters& counters = state.counters;
-  if (!occluders.opaque) return false;
-  if (!occluders.takes_guesses) return occluders.opaque->any_hit(ray, counters.traversal);
-  uint32_t& last = state.last_occluders.of_light(static_cast<size_t>(&light - scene.lights.data()));
-  if (!scene.skips.last_occluder) last = kNoInstance;
-  const uint32_t before = last;
-  if (!occluders.opaque->any_hit_by(ray, last, counters.traversal)) return false;
-  if (last == before) ++counters.occluders_met_again;
-  return true;
-}
-
 /// light_visibility(), compiled where it stands. `buffer` is that of the light among
 /// Occluders::buffers_at() the point, or null.
 template <bool kRich, bool kPlain = false, bool kLambert = kPlain>

@@ -34,6 +34,21 @@ template <bool kRich>
 Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& ray,
                      const Media& media, double width, TraceState& state);
 
+/// Whether what lets nothing through does; what stopped the last ray to this light is asked first.
+[[gnu::always_inline]] inline bool is_stopped(const Scene& scene, const Light& light,
+                                              const Ray& ray, TraceState& state) {
+  const Occluders& occluders = scene.occluders;
+  TraceCounters& counters = state.counters;
+  if (!occluders.opaque) return false;
+  if (!occluders.takes_guesses) return occluders.opaque->any_hit(ray, counters.traversal);
+  uint32_t& last = state.last_occluders.of_light(static_cast<size_t>(&light - scene.lights.data()));
+  if (!scene.skips.last_occluder) last = kNoInstance;
+  const uint32_t before = last;
+  if (!occluders.opaque->any_hit_by(ray, last, counters.traversal)) return false;
+  if (last == before) ++counters.occluders_met_again;
+  return true;
+}
+
 /// The width, in metres, of what one sample stands for at the end of a path.
 inline double cone_width(const Camera::PixelCone& cone, double path_length) {
   return cone.at_eye + cone.spread * path_length;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "renderer/math/color.h"
@@ -17,6 +18,9 @@ namespace tessera {
 inline constexpr uint32_t kMaxSegments = 1u << 18;
 /// Surfaces that a ray passes unbent on one way.
 inline constexpr uint32_t kMaxPasses = 1u << 16;
+/// Branches whose whole weight is below this are not followed, so that two pieces of glass do not
+/// cost 2^depth rays. Far below what a float pixel resolves.
+inline constexpr double kFaintest = 1e-9;
 
 /// Work done, by kind of ray. Totals over pixels do not depend on how the frame is cut, but those
 /// of traversal and `occluders_met_again`, which LastOccluders change.
@@ -84,6 +88,20 @@ class Integrator {
   /// Takes the memory that following rays may need, so that none is taken on the way.
   virtual void make_room(TraceState&) const {}
   virtual Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const = 0;
+  /// How many rays radiances() takes; 1 where it would not be faster.
+  virtual size_t rays_at_once() const { return 1; }
+  /// radiance(), to the last bit, of each of `rays`, camera rays that end at the same t, whatever
+  /// their samples.
+  virtual void radiances(std::span<const Ray> rays, std::span<Color> found,
+                         TraceState& state) const {
+    for (size_t i = 0; i < rays.size(); ++i) found[i] = radiance(rays[i], {}, state);
+  }
+  /// The same of the camera's rays through raster points.
+  virtual void radiances(const Camera& camera, std::span<const Vec2> points, std::span<Color> found,
+                         TraceState& state) const {
+    for (size_t i = 0; i < points.size(); ++i)
+      found[i] = radiance(camera.ray(points[i].x, points[i].y), {}, state);
+  }
   /// What radiance() returns, to the last bit, for a camera ray that meets nothing.
   virtual Color background(const Ray& ray) const = 0;
 };

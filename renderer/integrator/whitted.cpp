@@ -1,17 +1,16 @@
 #include "renderer/integrator/whitted.h"
 
 #include <algorithm>
+#include <optional>
+#include <span>
 
 #include "renderer/integrator/direct_light.h"
+#include "renderer/integrator/row_tracer.h"
 #include "renderer/integrator/surface_point.h"
 
 namespace tessera {
 
 namespace {
-
-/// Branches whose whole weight is below this are not followed, so that two pieces of glass do not
-/// cost 2^depth rays. Far below what a float pixel resolves.
-constexpr double kNegligible = 1e-9;
 
 /// kPlain: see SceneFeatures; without kSecondary and kRich alone.
 template <bool kShadows, bool kSecondary, bool kRich, bool kPlain = false>
@@ -55,7 +54,7 @@ class WhittedIntegrator : public Integrator {
   }
   /// Not followed, which counts.
   bool is_faint(const Color& throughput, TraceState& state) const {
-    if (!(max_component(throughput) < kNegligible) || !scene_->skips.faint_branches) return false;
+    if (!(max_component(throughput) < kFaintest) || !scene_->skips.faint_branches) return false;
     ++state.counters.branches_skipped;
     return true;
   }
@@ -212,18 +211,40 @@ class WhittedIntegrator : public Integrator {
 
 /// Of scenes of simple features: a ray goes on from a mirror as one ray, so that none waits.
 template <bool kShadows>
-class MirrorIntegrator final : public WhittedIntegrator<kShadows, true, false> {
+class MirrorIntegrator final : public WhittedIntegrator<kShadows, true, false>,
+                               public PathFollower {
  public:
   using Base = WhittedIntegrator<kShadows, true, false>;
-  using Base::Base;
+  explicit MirrorIntegrator(std::shared_ptr<const Scene> scene) : Base(std::move(scene)) {
+    if (RowTracer::can_follow(this->scene())) rows_.emplace(this->scene(), *this);
+  }
 
-  Color radiance(const Ray& camera_ray, const SampleKey& key, TraceState& state) const override {
-    const Scene& scene = this->scene();
+  Color radiance(const Ray& ray, const SampleKey&, TraceState& state) const override {
     ++state.counters.rays_primary;
-    Ray ray = camera_ray;
-    Color sum = kBlack, throughput = kWhite;
-    double path_length = 0;
-    for (uint32_t depth = 0;; ++depth) {
+    return follow_to_end({.ray = ray}, state);
+  }
+  size_t rays_at_once() const override { return rows_ ? RowTracer::kMost : 1; }
+  void radiances(std::span<const Ray> rays, std::span<Color> found,
+                 TraceState& state) const override {
+    if (rows_)
+      rows_->radiances(rays, found, state);
+    else
+      Base::radiances(rays, found, state);
+  }
+  void radiances(const Camera& camera, std::span<const Vec2> points, std::span<Color> found,
+                 TraceState& state) const override {
+    const auto pinhole = camera.pinhole();
+    if (rows_ && pinhole)
+      rows_->radiances(*pinhole, points, found, state);
+    else
+      Base::radiances(camera, points, found, state);
+  }
+
+ private:
+  Color follow_to_end(MirrorPath path, TraceState& state) const override {
+    const Scene& scene = this->scene();
+    auto& [ray, sum, throughput, path_length, depth] = path;
+    for (;; ++depth) {
       Hit hit;
       if (!scene.surfaces || !scene.surfaces->closest_hit(ray, hit, state.counters.traversal)) {
         return sum + throughput * this->background(ray);
@@ -237,7 +258,7 @@ class MirrorIntegrator final : public WhittedIntegrator<kShadows, true, false> {
                                .media = {},
                                .path_length = path_length,
                                .depth = depth});
-        return this->with_waiting(sum, key, state);
+        return this->with_waiting(sum, {}, state);
       }
       ++state.counters.hits;
       path_length += hit.t;
@@ -259,6 +280,8 @@ class MirrorIntegrator final : public WhittedIntegrator<kShadows, true, false> {
       sum += result;
     }
   }
+
+  std::optional<RowTracer> rows_;
 };
 
 template <bool kShadows, bool kSecondary>
@@ -273,10 +296,11 @@ std::unique_ptr<const Integrator> make_variant(std::shared_ptr<const Scene> scen
 
 std::unique_ptr<const Integrator> make_whitted(std::shared_ptr<const Scene> scene) {
   const SceneFeatures features = scene->features;
-  if (features.plain && features.shadows) {
+  const bool in_rows = RowTracer::can_follow(*scene);
+  if (features.plain && !in_rows && features.shadows) {
     return std::make_unique<WhittedIntegrator<true, false, false, true>>(std::move(scene));
   }
-  if (features.plain) {
+  if (features.plain && !in_rows) {
     return std::make_unique<WhittedIntegrator<false, false, false, true>>(std::move(scene));
   }
   if (features.simple && features.shadows) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "renderer/math/arc_table.h"
 #include "renderer/math/rounding.h"
 
 // Every function reduces its argument to a short interval, carries the leading terms as a sum of
@@ -17,9 +18,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
-// Constants to about 107 bits, and pi/2 as 33 + 33 + 53 bits so that small multiples are exact.
-constexpr DoubleDouble kPi2{0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
-constexpr DoubleDouble kPiDd{0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
+// pi/2 as 33 + 33 + 53 bits so that small multiples are exact.
 constexpr double kPi2A = 0x1.921fb544p+0, kPi2B = 0x1.0b4611a6p-34, kPi2C = 0x1.3198a2e037073p-69;
 constexpr DoubleDouble kLn2{0x1.62e42fefa39efp-1, 0x1.abc9e3b39803fp-56};
 constexpr double kLn2A = 0x1.62e42feep-1, kLn2B = 0x1.a39ef35793c76p-33;
@@ -81,17 +80,6 @@ DoubleDouble sine_of_quarter(DoubleDouble r, int quarter) {
   const DoubleDouble s = quarter & 1 ? cosine_kernel(r) : sine_kernel(r);
   return quarter & 2 ? negated(s) : s;
 }
-
-/// Arc tangents of the multiples of 1/8.
-constexpr DoubleDouble kArc[9] = {{0, 0},
-                                  {0x1.fd5ba9aac2f6ep-4, -0x1.cd37686760c17p-59},
-                                  {0x1.f5b75f92c80ddp-3, 0x1.8ab6e3cf7afbdp-57},
-                                  {0x1.6f61941e4def1p-2, -0x1.c63aae6f6e918p-56},
-                                  {0x1.dac670561bb4fp-2, 0x1.a2b7f222f65e2p-56},
-                                  {0x1.1e00babdefeb4p-1, -0x1.928df287a668fp-58},
-                                  {0x1.4978fa3269ee1p-1, 0x1.2419a87f2a458p-56},
-                                  {0x1.700a7c5784634p-1, -0x1.8c34d25aadef6p-56},
-                                  {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55}};
 
 /// The arc tangent of q in [0, 1]: from the nearest multiple c of 1/8 the rest is small.
 DoubleDouble arc_kernel(DoubleDouble q) {

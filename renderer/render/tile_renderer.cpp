@@ -7,8 +7,12 @@
 #include <bit>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
+#include "base/unmade.h"
 #include "renderer/film/block.h"
 #include "renderer/integrator/integrator.h"
 #include "renderer/render/aov_tracer.h"
@@ -57,7 +61,8 @@ class SceneTileRenderer final : public TileRenderer {
         samples_coincide_(all_coincide(*scene_) && scene_->skips.equal_samples),
         adaptive_(scene_->settings.target_error > 0 && !samples_coincide_ &&
                   scene_->skips.converged_blocks),
-        samples_at_once_(samples_at_once(*scene_)) {}
+        samples_at_once_(samples_at_once(*scene_)),
+        in_rows_(integrator_->rays_at_once() > 1) {}
 
   CounterMap build_counters() const override { return scene_->counters; }
 
@@ -111,6 +116,8 @@ class SceneTileRenderer final : public TileRenderer {
   }
 
  private:
+  static constexpr int kRowSide = 8;
+  static constexpr uint32_t kRowSamples = kRowSide * kRowSide;
   using SampleFunction = Sample (SceneTileRenderer::*)(const SampleKey&, TraceState&) const;
 
   /// Where pixels go.
@@ -148,27 +155,64 @@ class SceneTileRenderer final : public TileRenderer {
   bool render_pixels(const RenderTask& task, TileProgress& progress, TileState& state,
                      const Output& output) const {
     uint64_t unseen_pixels = 0;
-    const bool is_lone = shows_one_sample(task);
+    const bool is_lone = shows_one_sample(task), in_blocks = is_lone && in_rows_;
     state.cone = scene_->cones.of(task.first_sample);
-    for (int y = task.rect.y0; y < task.rect.y1; ++y) {
-      for (int x = task.rect.x0; x < task.rect.x1; ++x) {
-        const bool seen = is_seen(x, y);
-        if (!seen) ++unseen_pixels;
-        if (seen || !scene_->background.is_constant()) {
-          if (is_lone) {
+    LonePixels waiting;
+    for (const PixelRect& part : parts_of(task.rect, in_blocks)) {
+      for (int y = part.y0; y < part.y1; ++y) {
+        for (int x = part.x0; x < part.x1; ++x) {
+          const bool seen = is_seen(x, y);
+          if (in_blocks && seen) {
+            waiting.keys[waiting.count++] = {x, y, task.first_sample};
+            continue;
+          }
+          if (!seen) ++unseen_pixels;
+          if (!seen && scene_->background.is_constant()) {
+            put(sum_beyond(state), x, y, seen, output);
+          } else if (is_lone) {
             put_color(lone_sample(x, y, task, state, seen), value_at(x, y, output.tile));
           } else {
             SampleSum sum = empty_sum();
             if (!add_samples(sum, x, y, task, state, way_of(seen), progress)) return false;
             put(sum, x, y, seen, output);
           }
-        } else {
-          put(sum_beyond(state), x, y, seen, output);
+          if (!progress.go_on()) return false;
         }
-        if (!progress.go_on()) return false;
       }
+      if (!put_waiting(waiting, task, state, output)) return false;
     }
     output.tile.counters["rays_background_skipped"] = unseen_pixels * task.sample_count;
+    return true;
+  }
+  /// Of pixels that are traced together the rays go much the same way.
+  static std::vector<PixelRect> parts_of(const PixelRect& rect, bool in_blocks) {
+    if (!in_blocks) return {rect};
+    std::vector<PixelRect> parts;
+    for (int y = rect.y0; y < rect.y1; y += kRowSide) {
+      for (int x = rect.x0; x < rect.x1; x += kRowSide) {
+        const PixelRect part{x, y, x + kRowSide, y + kRowSide};
+        parts.push_back(intersection(part, rect));
+      }
+    }
+    return parts;
+  }
+
+  /// Pixels of one sample that are to be traced together.
+  struct LonePixels {
+    Unmade<SampleKey, kRowSamples> keys;
+    size_t count = 0;
+  };
+  /// Leaves none waiting. Whether it was not cancelled.
+  bool put_waiting(LonePixels& waiting, const RenderTask& task, TraceState& state,
+                   const Output& output) const {
+    const std::span keys(waiting.keys.data(), std::exchange(waiting.count, 0));
+    Unmade<Sample, kRowSamples> found;
+    finite_samples(keys, {found.data(), keys.size()}, state);
+    state.counters.samples_skipped += keys.size() * (task.sample_count - 1);
+    for (size_t i = 0; i < keys.size(); ++i) {
+      put_color(kBlack + found[i].color, value_at(keys[i].x, keys[i].y, output.tile));  // no -0
+      if (!output.progress.go_on()) return false;
+    }
     return true;
   }
 
@@ -358,13 +402,21 @@ class SceneTileRenderer final : public TileRenderer {
   /// Counted; black where it is no colour that a pixel can hold.
   Sample finite_sample(const SampleKey& key, TraceState& state,
                        SampleFunction sample_function) const {
-    Sample sample = (this->*sample_function)(key, state);
+    return finite((this->*sample_function)(key, state), state);
+  }
+  static Sample finite(Sample sample, TraceState& state) {
     ++state.counters.samples;
     if (!is_representable(sample.color)) {
       sample.color = kBlack;
       ++state.counters.nan_samples;
     }
     return sample;
+  }
+  /// finite_sample() of each by trace(), where rays are followed in rows.
+  void finite_samples(std::span<const SampleKey> keys, std::span<Sample> found,
+                      TraceState& state) const {
+    through_camera<kRowSamples>(*scene_, *integrator_, keys, found, state);
+    for (size_t i = 0; i < keys.size(); ++i) found[i] = finite(found[i], state);
   }
 
   /// The task's samples, added in the order of their numbers. Whether it was not cancelled.
@@ -375,12 +427,25 @@ class SceneTileRenderer final : public TileRenderer {
     state.counters.samples_skipped += task.sample_count - traced;
     for (uint32_t begin = 0, end = 0;; begin = end) {
       end = begin + std::min(traced - begin, samples_at_once_);
-      for (uint32_t i = begin; i < end; ++i) {
-        sum.add(finite_sample({x, y, task.first_sample + i}, state, sample_function));
+      if (in_rows_ && sample_function == &SceneTileRenderer::trace) {
+        end = begin + std::min(end - begin, uint32_t{kRowSamples});
+        add_row(sum, {x, y, task.first_sample + begin}, end - begin, state);
+      } else {
+        for (uint32_t i = begin; i < end; ++i)
+          sum.add(finite_sample({x, y, task.first_sample + i}, state, sample_function));
       }
       if (end == traced) return true;
       if (!progress.go_on()) return false;
     }
+  }
+
+  /// The next `count` samples of a pixel, traced together.
+  void add_row(SampleSum& sum, const SampleKey& first, uint32_t count, TraceState& state) const {
+    Unmade<SampleKey, kRowSamples> keys;
+    Unmade<Sample, kRowSamples> found;
+    for (uint32_t i = 0; i < count; ++i) keys[i] = {first.x, first.y, first.sample + i};
+    finite_samples({keys.data(), count}, {found.data(), count}, state);
+    for (uint32_t i = 0; i < count; ++i) sum.add(found[i]);
   }
 
   /// Whether a pixel is nothing but what its only sample finds.
@@ -404,6 +469,7 @@ class SceneTileRenderer final : public TileRenderer {
   bool samples_coincide_;
   bool adaptive_;
   uint32_t samples_at_once_;  ///< before it is told that a pixel gets on
+  bool in_rows_;              ///< the integrator follows many rays faster than one
 };
 
 }  // namespace

@@ -22,6 +22,8 @@ class LightReach {
 
   /// All of them, ascending.
   std::span<const uint32_t> all() const { return all_; }
+  /// Whether at() tells of all, whatever the point.
+  bool is_everywhere() const { return first_.empty(); }
   /// Those that may reach `p`, ascending.
   std::span<const uint32_t> at(const Point3& p) const {
     if (first_.empty()) return all_;

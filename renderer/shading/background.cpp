@@ -29,13 +29,8 @@ Color rings_radiance(const Background& background, const Vec3& d) {
 
 // What looks pictures up stays out of the way of the plain colours.
 [[gnu::noinline]] Color panorama_radiance(const Background& background, const Vec3& d) {
-  const double azimuth = portable::atan2(d.x, -d.z) + background.angle;
-  double s = 0.5 + azimuth / (2 * portable::kPi);
-  s -= std::floor(s);
-  const double t = background.kind == BackgroundKind::panorama_equal_area
-                       ? 0.5 - d.y / 2
-                       : portable::atan2(std::sqrt(d.x * d.x + d.z * d.z), d.y) / portable::kPi;
-  return background.picture->lookup(s, t).color * background.intensity;
+  const Vec2 place = background.place_in_panorama(d);
+  return background.panorama_at(place.x, place.y);
 }
 
 /// The picture of the face that `d` points to over `behind`.
@@ -81,6 +76,16 @@ double glow_towards(const Point3& origin, const Vec3& d, std::span<const Light> 
 }
 
 }  // namespace
+
+Vec2 Background::place_in_panorama(const Vec3& turned) const {
+  const Vec3& d = turned;
+  const double azimuth = portable::atan2(d.x, -d.z) + angle;
+  const double s = 0.5 + azimuth / (2 * portable::kPi);
+  const double t = kind == BackgroundKind::panorama_equal_area
+                       ? 0.5 - d.y / 2
+                       : portable::atan2(std::sqrt(d.x * d.x + d.z * d.z), d.y) / portable::kPi;
+  return {s - std::floor(s), t};
+}
 
 Color Background::radiance(const Point3& origin, const Vec3& d,
                            std::span<const Light> lights) const {

@@ -53,6 +53,16 @@ struct Background {
 
   /// Whether every ray sees the same.
   bool is_constant() const { return kind == BackgroundKind::solid && !has_cube && glow == 0; }
+  /// Whether a ray sees a panorama and nothing else.
+  bool is_plain_panorama() const {
+    return (kind == BackgroundKind::panorama_equirectangular ||
+            kind == BackgroundKind::panorama_equal_area) &&
+           !has_cube && transparency == 0 && glow == 0;
+  }
+  /// Where in the panorama's picture lies what is seen along `turned`, a unit direction of the
+  /// background.
+  Vec2 place_in_panorama(const Vec3& turned) const;
+  Color panorama_at(double s, double t) const { return picture->lookup(s, t).color * intensity; }
   /// Radiance along unit direction `d`, for a ray from `origin`.
   Color radiance(const Point3& origin, const Vec3& d, std::span<const Light> lights) const;
 };

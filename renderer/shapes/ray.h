@@ -36,7 +36,7 @@ inline bool can_hit(const Ray& ray) {
 /// What no Hit::instance is.
 inline constexpr uint32_t kNoInstance = 0xFFFFFFFF;
 
-/// Where a ray met a surface, and no more: 40 bytes. Of hits at equal t the one with the smaller
+/// Where a ray met a surface, and no more: 32 bytes. Of hits at equal t the one with the smaller
 /// (instance, primitive) counts, whatever the accelerator.
 struct Hit {
   double t = std::numeric_limits<double>::infinity();

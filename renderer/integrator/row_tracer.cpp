@@ -1,0 +1,678 @@
+#include "renderer/integrator/row_tracer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "base/unmade.h"
+#include "renderer/accel/mesh_shape.h"
+#include "renderer/integrator/direct_light.h"
+#include "renderer/math/rounding.h"
+#include "renderer/shapes/plane.h"
+#include "renderer/shapes/sphere.h"
+
+// This file is compiled once for each instruction set, as bvh_kernels.cpp is.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "renderer/integrator/row_tracer.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "renderer/math/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+/// Rays that have come equally far.
+struct Front {
+  RayRow rays;
+  alignas(64) double throughput[3][RayRow::kRoom];
+  alignas(64) double path_length[RayRow::kRoom];
+  uint32_t number[RowTracer::kMost];  ///< of the camera ray
+};
+
+/// As LocalSurface, in world space.
+struct LaneSurface {
+  Lanes3 point, error, front, shading;
+};
+
+/// Some rays that hit one instance, a lane each. What fills the vector up is one of them again.
+struct Bundle {
+  uint32_t places[kLanes];  ///< in the front
+  uint32_t bits = 0;        ///< of lanes that are rays
+  Lanes3 direction;
+  Lanes3 origin;
+  Lanes t, path_length;  ///< the latter up to the hit
+  Lanes3 throughput;
+};
+
+HWY_INLINE Lanes gather(const double* values, LaneIndices places) {
+  return hn::GatherIndex(kLaneTag, values, places);
+}
+HWY_INLINE Lanes3 gather(const double (&parts)[3][RayRow::kRoom], LaneIndices places) {
+  return {gather(parts[0], places), gather(parts[1], places), gather(parts[2], places)};
+}
+constexpr uint32_t kAllLanes = (1u << kLanes) - 1;
+/// The lanes of `bits`, one after the other; what is behind them may be overwritten. Not by
+/// hn::Compress(), for which GCC 12 copies a table of 512 bytes each time.
+HWY_INLINE void append(Lanes values, uint32_t bits, double* at) {
+  if (bits == kAllLanes) {
+    hn::StoreU(values, kLaneTag, at);
+    return;
+  }
+  alignas(64) double each[kLanes];
+  hn::Store(values, kLaneTag, each);
+  while (bits != 0) *at++ = each[take_lowest_lane(bits)];
+}
+HWY_INLINE void append(const Lanes3& values, uint32_t bits, size_t at,
+                       double (&parts)[3][RayRow::kRoom]) {
+  append(values.x, bits, parts[0] + at);
+  append(values.y, bits, parts[1] + at);
+  append(values.z, bits, parts[2] + at);
+}
+HWY_INLINE void store(const Lanes3& values, size_t at, double (&parts)[3][RayRow::kRoom]) {
+  hn::Store(values.x, kLaneTag, parts[0] + at);
+  hn::Store(values.y, kLaneTag, parts[1] + at);
+  hn::Store(values.z, kLaneTag, parts[2] + at);
+}
+
+class RowFollower {
+ public:
+  RowFollower(const RowTracer& tracer, std::span<Color> found, TraceState& state)
+      : tracer_(tracer), scene_(tracer.scene()), found_(found), state_(state) {}
+
+  void follow(std::span<const Ray> rays) {
+    RayRow& row = now_->rays;
+    row.t_min = rays[0].t_min, row.t_max = rays[0].t_max;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        row.origin[axis][i] = rays[i].origin[axis];
+        row.direction[axis][i] = rays[i].direction[axis];
+      }
+    }
+    follow_all(rays.size());
+  }
+  /// Camera::ray() through each.
+  void follow(const Camera::Pinhole& camera, std::span<const Vec2> points) {
+    RayRow& row = now_->rays;
+    row.t_min = camera.near_distance, row.t_max = camera.far_distance;
+    const Lanes3 eye = all(camera.eye), view = all(camera.view);
+    const LaneIndices last = hn::Set(kIndexTag, static_cast<int64_t>(points.size() - 1));
+    const auto place = [](Lanes at, double offset, double scale)
+                           HWY_ATTR { return hn::Add(all(offset), hn::Mul(at, all(scale))); };
+    for (size_t i = 0; i < points.size(); i += kLanes) {
+      const LaneIndices at =
+          hn::ShiftLeft<1>(hn::Min(hn::Iota(kIndexTag, static_cast<int64_t>(i)), last));
+      const Lanes u = place(gather(&points[0].x, at), camera.offset.x, camera.scale.x);
+      const Lanes v = place(gather(&points[0].y, at), camera.offset.y, camera.scale.y);
+      const Lanes3 right = multiply(all(camera.right), u), up = multiply(all(camera.up), v);
+      store(normalize(add(add(view, right), up)), i, row.direction);
+      store(eye, i, row.origin);
+    }
+    follow_all(points.size());
+  }
+
+ private:
+  static_assert(sizeof(Vec2) == 2 * sizeof(double));
+
+  void follow_all(size_t count) {
+    now_->rays.count = count;
+    for (auto& channel : now_->throughput) std::fill_n(channel, count, 1.0);
+    std::fill_n(now_->path_length, count, 0.0);
+    std::iota(now_->number, now_->number + count, 0u);
+    std::ranges::fill(found_, kBlack);
+    state_.counters.rays_primary += count;
+    for (; now_->rays.count > 0; ++depth_) {
+      next_->rays.count = 0;
+      step();
+      std::swap(now_, next_);
+    }
+  }
+
+  /// Up to the next hits, and what is seen there.
+  void step() {
+    const size_t count = now_->rays.count;
+    scene_.surfaces->closest_hits(now_->rays, {hits_.data(), count}, state_.counters.traversal);
+    // Room for what fills a vector up.
+    uint32_t left[RowTracer::kMost], others[RowTracer::kMost + kLanes],
+        same[RowTracer::kMost + kLanes];
+    size_t n = 0, missed = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+      const bool is_hit = hits_[i].t < std::numeric_limits<double>::infinity();
+      left[n] = others[missed] = i;
+      n += is_hit;
+      missed += !is_hit;
+    }
+    bring_background(others, missed);
+    while (n > 0) {
+      const uint32_t instance = hits_[left[0]].instance;
+      size_t of_it = 0, of_others = 0;
+      for (size_t i = 0; i < n; ++i) {
+        const bool is_it = hits_[left[i]].instance == instance;
+        same[of_it] = others[of_others] = left[i];
+        of_it += is_it;
+        of_others += !is_it;
+      }
+      std::fill_n(same + of_it, kLanes, same[0]);
+      for (size_t i = 0; i < of_it; i += kLanes)
+        shade(same + i, std::min(kLanes, of_it - i), instance);
+      std::copy_n(others, of_others, left);
+      n = of_others;
+    }
+  }
+
+  void bring(uint32_t place, const Color& seen) {
+    Color& sum = found_[now_->number[place]];
+    sum = sum + seen;
+  }
+  Color background(const Ray& ray) const {
+    return scene_.background.radiance(ray.origin, ray.direction, scene_.lights);
+  }
+
+  /// To rays that meet nothing; there is room behind `places`.
+  void bring_background(uint32_t* places, size_t count) {
+    const Background& beyond = scene_.background;
+    if (!beyond.is_plain_panorama()) {
+      for (size_t i = 0; i < count; ++i)
+        bring(places[i], throughput(places[i]) * background(now_->rays.ray(places[i])));
+      return;
+    }
+    std::fill_n(places + count, kLanes, places[0]);
+    for (size_t i = 0; i < count; i += kLanes) {
+      alignas(64) double s[kLanes], t[kLanes];
+      place_in_panorama(beyond, gather(now_->rays.direction, indices_of(places + i)), s, t);
+      for (size_t lane = 0; lane < std::min(kLanes, count - i); ++lane) {
+        const uint32_t place = places[i + lane];
+        bring(place, throughput(place) * beyond.panorama_at(s[lane], t[lane]));
+      }
+    }
+  }
+  Color throughput(uint32_t place) const {
+    return {now_->throughput[0][place], now_->throughput[1][place], now_->throughput[2][place]};
+  }
+  /// Background::place_in_panorama().
+  static void place_in_panorama(const Background& beyond, const Lanes3& d, double* s, double* t) {
+    const auto turned = [&](int axis) HWY_ATTR { return dot(all(beyond.rotation[axis]), d); };
+    const Lanes x = turned(0), y = turned(1), z = turned(2);
+    const Lanes azimuth = hn::Add(atan2(x, hn::Neg(z)), all(beyond.angle));
+    const Lanes turn = hn::Add(all(0.5), hn::Div(azimuth, all(2 * portable::kPi)));
+    hn::Store(hn::Sub(turn, hn::Floor(turn)), kLaneTag, s);
+    if (beyond.kind == BackgroundKind::panorama_equal_area) {
+      hn::Store(hn::Sub(all(0.5), hn::Div(y, all(2))), kLaneTag, t);
+    } else {
+      const Lanes across = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(z, z)));
+      hn::Store(hn::Div(atan2(across, y), all(portable::kPi)), kLaneTag, t);
+    }
+  }
+
+  void shade(const uint32_t* places, size_t count, uint32_t instance) {
+    Bundle bundle;
+    std::copy_n(places, kLanes, bundle.places);
+    bundle.bits = (1u << count) - 1;
+    const LaneIndices at = indices_of(places);
+    bundle.origin = gather(now_->rays.origin, at);
+    bundle.direction = gather(now_->rays.direction, at);
+    bundle.t = gather(&hits_[0].t, hn::ShiftLeft<2>(at));
+    bundle.throughput = gather(now_->throughput, at);
+    bundle.path_length = hn::Add(gather(now_->path_length, at), bundle.t);
+    const RowTracer::Placed& placed = tracer_.placed(instance);
+    const Shape& shape = *scene_.instances[instance].shape;
+    if (placed.form == RowTracer::Form::plane) {
+      shade(bundle, surface_of(static_cast<const Plane&>(shape), placed, bundle), instance, 0);
+    } else if (placed.form == RowTracer::Form::sphere) {
+      shade(bundle, surface_of(static_cast<const Sphere&>(shape), placed, bundle), instance, 0);
+    } else {
+      shade_one_by_one(bundle, instance);
+    }
+  }
+
+  static_assert(sizeof(Hit) == 4 * sizeof(double));
+  static LaneIndices indices_of(const uint32_t* places) {
+    const hn::Rebind<uint32_t, LaneTag> narrow;
+    return hn::BitCast(kIndexTag,
+                       hn::PromoteTo(hn::RebindToUnsigned<LaneTag>(), hn::LoadU(narrow, places)));
+  }
+
+  // ----------------------------------------------------------------------------------- surfaces
+
+  /// What take_to_world() makes of it under the identity, its normals apart.
+  static void place_in_world(Lanes3& point, Lanes3& error) {
+    const Lanes zero = hn::Zero(kLaneTag);
+    point = add(point, {zero, zero, zero});  // no -0
+    const Lanes3 size = multiply(abs(point), all(gamma(4)));
+    error = add(add(multiply(error, all(gamma(3) + 1)), size), size);
+  }
+  /// Plane::place_surface().
+  static LaneSurface surface_of(const Plane& plane, const RowTracer::Placed& placed,
+                                const Bundle& bundle) {
+    LaneSurface s;
+    const Lanes3 normal = all(plane.normal());
+    const Lanes offset = all(plane.offset());
+    s.point = add(bundle.origin, multiply(bundle.direction, bundle.t));
+    const Lanes distance = hn::Sub(dot(normal, s.point), offset);
+    s.point = subtract(s.point, multiply(normal, distance));
+    const Lanes terms = hn::Add(sum(abs(multiply(normal, s.point))), hn::Abs(offset));
+    const Lanes error = hn::Mul(all(2), hn::Mul(all(gamma(4)), terms));
+    s.error = add(multiply(abs(s.point), all(gamma(3))), multiply(abs(normal), error));
+    place_in_world(s.point, s.error);
+    s.front = s.shading = all(placed.normal);
+    return s;
+  }
+  /// Sphere::surface().
+  static LaneSurface surface_of(const Sphere& sphere, const RowTracer::Placed& placed,
+                                const Bundle& bundle) {
+    LaneSurface s;
+    const Lanes3 center = all(sphere.center());
+    const Lanes3 at = add(bundle.origin, multiply(bundle.direction, bundle.t));
+    const Lanes3 n = normalize(subtract(at, center));
+    s.point = add(center, multiply(n, all(sphere.radius())));
+    const Lanes3 terms =
+        add(add(abs(center), multiply(abs(n), all(5 * sphere.radius()))), abs(s.point));
+    s.error = multiply(terms, all(kUnitRoundoff));
+    place_in_world(s.point, s.error);
+    const Lanes zero = hn::Zero(kLaneTag);
+    const Lanes3 whole = add(n, {zero, zero, zero});
+    const auto is_unit = hn::Eq(dot(whole, whole), all(1));
+    s.front = choose(is_unit, whole, normalize(whole));
+    s.front = s.shading = multiply(s.front, all(placed.facing));
+    return s;
+  }
+
+  /// Where the surfaces have to be asked for one at a time; they may be of several materials.
+  void shade_one_by_one(Bundle& bundle, uint32_t instance) {
+    Stored3 point, error, front, shading;
+    uint32_t materials[kLanes], unusual = 0;
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      const uint32_t place = bundle.places[lane];
+      if (lane > 0 && place == bundle.places[0]) {
+        point.put(lane, point.vec(0)), error.put(lane, error.vec(0));
+        front.put(lane, front.vec(0)), shading.put(lane, shading.vec(0));
+        continue;
+      }
+      const SurfaceInteraction s =
+          surface_at(scene_.instances, now_->rays.ray(place), hits_[place]);
+      if (s.smooth_shift != Vec3{} || s.has_vertex_color) unusual |= 1u << lane;
+      point.put(lane, s.point - Point3{}), error.put(lane, s.point_error);
+      front.put(lane, static_cast<Vec3>(s.geometric_normal));
+      shading.put(lane, static_cast<Vec3>(s.shading_normal));
+      materials[lane] = s.material;
+    }
+    const LaneSurface surface{point.load(), error.load(), front.load(), shading.load()};
+    leave_alone(bundle, unusual & bundle.bits);
+    for (uint32_t left = bundle.bits; left != 0;) {
+      const uint32_t material = materials[std::countr_zero(left)];
+      uint32_t same = 0;
+      for (uint32_t bits = left; bits != 0;) {
+        const size_t lane = take_lowest_lane(bits);
+        if (materials[lane] == material) same |= 1u << lane;
+      }
+      bundle.bits = same;
+      shade(bundle, surface, instance, material);
+      left &= ~same;
+    }
+  }
+
+  /// RayOrigins::towards().
+  static Lanes3 origin_towards(const LaneSurface& s, const Lanes3& direction) {
+    const auto behind = hn::Lt(dot(s.front, direction), hn::Zero(kLaneTag));
+    const Lanes reach = dot(abs(s.front), s.error);
+    const Lanes3 offset = multiply(s.front, hn::IfThenElse(behind, hn::Neg(reach), reach));
+    const Lanes3 origin = add(s.point, offset);
+    return {next_towards(origin.x, offset.x), next_towards(origin.y, offset.y),
+            next_towards(origin.z, offset.z)};
+  }
+
+  // -------------------------------------------------------------------------------------- light
+
+  /// What shading knows of the surface, seen from where the rays came.
+  struct Seen {
+    const LaneSurface& surface;
+    const Material& material;
+    Lanes3 geometric_normal, normal;
+  };
+
+  void shade(Bundle bundle, const LaneSurface& surface, uint32_t instance, uint32_t slot) {
+    const Material& material = scene_.material(instance, slot);
+    const auto is_back = hn::Gt(dot(surface.front, bundle.direction), hn::Zero(kLaneTag));
+    // Such surfaces are met from behind by the last digit alone.
+    if (material.sides == Sides::front_only) leave_alone(bundle, bits_of(is_back) & bundle.bits);
+    if (bundle.bits == 0) return;
+    const Seen seen{surface, material, choose(is_back, negate(surface.front), surface.front),
+                    choose(is_back, negate(surface.shading), surface.shading)};
+    state_.counters.hits += static_cast<uint64_t>(std::popcount(bundle.bits));
+    const Lanes3 result =
+        multiply(bundle.throughput, local_radiance(seen, tracer_.placed(instance).lights, bundle));
+    if (material.is_mirror()) {
+      go_on(bundle, seen, result);
+    } else {
+      bring(bundle.places, bundle.bits, Stored3(result));
+    }
+  }
+  void bring(const uint32_t* places, uint32_t bits, const Stored3& results) {
+    while (bits != 0) {
+      const size_t lane = take_lowest_lane(bits);
+      bring(places[lane], results.color(lane));
+    }
+  }
+
+  /// Leaves the paths of those lanes to be followed one by one.
+  void leave_alone(Bundle& bundle, uint32_t bits) {
+    bundle.bits &= ~bits;
+    while (bits != 0) {
+      const uint32_t place = bundle.places[take_lowest_lane(bits)];
+      Color& sum = found_[now_->number[place]];
+      sum = tracer_.alone().follow_to_end(
+          {now_->rays.ray(place), sum, throughput(place), now_->path_length[place], depth_},
+          state_);
+    }
+  }
+
+  /// A light, as it is at each point.
+  struct Arriving {
+    Lanes3 wi;
+    Lanes distance, factor;
+  };
+  /// sample_light(); a bit for each point that it reaches.
+  static uint32_t sample(const Light& light, const Lanes3& point, Lanes path_length,
+                         Arriving& sample) {
+    if (light.kind == LightKind::directional) {
+      sample = {all(-light.direction), all(std::numeric_limits<double>::infinity()), all(1)};
+      return ~0u;
+    }
+    const Lanes zero = hn::Zero(kLaneTag);
+    const Lanes3 to_light = subtract(all(light.position), point);
+    sample.distance = hn::Sqrt(dot(to_light, to_light));
+    sample.wi = divide(to_light, sample.distance);
+    const Lanes scale = all(light.frame_scale);
+    const Lanes reach = hn::Mul(sample.distance, scale);
+    const LightAttenuation& a = light.attenuation;
+    const Lanes d = a.whole_path ? hn::Mul(hn::Add(sample.distance, path_length), scale) : reach;
+    const Lanes inner = hn::Add(all(a.linear), hn::Mul(d, all(a.quadratic)));
+    Lanes denominator = hn::Add(all(a.constant), hn::Mul(d, inner));
+    if (a.is_none()) denominator = hn::IfThenElse(hn::Gt(denominator, zero), denominator, all(1));
+    if (a.at_most_one) denominator = greater(denominator, all(1));
+    sample.factor =
+        hn::IfThenElse(hn::Gt(denominator, zero), hn::Div(all(a.scale), denominator), zero);
+    const auto is_beyond = hn::Gt(reach, all(light.radius));
+    const auto arrives = hn::And(hn::Gt(sample.distance, zero), hn::Gt(sample.factor, zero));
+    return bits_of(hn::AndNot(is_beyond, arrives));
+  }
+
+  /// tessera::local_radiance() of simple features.
+  Lanes3 local_radiance(const Seen& seen, std::span<const uint32_t> lights, const Bundle& bundle) {
+    const Material& material = seen.material;
+    const Color kept_diffuse = material.diffuse * 1.0;
+    Color ambient = scene_.settings.ambient;
+    Lanes3 result = all(material.emission);
+    uint32_t answered = 0;
+    if (has_shadows() && scene_.occluders.few) answered = answered_by_buffers(seen.surface);
+    for (const uint32_t index : lights) {
+      const Light& light = scene_.lights[index];
+      ambient += light.ambient;
+      Arriving sampled;
+      const uint32_t reached = sample(light, seen.surface.point, bundle.path_length, sampled);
+      uint32_t lit = bundle.bits & reached;
+      const Lanes zero = hn::Zero(kLaneTag);
+      if (has_shadows() && material.diffuse_model == DiffuseModel::signed_lambert) {
+        lit &= ~bits_of(hn::Lt(dot(seen.geometric_normal, sampled.wi), zero));
+      }
+      Lanes3 arriving = multiply(all(light.intensity), sampled.factor);
+      const Lanes3 share = reflected_share(seen, kept_diffuse, sampled.wi, bundle.direction, lit);
+      lit &= ~bits_of(hn::Or(is_black(arriving), is_black(share)));
+      state_.counters.shadow_rays_skipped +=
+          static_cast<uint64_t>(std::popcount(bundle.bits & ~lit));
+      if (lit == 0) continue;
+      if (has_shadows()) {
+        const uint32_t shaded = shaded_of(seen.surface, index, sampled, lit, answered);
+        if (shaded != 0)
+          arriving = multiply(arriving, hn::IfThenElse(mask_of(shaded), zero, all(1)));
+      }
+      result = choose(mask_of(lit), add(result, multiply(arriving, share)), result);
+    }
+    const Color& part = material.ambient_times_diffuse ? kept_diffuse : kWhite;
+    return add(result, all(ambient * material.ambient * part));
+  }
+  bool has_shadows() const { return scene_.features.shadows; }
+
+  /// tessera::reflected_share(); right in the lanes of `bits`.
+  static Lanes3 reflected_share(const Seen& seen, const Color& diffuse, const Lanes3& wi,
+                                const Lanes3& direction, uint32_t bits) {
+    const Material& material = seen.material;
+    const Lanes n_dot_l = dot(seen.normal, wi), zero = hn::Zero(kLaneTag);
+    Lanes factor = n_dot_l;
+    if (material.diffuse_model == DiffuseModel::lambert) {
+      factor = greater(n_dot_l, zero);
+    } else if (material.diffuse_model == DiffuseModel::half_lambert) {
+      alignas(64) double cosines[kLanes];
+      hn::Store(n_dot_l, kLaneTag, cosines);
+      for (uint32_t left = bits; left != 0;) {
+        const size_t lane = take_lowest_lane(left);
+        cosines[lane] = half_lambert(cosines[lane], material.diffuse_exponent);
+      }
+      factor = hn::Load(kLaneTag, cosines);
+    }
+    const Lanes3 share = multiply(all(diffuse), factor);
+    if (tessera::is_black(material.specular)) return share;
+    const Stored3 normals(seen.normal), lights(wi), ways(negate(direction));
+    Stored3 shares(share);
+    for (uint32_t left = bits & bits_of(hn::Gt(n_dot_l, zero)); left != 0;) {
+      const size_t lane = take_lowest_lane(left);
+      Color sum = shares.color(lane);
+      sum += highlight(material, normals.vec(lane), lights.vec(lane), ways.vec(lane));
+      shares.put(lane, {sum.r, sum.g, sum.b});
+    }
+    return shares.load();
+  }
+
+  // ------------------------------------------------------------------------------------ shadows
+
+  /// LightBuffer::has_answers().
+  uint32_t answered_by_buffers(const LaneSurface& s) const {
+    constexpr double kShare = 0x1p21;
+    const Lanes reach = hn::Add(sum(abs(s.point)), hn::Mul(all(kShare), sum(abs(s.error))));
+    return bits_of(hn::Le(reach, all(scene_.occluders.few->row().farthest)));
+  }
+
+  /// LightBuffer::boxes_met() in the lanes of `bits`.
+  static void look_up(const LightBuffer& buffer, const LaneSurface& s, const Arriving& sampled,
+                      uint32_t bits, uint32_t* boxes) {
+    if (!buffer.is_by_direction()) {
+      const Stored3 points(s.point), wi(sampled.wi);
+      while (bits != 0) {
+        const size_t lane = take_lowest_lane(bits);
+        boxes[lane] = buffer.boxes_met(points.point(lane), wi.vec(lane), 1);
+      }
+      return;
+    }
+    const Lanes3& d = sampled.wi;
+    const Lanes zero = hn::Zero(kLaneTag), side = all(LightBuffer::kSide);
+    const Lanes x = hn::Abs(d.x), y = hn::Abs(d.y), z = hn::Abs(d.z);
+    const auto by_x = hn::And(hn::Gt(x, y), hn::Gt(x, z)), by_y = hn::Gt(y, z);
+    const auto of_axis = [&](Lanes of_x, Lanes of_y, Lanes of_z) HWY_ATTR {
+      return hn::IfThenElse(by_x, of_x, hn::IfThenElse(by_y, of_y, of_z));
+    };
+    const auto cell = [](Lanes part) HWY_ATTR {
+      return hn::Trunc(
+          hn::Mul(hn::Add(part, all(LightBuffer::kEdge)), all(LightBuffer::kCellsPerPart)));
+    };
+    const Lanes below = hn::IfThenElseZero(hn::Lt(of_axis(d.x, d.y, d.z), zero), all(1));
+    const Lanes face = hn::Add(of_axis(zero, all(2), all(4)), below);
+    const Lanes column = cell(of_axis(d.y, d.z, d.x)), row = cell(of_axis(d.z, d.x, d.y));
+    alignas(64) double cells[kLanes];
+    hn::Store(hn::Add(hn::Mul(hn::Add(hn::Mul(face, side), row), side), column), kLaneTag, cells);
+    const uint32_t told = bits_of(hn::Gt(sampled.distance, all(1e-100)));
+    while (bits != 0) {
+      const size_t lane = take_lowest_lane(bits);
+      boxes[lane] = (told >> lane & 1) != 0 ? buffer.boxes_of_cell(static_cast<size_t>(cells[lane]))
+                                            : buffer.all_boxes();
+    }
+  }
+
+  /// Of the points `lit`, those that the light does not reach for what is in the way.
+  uint32_t shaded_of(const LaneSurface& s, uint32_t index, const Arriving& sampled, uint32_t lit,
+                     uint32_t answered) {
+    const Occluders& occluders = scene_.occluders;
+    state_.counters.rays_shadow += static_cast<uint64_t>(std::popcount(lit));
+    uint32_t boxes[kLanes] = {};
+    uint32_t asked = lit & ~answered;
+    if ((lit & answered) != 0) {
+      look_up(occluders.buffers[index], s, sampled, lit & answered, boxes);
+      for (uint32_t left = lit & answered; left != 0;) {
+        const size_t lane = take_lowest_lane(left);
+        asked |= uint32_t{occluders.few->holds_any(boxes[lane])} << lane;
+      }
+    }
+    if (asked == 0) return 0;
+    alignas(64) double distance[kLanes];
+    hn::Store(sampled.distance, kLaneTag, distance);
+    const Light& light = scene_.lights[index];
+    const bool placed = light.kind == LightKind::point;
+    const Lanes3 place = all(light.position);
+    const Lanes3 origins = origin_towards(s, placed ? subtract(place, s.point) : sampled.wi);
+    const Stored3 origin(origins), way(placed ? subtract(place, origins) : sampled.wi);
+    uint32_t shaded = 0;
+    while (asked != 0) {
+      const size_t lane = take_lowest_lane(asked);
+      double t_max = placed ? 1 : distance[lane];
+      if (std::isfinite(light.shadow_distance)) {
+        t_max = std::min(t_max, light.shadow_distance / (placed ? distance[lane] : 1));
+      }
+      const Ray ray{origin.point(lane), way.vec(lane), 0, t_max};
+      const bool stops =
+          (answered >> lane & 1) != 0
+              ? occluders.few->any_hit_among(boxes[lane], ray, state_.counters.traversal)
+              : is_stopped(scene_, light, ray, state_);
+      shaded |= uint32_t{stops} << lane;
+    }
+    return shaded;
+  }
+
+  // ------------------------------------------------------------------------------------ mirrors
+
+  /// Adds `result` and sends the rays on.
+  void go_on(const Bundle& bundle, const Seen& seen, const Lanes3& result) {
+    const Lanes zero = hn::Zero(kLaneTag);
+    const Lanes3& d = bundle.direction;
+    const auto by_shading = hn::Lt(dot(seen.normal, d), zero);
+    Lanes3 way = reflect(d, choose(by_shading, seen.normal, seen.geometric_normal));
+    const auto into = hn::Le(dot(way, seen.geometric_normal), zero);
+    way = normalize(choose(into, reflect(d, seen.geometric_normal), way));
+    const Lanes3 weight = multiply(bundle.throughput, all(seen.material.reflectivity));
+    const Lanes most = greater(weight.x, greater(weight.y, weight.z));
+    uint32_t onward = bundle.bits;
+    if (scene_.skips.faint_branches) {
+      const uint32_t faint = bits_of(hn::Lt(most, all(kFaintest))) & bundle.bits;
+      state_.counters.branches_skipped += static_cast<uint64_t>(std::popcount(faint));
+      onward &= ~faint;
+    }
+    const Stored3 results(result);
+    const bool ends = depth_ >= scene_.settings.max_depth;
+    const bool sees_beyond = scene_.settings.background_at_max_depth;
+    if (ends && !sees_beyond) onward = 0;
+    if (!ends) state_.counters.rays_reflection += static_cast<uint64_t>(std::popcount(onward));
+    bring(bundle.places, ends ? bundle.bits & ~onward : bundle.bits, results);
+    if (onward == 0) return;
+    const Lanes3 origin = origin_towards(seen.surface, way);
+    if (ends) {
+      const Stored3 origins(origin), ways(way), weights(weight);
+      while (onward != 0) {
+        const size_t lane = take_lowest_lane(onward);
+        Color sum = results.color(lane);
+        sum += weights.color(lane) * background({origins.point(lane), ways.vec(lane)});
+        bring(bundle.places[lane], sum);
+      }
+      return;
+    }
+    RayRow& rays = next_->rays;
+    append(origin, onward, rays.count, rays.origin);
+    append(way, onward, rays.count, rays.direction);
+    append(weight, onward, rays.count, next_->throughput);
+    append(bundle.path_length, onward, next_->path_length + rays.count);
+    while (onward != 0)
+      next_->number[rays.count++] = now_->number[bundle.places[take_lowest_lane(onward)]];
+  }
+
+  const RowTracer& tracer_;
+  const Scene& scene_;
+  std::span<Color> found_;
+  TraceState& state_;
+  Front fronts_[2];
+  Front *now_ = &fronts_[0], *next_ = &fronts_[1];
+  Unmade<Hit, RowTracer::kMost> hits_;
+  uint32_t depth_ = 0;
+};
+
+RowTracer::Code row_code() {
+  return {[](const RowTracer& tracer, std::span<const Ray> rays, std::span<Color> found,
+             TraceState& state) HWY_ATTR { RowFollower(tracer, found, state).follow(rays); },
+          [](const RowTracer& tracer, const Camera::Pinhole& camera, std::span<const Vec2> points,
+             std::span<Color> found, TraceState& state)
+              HWY_ATTR { RowFollower(tracer, found, state).follow(camera, points); }};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tessera {
+namespace {
+
+RowTracer::Code code_of([[maybe_unused]] std::string_view instructions) {
+#if HWY_ARCH_X86
+#if HWY_TARGETS & HWY_AVX3
+  if (instructions == "AVX3") return N_AVX3::row_code();
+#endif
+#if HWY_TARGETS & HWY_AVX2
+  if (instructions == "AVX2") return N_AVX2::row_code();
+#endif
+#if HWY_TARGETS & HWY_SSE4
+  if (instructions == "SSE4") return N_SSE4::row_code();
+#endif
+#endif
+  return HWY_STATIC_DISPATCH(row_code)();
+}
+
+}  // namespace
+
+bool RowTracer::can_follow(const Scene& scene) {
+  const auto is_even = [](const Light& light) {
+    return light.kind == LightKind::point || light.kind == LightKind::directional;
+  };
+  return scene.features.simple && scene.surfaces && scene.global_lights.is_everywhere() &&
+         std::ranges::all_of(scene.lights, is_even) &&
+         std::ranges::none_of(scene.instances, [](const Instance& instance) {
+           return dynamic_cast<const MeshShape*>(instance.shape.get());
+         });
+}
+
+RowTracer::RowTracer(const Scene& scene, const PathFollower& alone, std::string_view instructions)
+    : scene_(scene), alone_(alone), code_(code_of(instructions)) {
+  for (const std::vector<uint32_t>& scoped : scene.scoped_lights) {
+    const std::span<const uint32_t> everywhere = scene.global_lights.all();
+    std::vector<uint32_t>& lights = lights_.emplace_back();
+    std::ranges::merge(everywhere, scoped, std::back_inserter(lights));
+  }
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    Placed& placed = placed_.emplace_back();
+    placed.lights = lights_[scene.shading[i].light_set];
+    if (!instance.world_from_object.is_identity()) continue;
+    placed.facing = instance.flip_normals ? -1 : 1;
+    if (instance.shape->kind() == ShapeKind::sphere) placed.form = Form::sphere;
+    if (instance.shape->kind() != ShapeKind::plane) continue;
+    placed.form = Form::plane;
+    SurfaceInteraction surface;
+    surface.geometric_normal = to_normal(static_cast<const Plane&>(*instance.shape).normal());
+    take_flat_to_world(instance.flip_normals, static_cast<uint32_t>(i), surface);
+    placed.normal = static_cast<Vec3>(surface.geometric_normal);
+  }
+}
+
+}  // namespace tessera
+#endif  // HWY_ONCE

@@ -1,0 +1,241 @@
+// Compiled once for each instruction set: vectors of which each lane is one ray's. The same sums of
+// products, in the same order, as for one ray, and none fused.
+#if defined(TESSERA_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_LANES_INL_H
+#undef TESSERA_LANES_INL_H
+#else
+#define TESSERA_LANES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+#include "renderer/math/arc_table.h"
+#include "renderer/math/color.h"
+#include "renderer/math/elementary.h"
+#include "renderer/math/vec.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using LaneTag = hn::CappedTag<double, 8>;
+using Lanes = hn::Vec<LaneTag>;
+using LaneMask = hn::Mask<LaneTag>;
+using LaneIndices = hn::Vec<hn::RebindToSigned<LaneTag>>;
+constexpr LaneTag kLaneTag;
+constexpr hn::RebindToSigned<LaneTag> kIndexTag;
+constexpr size_t kLanes = hn::MaxLanes(LaneTag());
+
+/// x, y and z, or red, green and blue.
+struct Lanes3 {
+  Lanes x, y, z;
+};
+
+HWY_INLINE Lanes all(double value) { return hn::Set(kLaneTag, value); }
+HWY_INLINE Lanes3 all(const Vec3& v) { return {all(v.x), all(v.y), all(v.z)}; }
+HWY_INLINE Lanes3 all(const Point3& p) { return {all(p.x), all(p.y), all(p.z)}; }
+HWY_INLINE Lanes3 all(const Color& c) { return {all(c.r), all(c.g), all(c.b)}; }
+
+HWY_INLINE Lanes3 add(const Lanes3& a, const Lanes3& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+}
+HWY_INLINE Lanes3 subtract(const Lanes3& a, const Lanes3& b) {
+  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+HWY_INLINE Lanes3 multiply(const Lanes3& a, const Lanes3& b) {
+  return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
+}
+HWY_INLINE Lanes3 multiply(const Lanes3& a, Lanes s) {
+  return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)};
+}
+HWY_INLINE Lanes3 divide(const Lanes3& a, Lanes s) {
+  return {hn::Div(a.x, s), hn::Div(a.y, s), hn::Div(a.z, s)};
+}
+HWY_INLINE Lanes3 abs(const Lanes3& a) { return {hn::Abs(a.x), hn::Abs(a.y), hn::Abs(a.z)}; }
+HWY_INLINE Lanes3 negate(const Lanes3& a) { return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)}; }
+HWY_INLINE Lanes sum(const Lanes3& a) { return hn::Add(hn::Add(a.x, a.y), a.z); }
+HWY_INLINE Lanes dot(const Lanes3& a, const Lanes3& b) { return sum(multiply(a, b)); }
+HWY_INLINE Lanes3 choose(LaneMask mask, const Lanes3& yes, const Lanes3& no) {
+  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
+          hn::IfThenElse(mask, yes.z, no.z)};
+}
+/// std::max(a, b), of what is no number and of zeros too.
+HWY_INLINE Lanes greater(Lanes a, Lanes b) { return hn::IfThenElse(hn::Lt(a, b), b, a); }
+HWY_INLINE LaneMask is_black(const Lanes3& c) {
+  const Lanes zero = hn::Zero(kLaneTag);
+  return hn::And(hn::And(hn::Eq(c.x, zero), hn::Eq(c.y, zero)), hn::Eq(c.z, zero));
+}
+
+HWY_INLINE uint32_t bits_of(LaneMask mask) {
+  uint8_t bytes[8] = {};
+  hn::StoreMaskBits(kLaneTag, mask, bytes);
+  return bytes[0];
+}
+HWY_INLINE LaneMask mask_of(uint32_t bits) {
+  const uint8_t bytes[8] = {static_cast<uint8_t>(bits)};
+  return hn::LoadMaskBits(kLaneTag, bytes);
+}
+HWY_INLINE size_t take_lowest_lane(uint32_t& bits) {
+  const auto lane = static_cast<size_t>(std::countr_zero(bits));
+  bits &= bits - 1;
+  return lane;
+}
+
+/// Lanes in memory, to be looked at one by one.
+struct Stored3 {
+  alignas(64) double x[kLanes], y[kLanes], z[kLanes];
+
+  Stored3() = default;
+  HWY_INLINE explicit Stored3(const Lanes3& a) {
+    hn::Store(a.x, kLaneTag, x);
+    hn::Store(a.y, kLaneTag, y);
+    hn::Store(a.z, kLaneTag, z);
+  }
+  HWY_INLINE Lanes3 load() const {
+    return {hn::Load(kLaneTag, x), hn::Load(kLaneTag, y), hn::Load(kLaneTag, z)};
+  }
+  Vec3 vec(size_t lane) const { return {x[lane], y[lane], z[lane]}; }
+  Point3 point(size_t lane) const { return {x[lane], y[lane], z[lane]}; }
+  Color color(size_t lane) const { return {x[lane], y[lane], z[lane]}; }
+  void put(size_t lane, const Vec3& v) { x[lane] = v.x, y[lane] = v.y, z[lane] = v.z; }
+};
+
+HWY_NOINLINE void normalize_each(Stored3& v) {
+  for (size_t lane = 0; lane < kLanes; ++lane) v.put(lane, tessera::normalize(v.vec(lane)));
+}
+HWY_INLINE Lanes3 normalize(const Lanes3& v) {
+  const Lanes squared = dot(v, v);
+  const auto usual = hn::And(hn::Gt(squared, all(1e-280)), hn::Lt(squared, all(1e280)));
+  if (!hn::AllTrue(kLaneTag, usual)) [[unlikely]] {
+    Stored3 each(v);
+    normalize_each(each);
+    return each.load();
+  }
+  return divide(v, hn::Sqrt(squared));
+}
+HWY_INLINE Lanes3 reflect(const Lanes3& v, const Lanes3& n) {
+  return subtract(v, multiply(n, hn::Mul(all(2), dot(v, n))));
+}
+
+/// The next larger value where `way` is positive, the next smaller one where it is negative.
+HWY_INLINE Lanes next_towards(Lanes x, Lanes way) {
+  const Lanes zero = hn::Zero(kLaneTag);
+  const auto down = hn::Lt(way, zero);
+  const Lanes up_from = hn::IfThenElse(down, hn::Neg(x), x);
+  const auto step = hn::IfThenElse(hn::RebindMask(kIndexTag, hn::Gt(up_from, zero)),
+                                   hn::Set(kIndexTag, 1), hn::Set(kIndexTag, -1));
+  Lanes up = hn::BitCast(kLaneTag, hn::Add(hn::BitCast(kIndexTag, up_from), step));
+  up = hn::IfThenElse(hn::Eq(up_from, zero), all(std::numeric_limits<double>::denorm_min()), up);
+  const auto has_next = hn::Lt(up_from, all(std::numeric_limits<double>::infinity()));
+  up = hn::IfThenElse(has_next, up, up_from);
+  const auto moves = hn::Or(hn::Gt(way, zero), down);
+  return hn::IfThenElse(moves, hn::IfThenElse(down, hn::Neg(up), up), x);
+}
+
+/// DoubleDouble, and the functions of that name.
+struct LanesSum {
+  Lanes high, low;
+};
+HWY_INLINE LanesSum two_sum(Lanes a, Lanes b) {
+  const Lanes s = hn::Add(a, b), from_b = hn::Sub(s, a);
+  return {s, hn::Add(hn::Sub(a, hn::Sub(s, from_b)), hn::Sub(b, from_b))};
+}
+HWY_INLINE LanesSum fast_two_sum(Lanes a, Lanes b) {
+  const Lanes s = hn::Add(a, b);
+  return {s, hn::Sub(b, hn::Sub(s, a))};
+}
+HWY_INLINE LanesSum two_product(Lanes a, Lanes b) {
+  const Lanes split = all(134217729);
+  const Lanes p = hn::Mul(a, b), ta = hn::Mul(a, split), tb = hn::Mul(b, split);
+  const Lanes ah = hn::Sub(ta, hn::Sub(ta, a)), bh = hn::Sub(tb, hn::Sub(tb, b));
+  const Lanes al = hn::Sub(a, ah), bl = hn::Sub(b, bh);
+  const Lanes high = hn::Add(hn::Sub(hn::Mul(ah, bh), p), hn::Mul(ah, bl));
+  return {p, hn::Add(hn::Add(high, hn::Mul(al, bh)), hn::Mul(al, bl))};
+}
+
+HWY_NOINLINE Lanes atan2_each(Lanes y, Lanes x, uint32_t which, Lanes angle) {
+  alignas(64) double ys[kLanes], xs[kLanes], angles[kLanes];
+  hn::Store(y, kLaneTag, ys);
+  hn::Store(x, kLaneTag, xs);
+  hn::Store(angle, kLaneTag, angles);
+  while (which != 0) {
+    const size_t lane = take_lowest_lane(which);
+    angles[lane] = portable::atan2(ys[lane], xs[lane]);
+  }
+  return hn::Load(kLaneTag, angles);
+}
+
+/// portable::atan2() to the last bit: its quick way, and where that is not sure the function
+/// itself.
+HWY_INLINE Lanes atan2(Lanes of_y, Lanes x) {
+  const auto term = [](Lanes z, double a, double b)
+                        HWY_ATTR { return hn::Add(hn::Mul(z, all(a)), all(b)); };
+  const Lanes zero = hn::Zero(kLaneTag), y = hn::Abs(of_y), ax = hn::Abs(x);
+  const auto left = hn::Lt(x, zero), steep = hn::Gt(y, ax);
+  Lanes large = hn::IfThenElse(steep, y, ax), small = hn::IfThenElse(steep, ax, y);
+  const auto in_range = hn::And(hn::And(hn::Lt(large, all(1e100)), hn::Gt(large, all(1e-100))),
+                                hn::Gt(small, hn::Mul(large, all(1e-30))));
+  large = hn::IfThenElse(in_range, large, all(1));
+  small = hn::IfThenElse(in_range, small, all(1));
+  const Lanes n = hn::Trunc(term(hn::Div(small, large), 8, 0.4999));
+  const Lanes c = hn::Mul(n, all(0.125));
+  const auto leading = [](Lanes v) HWY_ATTR {
+    const hn::RebindToUnsigned<LaneTag> bits;
+    return hn::BitCast(kLaneTag,
+                       hn::And(hn::BitCast(bits, v), hn::Set(bits, ~uint64_t{0x7ffffff})));
+  };
+  const Lanes large_high = leading(large), small_high = leading(small);
+  const Lanes across =
+      hn::Sub(hn::Sub(small, hn::Mul(c, large_high)), hn::Mul(c, hn::Sub(large, large_high)));
+  const Lanes more = hn::Mul(c, small);
+  const LanesSum along = fast_two_sum(large, more);
+  const Lanes along_low = hn::Add(along.low, hn::Add(hn::Sub(hn::Mul(c, small_high), more),
+                                                     hn::Mul(c, hn::Sub(small, small_high))));
+  const Lanes t = hn::Div(across, along.high), inverse = hn::Div(all(1), along.high);
+  const LanesSum back = two_product(t, along.high);
+  const Lanes t_low = hn::Mul(
+      hn::Sub(hn::Sub(hn::Sub(across, back.high), back.low), hn::Mul(t, along_low)), inverse);
+  const Lanes z = hn::Mul(t, t), zz = hn::Mul(z, z);
+  const Lanes last = hn::Sub(term(z, 1.0 / 13, -1.0 / 11), hn::Div(zz, all(15)));
+  const Lanes p =
+      hn::Mul(z, hn::Add(term(z, 1.0 / 5, -1.0 / 3),
+                         hn::Mul(zz, hn::Add(term(z, 1.0 / 9, -1.0 / 7), hn::Mul(zz, last)))));
+  const auto forward = hn::Or(hn::And(left, steep), hn::Not(hn::Or(left, steep)));
+  const Lanes sign = hn::IfThenElse(forward, all(1), all(-1));
+  const auto axis = [&](double of_steep, double of_left) HWY_ATTR {
+    return hn::IfThenElse(steep, all(of_steep), hn::IfThenElseZero(left, all(of_left)));
+  };
+  alignas(64) double steps[kLanes];
+  hn::Store(n, kLaneTag, steps);
+  alignas(64) double arc_high[kLanes], arc_low[kLanes];
+  for (size_t lane = 0; lane < kLanes; ++lane) {
+    const DoubleDouble& arc = portable::kArc[static_cast<int>(steps[lane])];
+    arc_high[lane] = arc.high, arc_low[lane] = arc.low;
+  }
+  const LanesSum begin = two_sum(axis(portable::kPi2.high, portable::kPiDd.high),
+                                 hn::Mul(sign, hn::Load(kLaneTag, arc_high)));
+  const LanesSum sum = fast_two_sum(begin.high, hn::Mul(sign, t));
+  const Lanes tail = hn::Mul(t, p);
+  const Lanes rest = hn::Mul(sign, hn::Add(hn::Load(kLaneTag, arc_low), t_low));
+  const Lanes from_axis = hn::Add(axis(portable::kPi2.low, portable::kPiDd.low), rest);
+  const Lanes low = hn::Add(hn::Add(sum.low, hn::Add(begin.low, from_axis)), hn::Mul(sign, tail));
+  const Lanes doubt =
+      hn::Add(hn::Mul(hn::Abs(tail), all(0x1p-48)), hn::Mul(sum.high, all(0x1p-100)));
+  const auto is_sure = hn::And(in_range, hn::Eq(hn::Add(sum.high, hn::Sub(low, doubt)),
+                                                hn::Add(sum.high, hn::Add(low, doubt))));
+  const Lanes angle = hn::CopySign(hn::Add(sum.high, low), of_y);
+  const uint32_t unsure = bits_of(hn::Not(is_sure));
+  return unsure == 0 ? angle : atan2_each(of_y, x, unsure, angle);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#endif

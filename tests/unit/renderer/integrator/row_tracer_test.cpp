@@ -1,0 +1,190 @@
+#include "renderer/integrator/row_tracer.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "renderer/scene/scene_builder.h"
+#include "tests/uniform_numbers.h"
+#include "tests/unit/renderer/scene_text.h"
+
+namespace tessera {
+namespace {
+
+/// A random scene of simple features: shapes of all kinds that stand where they are or are moved,
+/// materials and lights of all kinds that rays are followed in rows for.
+class SimpleScene {
+ public:
+  explicit SimpleScene(uint32_t seed) : random_(seed), size_(std::exp2(pick(-12, 13))) {
+    text_ = fmt::format(
+        "background {{ {} }} settings {{ integrator {{ max_depth: {} background_at_max_depth: {} "
+        "}} }} ",
+        chance(.5) ? "solid { r: .2 g: .3 b: .4 }"
+                   : "gradient { sky { r: .1 g: .2 b: .9 } ground { r: .3 } }",
+        pick(0, 5), chance(.5));
+    for (int i = 0; i < 5; ++i) add_material(i);
+    const int lights = pick(0, 5), planes = pick(0, 6), others = pick(1, 12);
+    for (int i = 0; i < lights; ++i) add_light();
+    for (int i = 0; i < planes; ++i) add_plane();
+    for (int i = 0; i < others; ++i) add_solid();
+  }
+  const std::string& text() const { return text_; }
+  Ray ray() {
+    const auto place = [&] { return Point3{} + vec(random_.between(0, 1) < .05 ? 1e3 : 1); };
+    const Point3 from = place();
+    return {from, normalize(place() - from)};
+  }
+
+ private:
+  /// In [from, to).
+  int pick(int from, int to) { return static_cast<int>(std::floor(random_.between(from, to))); }
+  bool chance(double share) { return random_.between(0, 1) < share; }
+  Vec3 vec(double scale = 1) {
+    const double s = size_ * scale;
+    return {random_.between(-s, s), random_.between(-s, s), random_.between(-s, s)};
+  }
+  static std::string xyz(const Vec3& v) {
+    return fmt::format("x: {:.17g} y: {:.17g} z: {:.17g}", v.x, v.y, v.z);
+  }
+  std::string rgb() {
+    return fmt::format("r: {:.3f} g: {:.3f} b: {:.3f}", random_.between(0, 1),
+                       random_.between(0, 1), random_.between(0, 1));
+  }
+  void add_material(int number) {
+    const char* const models[] = {"LAMBERT", "SIGNED", "HALF_LAMBERT"};
+    text_ += fmt::format(
+        "materials {{ name: 'm{}' {} classic {{ diffuse_model: {} diffuse {{ value {{ {} }} }} "
+        "ambient {{ value {{ {} }} }}",
+        number, chance(.2) ? "sides: FRONT_ONLY" : "", models[pick(0, 3)], rgb(), rgb());
+    if (chance(.3)) text_ += fmt::format(" specular {{ value {{ {} }} }}", rgb());
+    if (chance(.5)) text_ += fmt::format(" reflectivity {{ value {{ {} }} }}", rgb());
+    text_ += " } } ";
+  }
+  void add_light() {
+    text_ += fmt::format("nodes {{ light {{ color {{ {} }} ", rgb());
+    if (chance(.3))
+      text_ += fmt::format("shadow_distance: {:.17g} ", size_ * random_.between(0, 2));
+    if (chance(.5)) text_ += "ambient_intensity: .2 ";
+    if (chance(.3)) {
+      text_ += fmt::format("directional {{ direction {{ {} }} }} }} }} ", xyz(vec()));
+      return;
+    }
+    text_ += fmt::format("point {{ position {{ {} }} }} ", xyz(vec()));
+    if (chance(.3)) text_ += fmt::format("radius: {:.17g} ", size_ * random_.between(0, 3));
+    if (chance(.6))
+      text_ += fmt::format("attenuation {{ scale: 2 {}: 1 {} }} ",
+                           chance(.5) ? "quadratic" : "linear", chance(.5) ? "distance: PATH" : "");
+    text_ += "} } ";
+  }
+  std::string material() { return fmt::format("materials: 'm{}'", pick(0, 5)); }
+  void add_plane() {
+    text_ += fmt::format("nodes {{ shape {{ {} plane {{ normal {{ {} }} offset: {:.17g} }} }} }} ",
+                         material(), xyz(vec()), size_ * random_.between(-1, 1));
+  }
+  std::string solid() {
+    if (chance(.6))
+      return fmt::format("sphere {{ center {{ {} }} radius: {:.17g} }}", xyz(vec(.7)),
+                         size_ * random_.between(.05, .5));
+    const Vec3 corner = vec(.7), extent = abs(vec(.5));
+    return fmt::format("box {{ min {{ {} }} max {{ {} }} }}", xyz(corner), xyz(corner + extent));
+  }
+  void add_solid() {
+    const bool moved = chance(.3);
+    text_ += fmt::format("nodes {{ {} shape {{ ",
+                         moved ? fmt::format("transform {{ steps {{ translate {{ {} }} }} steps {{ "
+                                             "scale {{ x: 1 y: -2 z: 1 }} }} }}",
+                                             xyz(vec(.3)))
+                               : "");
+    if (chance(.3)) {
+      text_ += fmt::format(
+          "csg {{ operation: DIFFERENCE operands {{ shape {{ {} {} }} }} "
+          "operands {{ shape {{ {} {} }} }} }}",
+          material(), solid(), material(), solid());
+    } else {
+      text_ += material() + " " + solid();
+    }
+    text_ += " } } ";
+  }
+
+  UniformNumbers random_;
+  double size_;
+  std::string text_;
+};
+
+std::shared_ptr<const Scene> built(const std::string& text, const std::string& accelerator,
+                                   const Skips& skips) {
+  v1::FrameSettings frame = frame_of(16, 16);
+  frame.set_accelerator(accelerator);
+  return build_scene(parse_scene(text), {}, frame, 1, {}, skips);
+}
+
+using Counts = std::vector<uint64_t>;
+Counts counts_of(const TraceCounters& c) {
+  return {c.rays_primary,        c.rays_shadow,      c.rays_reflection, c.hits,
+          c.shadow_rays_skipped, c.branches_skipped, c.lights_culled,   c.paths_cut};
+}
+
+TEST(RowTracer, FollowsEachRayAsItIsFollowedAlone) {
+  uint64_t in_rows = 0, hits = 0, reflections = 0, shadows = 0;
+  for (uint32_t seed = 0; seed < 400; ++seed) {
+    SimpleScene random(seed);
+    const auto scene = built(random.text(), seed % 3 == 0 ? "linear" : "bvh", {});
+    const auto integrator = make_integrator(scene);
+    const auto* const alone = dynamic_cast<const PathFollower*>(integrator.get());
+    if (!RowTracer::can_follow(*scene)) continue;
+    ++in_rows;
+    ASSERT_TRUE(alone) << random.text();
+    const auto full = built(random.text(), "linear", {.absent_features = false});
+    const auto one_by_one = make_integrator(full);
+    std::vector<Ray> rays(1 + seed % RowTracer::kMost);
+    for (Ray& ray : rays) ray = random.ray();
+    std::vector<Color> expected(rays.size());
+    TraceState state;
+    one_by_one->make_room(state);
+    for (size_t i = 0; i < rays.size(); ++i) expected[i] = one_by_one->radiance(rays[i], {}, state);
+    hits += state.counters.hits;
+    reflections += state.counters.rays_reflection;
+    shadows += state.counters.rays_shadow;
+    for (const BvhKernels& code : all_kernels()) {
+      SCOPED_TRACE(fmt::format("seed {}, {}", seed, code.name));
+      const RowTracer tracer(*scene, *alone, code.name);
+      std::vector<Color> found(rays.size());
+      TraceState together;
+      integrator->make_room(together);
+      tracer.radiances(rays, found, together);
+      for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(found[i], expected[i]) << i;
+      EXPECT_EQ(counts_of(together.counters), counts_of(state.counters));
+    }
+  }
+  EXPECT_GT(in_rows, 250u);
+  EXPECT_GT(hits, 5'000u);
+  EXPECT_GT(reflections, 1'000u);
+  EXPECT_GT(shadows, 5'000u);
+}
+
+TEST(RowTracer, SendsRaysThroughRasterPointsAsTheCameraDoes) {
+  SimpleScene random(7);
+  const auto scene = built(random.text(), "bvh", {});
+  const auto integrator = make_integrator(scene);
+  ASSERT_TRUE(RowTracer::can_follow(*scene));
+  const Camera& camera = *scene->camera;
+  std::vector<Vec2> points;
+  for (int i = 0; i < 61; ++i) points.push_back({i % 16 + .25, i / 4 + .75});
+  std::vector<Color> expected;
+  TraceState state;
+  integrator->make_room(state);
+  for (const Vec2& point : points)
+    expected.push_back(integrator->radiance(camera.ray(point.x, point.y), {}, state));
+  for (const BvhKernels& code : all_kernels()) {
+    const RowTracer tracer(*scene, dynamic_cast<const PathFollower&>(*integrator), code.name);
+    std::vector<Color> found(points.size());
+    tracer.radiances(*camera.pinhole(), points, found, state);
+    EXPECT_EQ(found, expected) << code.name;
+  }
+}
+
+}  // namespace
+}  // namespace tessera
