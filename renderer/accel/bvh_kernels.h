@@ -9,6 +9,7 @@
 #include "renderer/accel/ray_row.h"
 #include "renderer/accel/rectangle_row.h"
 #include "renderer/accel/spatial_splits.h"
+#include "renderer/accel/sphere_row.h"
 #include "renderer/accel/traversal_tree.h"
 #include "renderer/accel/wide_tree.h"
 #include "renderer/shapes/ray.h"
@@ -70,9 +71,9 @@ struct BvhKernels {
   /// Which planes of the row the ray meets at t <= `limit`, a bit each, and t, as many as
   /// row.count rounded up to four; ray.cull does not count.
   uint32_t (*planes_met)(const PlaneRow& row, const Ray& ray, double limit, double* t);
-  /// The nearest of the planes that each of the rays meets, and the boxes that it may hit something
-  /// in before.
-  void (*row_met)(const PlaneRow& planes, const BoxRow& boxes, const RayRow& rays, RayRowMet& met);
+  /// What each of the rays meets of what can be held against many at once, and the boxes that it
+  /// may hit something in before.
+  void (*row_met)(const FewRows& few, const RayRow& rays, RayRowMet& met);
   const char* name;
 };
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <optional>
 
 #include "renderer/accel/tree_boxes.h"
+#include "renderer/shapes/csg_shape.h"
 
 namespace tessera {
 namespace {
@@ -84,20 +86,39 @@ FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& co
     }
   }
   rectangles_.finish();
-  row_ = BoxRow(boxes);
-  for (const uint32_t i : endless_) {
-    if (row_planes_.count == PlaneRow::kMost || !is_plain_plane(instances_[i])) {
-      row_endless_.push_back(i);
-      continue;
-    }
-    row_plane_numbers_[row_planes_.count] = i;
-    row_planes_.add(static_cast<const Plane&>(*instances_[i].shape), seen_cull(instances_[i]));
-  }
+  rows_.boxes = BoxRow(boxes);
+  take_rows();
   take_planes();
 }
 
 size_t FewInstances::planes_among(std::span<const Instance> instances) {
   return static_cast<size_t>(std::count_if(instances.begin(), instances.end(), is_plain_plane));
+}
+
+void FewInstances::take_rows() {
+  PlaneRow& planes = rows_.planes;
+  for (const uint32_t i : endless_) {
+    if (planes.count == PlaneRow::kMost || !is_plain_plane(instances_[i])) {
+      row_endless_.push_back(i);
+      continue;
+    }
+    rows_.plane_instances[planes.count] = i;
+    planes.add(static_cast<const Plane&>(*instances_[i].shape), seen_cull(instances_[i]));
+  }
+  for (size_t box = 0; (rows_.boxes.all >> box & 1) != 0; ++box) {
+    const uint32_t i = held_[kBoxes + box];
+    const Instance& instance = instances_[i];
+    if (!instance.world_from_object.is_identity()) continue;
+    if (const auto* const csg = dynamic_cast<const CsgShape*>(instance.shape.get())) {
+      std::optional<CarvedBox> carved = csg->carved_box();
+      if (!carved || instance.cull != Cull::none || !instance.casts_shadow) continue;
+      rows_.carved[box] = *std::move(carved);
+      rows_.carved_boxes |= 1u << box;
+    }
+    if (instance.shape->kind() != ShapeKind::sphere) continue;
+    rows_.spheres.set(box, static_cast<const Sphere&>(*instance.shape), i, seen_cull(instance),
+                      instance.casts_shadow);
+  }
 }
 
 void FewInstances::take_planes() {
@@ -125,12 +146,12 @@ void FewInstances::find_rectangles(const Ray& ray, double t_max, Candidates& can
 }
 
 void FewInstances::find_boxes(const Ray& ray, double t_max, Candidates& candidates) const {
-  if (row_.count == 0) {
+  if (rows_.boxes.count == 0) {
     candidates.is_unusual |= rectangles_.count == 0;
     return;
   }
-  const uint32_t in = boxes_entered_(row_, ray, t_max, candidates.entered + kBoxes);
-  candidates.left |= (in & row_.all) << kBoxes;
+  const uint32_t in = boxes_entered_(rows_.boxes, ray, t_max, candidates.entered + kBoxes);
+  candidates.left |= (in & rows_.boxes.all) << kBoxes;
   candidates.is_unusual |= (in & BoxRow::kUnusual) != 0;
 }
 
@@ -198,7 +219,8 @@ void FewInstances::closest_hits(const RayRow& rays, std::span<Hit> hits,
     return;
   }
   RayRowMet met;
-  row_met_(row_planes_, row_, rays, met);
+  row_met_(rows_, rays, met);
+  counters.primitive_tests += met.tests;
   for (size_t i = 0; i < rays.count; ++i) {
     Hit& hit = hits[i];
     hit = {};
@@ -207,9 +229,8 @@ void FewInstances::closest_hits(const RayRow& rays, std::span<Hit> hits,
       closest_hit(rays.ray(i), hit, counters);
       continue;
     }
-    counters.primitive_tests += row_planes_.count;
-    if (met.plane[i] != RayRowMet::kNone)
-      hit = {met.plane_t[i], 0, 0, row_plane_numbers_[static_cast<size_t>(met.plane[i])], 0};
+    hit.t = met.t[i];
+    hit.instance = static_cast<uint32_t>(met.instance[i]);
     if (boxes == 0 && row_endless_.empty()) continue;
     const Ray ray = rays.ray(i);
     for (const uint32_t of : row_endless_) closest_hit_of(instances_[of], of, ray, hit, counters);
@@ -247,7 +268,7 @@ bool FewInstances::any_hit(const Ray& ray, TraversalCounters& counters) const {
 bool FewInstances::any_hit_among(uint32_t boxes, const Ray& ray,
                                  TraversalCounters& counters) const {
   if ((boxes & BoxRow::kUnusual) != 0 && !can_hit(ray)) return false;
-  if (any_endless(ray, counters)) return true;
+  if (holds_any(0) && any_endless(ray, counters)) return true;
   for (uint32_t left = boxes & ~BoxRow::kUnusual; left != 0;)
     if (any_hit_of(instances_[held_[kBoxes + take_lowest(left)]], ray, counters)) return true;
   return false;

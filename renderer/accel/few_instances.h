@@ -28,7 +28,8 @@ class FewInstances final : public Accelerator {
   AcceleratorStatistics statistics() const override;
 
   /// The boxes; a bit of a mask stands for one of them.
-  const BoxRow& row() const { return row_; }
+  const BoxRow& row() const { return rows_.boxes; }
+  const FewRows& rows() const { return rows_; }
   /// Whether nothing is held as a rectangle, so that what is in no box is always tested.
   bool is_all_in_boxes() const { return rectangles_.count == 0; }
   /// any_hit() of a ray that may hit what is in `boxes`, as BvhKernels::boxes_entered tells, where
@@ -43,6 +44,7 @@ class FewInstances final : public Accelerator {
   static size_t planes_among(std::span<const Instance> instances);
 
  private:
+  void take_rows();
   void take_planes();
   /// The place of the first box among candidates.
   static constexpr size_t kBoxes = RectangleRow::kMost;
@@ -64,15 +66,12 @@ class FewInstances final : public Accelerator {
   std::vector<uint32_t> endless_;  ///< beside planes_; always tested, ascending
   PlaneRow planes_;
   std::array<uint32_t, PlaneRow::kMost> plane_numbers_{};  ///< ascending
-  /// The same for many rays at once, however few planes there are.
-  PlaneRow row_planes_;
-  std::array<uint32_t, PlaneRow::kMost> row_plane_numbers_{};
-  std::vector<uint32_t> row_endless_;  ///< beside row_planes_
+  FewRows rows_;  ///< for many rays at once, where nothing is held as a rectangle
+  std::vector<uint32_t> row_endless_;  ///< beside its planes
   uint32_t shading_planes_ = 0;        ///< a bit for each that casts shadows
   /// By candidate: those of the row of rectangles, and from kBoxes on those of the row of boxes.
   std::array<uint32_t, 2 * BoxRow::kMost> held_{};
   RectangleRow rectangles_;
-  BoxRow row_;
   uint32_t two_sided_ = 0;  ///< rectangles that all rays see from either side
   Bounds3 bounds_;
   decltype(BvhKernels::boxes_entered) boxes_entered_;

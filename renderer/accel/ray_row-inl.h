@@ -10,120 +10,94 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <limits>
 
-#include "renderer/accel/box_row.h"
-#include "renderer/accel/plane_row.h"
+#include "renderer/accel/carved_lanes-inl.h"
 #include "renderer/accel/ray_row.h"
+#include "renderer/accel/slab_lanes-inl.h"
+#include "renderer/accel/sphere_lanes-inl.h"
+#include "renderer/math/lanes-inl.h"
 #include "renderer/math/rounding.h"
-#include "renderer/shapes/ray.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
+/// The nearest that rays have met.
+struct Nearest {
+  Lanes t, instance;
 
-/// As many rays as there are lanes.
-class RayLaneRow {
- public:
-  using Tag = hn::CappedTag<double, 8>;
-  using Lanes = hn::Vec<Tag>;
-  using Mask = hn::Mask<Tag>;
-  static constexpr size_t kCount = hn::MaxLanes(Tag());
-
-  /// From the ray at `at` on; what is not set counts for nothing.
-  HWY_INLINE RayLaneRow(const RayRow& rays, size_t at)
-      : at_(at),
-        ox_(hn::Load(tag_, rays.origin[0] + at)),
-        oy_(hn::Load(tag_, rays.origin[1] + at)),
-        oz_(hn::Load(tag_, rays.origin[2] + at)),
-        dx_(hn::Load(tag_, rays.direction[0] + at)),
-        dy_(hn::Load(tag_, rays.direction[1] + at)),
-        dz_(hn::Load(tag_, rays.direction[2] + at)),
-        first_(all(rays.t_min)),
-        last_(all(rays.t_max)) {}
-
-  /// Plane::intersect() with each plane, line by line, and no product fused with a sum.
-  HWY_INLINE void meet(const PlaneRow& row, RayRowMet& met) const {
-    const Lanes rounding = all(gamma(4)), zero = hn::Zero(tag_);
-    Lanes nearest = all(std::numeric_limits<double>::infinity());
-    Lanes number = all(RayRowMet::kNone);
-    for (size_t i = 0; i < row.count; ++i) {
-      const Lanes nx = all(row.normal[0][i]), ny = all(row.normal[1][i]),
-                  nz = all(row.normal[2][i]), offset = all(row.offset[i]);
-      const Lanes approach = sum(hn::Mul(nx, dx_), hn::Mul(ny, dy_), hn::Mul(nz, dz_));
-      const Lanes x = hn::Mul(nx, ox_), y = hn::Mul(ny, oy_), z = hn::Mul(nz, oz_);
-      const Lanes height = hn::Sub(sum(x, y, z), offset);
-      const Lanes t = hn::Div(hn::Neg(height), approach);
-      const Lanes error =
-          hn::Mul(rounding, hn::Add(sum(hn::Abs(x), hn::Abs(y), hn::Abs(z)), hn::Abs(offset)));
-      const auto inside = hn::And(hn::Gt(t, first_), hn::And(hn::Lt(t, last_), hn::Lt(t, nearest)));
-      auto is_met = hn::And(inside, hn::Gt(hn::Abs(height), error));
-      const bool from_front = (row.from_front >> i & 1) != 0;
-      const bool from_behind = (row.from_behind >> i & 1) != 0;
-      const auto in_front = hn::Lt(approach, zero);
-      if (!from_front) is_met = hn::AndNot(in_front, is_met);
-      if (!from_behind) is_met = hn::And(in_front, is_met);
-      nearest = hn::IfThenElse(is_met, t, nearest);
-      number = hn::IfThenElse(is_met, all(static_cast<double>(i)), number);
-    }
-    hn::Store(nearest, tag_, met.plane_t + at_);
-    hn::Store(number, tag_, met.plane + at_);
+  HWY_INLINE Nearest()
+      : t(all(std::numeric_limits<double>::infinity())), instance(hn::Zero(kLaneTag)) {}
+  HWY_INLINE void take(LaneMask met, Lanes at, uint32_t number) {
+    const Lanes candidate = all(number);
+    const auto is_first = hn::And(hn::Eq(at, t), hn::Lt(candidate, instance));
+    const auto taken = hn::And(met, hn::Or(hn::Lt(at, t), is_first));
+    t = hn::IfThenElse(taken, at, t);
+    instance = hn::IfThenElse(taken, candidate, instance);
   }
-
-  /// BvhKernels::boxes_entered, before the plane that was met.
-  HWY_INLINE void enter(const BoxRow& row, RayRowMet& met) const {
-    const Lanes far = sum(hn::Abs(ox_), hn::Abs(oy_), hn::Abs(oz_));
-    const Lanes steep = sum(hn::Abs(dx_), hn::Abs(dy_), hn::Abs(dz_));
-    const auto usual = hn::And(hn::Le(far, all(row.farthest)),
-                               hn::And(hn::Ge(steep, all(1e-150)), hn::Le(steep, all(1e150))));
-    constexpr hn::RebindToSigned<Tag> index;
-    auto boxes = hn::IfThenElse(hn::RebindMask(index, usual), hn::Zero(index),
-                                hn::Set(index, int64_t{BoxRow::kUnusual}));
-    const Lanes rx = inverse_of(dx_), ry = inverse_of(dy_), rz = inverse_of(dz_);
-    const Lanes fx = hn::Mul(ox_, rx), fy = hn::Mul(oy_, ry), fz = hn::Mul(oz_, rz);
-    const Lanes end = hn::Min(last_, hn::Load(tag_, met.plane_t + at_));
-    for (size_t i = 0; (row.all >> i & 1) != 0; ++i) {
-      Lanes enter = first_, leave = end;
-      const auto narrow = [&](const double* min, const double* max, Lanes inverse, Lanes offset)
-                              HWY_ATTR {
-                                const Lanes a = hn::MulSub(all(min[i]), inverse, offset);
-                                const Lanes b = hn::MulSub(all(max[i]), inverse, offset);
-                                enter = hn::Max(enter, hn::Min(a, b));
-                                leave = hn::Min(leave, hn::Max(a, b));
-                              };
-      narrow(row.min[0], row.max[0], rx, fx);
-      narrow(row.min[1], row.max[1], ry, fy);
-      narrow(row.min[2], row.max[2], rz, fz);
-      hn::Store(enter, tag_, met.entered[i] + at_);
-      const auto is_in = hn::RebindMask(index, hn::Le(enter, leave));
-      boxes = hn::Or(boxes, hn::IfThenElseZero(is_in, hn::Set(index, int64_t{1} << i)));
-    }
-    hn::Store(boxes, index, met.boxes + at_);
-  }
-
- private:
-  static HWY_INLINE Lanes all(double value) { return hn::Set(Tag(), value); }
-  static HWY_INLINE Lanes sum(Lanes a, Lanes b, Lanes c) { return hn::Add(hn::Add(a, b), c); }
-  /// As SlabAxis.
-  static HWY_INLINE Lanes inverse_of(Lanes direction) {
-    constexpr double kSteepest = 1e200;
-    return hn::Max(all(-kSteepest), hn::Min(hn::Div(all(1), direction), all(kSteepest)));
-  }
-
-  static constexpr Tag tag_{};
-  size_t at_;
-  Lanes ox_, oy_, oz_, dx_, dy_, dz_, first_, last_;
 };
 
+/// Plane::intersect() with each, line by line, and no product fused with a sum.
+HWY_INLINE void meet_planes(const FewRows& few, const Lanes3& origin, const Lanes3& direction,
+                            Lanes first, Lanes last, Nearest& nearest) {
+  const PlaneRow& row = few.planes;
+  const Lanes rounding = all(gamma(4)), zero = hn::Zero(kLaneTag);
+  for (size_t i = 0; i < row.count; ++i) {
+    const Lanes3 normal{all(row.normal[0][i]), all(row.normal[1][i]), all(row.normal[2][i])};
+    const Lanes offset = all(row.offset[i]), approach = dot(normal, direction);
+    const Lanes3 terms = multiply(normal, origin);
+    const Lanes height = hn::Sub(sum(terms), offset);
+    const Lanes t = hn::Div(hn::Neg(height), approach);
+    const Lanes error = hn::Mul(rounding, hn::Add(sum(abs(terms)), hn::Abs(offset)));
+    const auto inside = hn::And(hn::Gt(t, first), hn::Lt(t, last));
+    auto is_met = hn::And(inside, hn::Gt(hn::Abs(height), error));
+    const auto in_front = hn::Lt(approach, zero);
+    if ((row.from_front >> i & 1) == 0) is_met = hn::AndNot(in_front, is_met);
+    if ((row.from_behind >> i & 1) == 0) is_met = hn::And(in_front, is_met);
+    nearest.take(is_met, t, few.plane_instances[i]);
+  }
+}
+
 /// BvhKernels::row_met.
-void row_met(const PlaneRow& planes, const BoxRow& boxes, const RayRow& rays, RayRowMet& met) {
-  for (size_t at = 0; at < rays.count; at += RayLaneRow::kCount) {
-    const RayLaneRow lanes(rays, at);
-    lanes.meet(planes, met);
-    lanes.enter(boxes, met);
+void row_met(const FewRows& few, const RayRow& rays, RayRowMet& met) {
+  const Lanes first = all(rays.t_min), last = all(rays.t_max);
+  met.tests = few.planes.count * rays.count;
+  // What is behind the last ray counts for nothing.
+  for (size_t at = 0; at < rays.count; at += kLanes) {
+    const Lanes3 origin = load(rays.origin, at), direction = load(rays.direction, at);
+    Nearest nearest;
+    meet_planes(few, origin, direction, first, last, nearest);
+    const SlabLanes slabs(origin, direction);
+    const auto usual = slabs.are_usual(few.boxes);
+    const uint32_t rays_here = bits_of(usual) & ((1u << std::min(kLanes, rays.count - at)) - 1);
+    auto bits = hn::IfThenElse(hn::RebindMask(kIndexTag, usual), hn::Zero(kIndexTag),
+                               hn::Set(kIndexTag, int64_t{BoxRow::kUnusual}));
+    for (size_t i = 0; (few.boxes.all >> i & 1) != 0; ++i) {
+      Lanes enter = first;
+      auto in = slabs.entered(few.boxes, i, enter, hn::Min(last, nearest.t));
+      if ((few.carved_boxes >> i & 1) != 0 && !hn::AllFalse(kLaneTag, in)) {
+        met.tests += static_cast<uint64_t>(std::popcount(bits_of(in) & rays_here));
+        in = hn::AndNot(meet_carved_box(few.carved[i], origin, direction, last).missed, in);
+      }
+      if ((few.spheres.boxes >> i & 1) == 0) {
+        hn::Store(enter, kLaneTag, met.entered[i] + at);
+        const auto bit = hn::Set(kIndexTag, int64_t{1} << i);
+        bits = hn::Or(bits, hn::IfThenElseZero(hn::RebindMask(kIndexTag, in), bit));
+        continue;
+      }
+      const uint32_t entering = bits_of(in) & rays_here;
+      if (entering == 0) continue;
+      met.tests += static_cast<uint64_t>(std::popcount(entering));
+      Lanes t = first;
+      const auto is_met = meet_sphere(few.spheres, i, origin, direction, first, last, t);
+      nearest.take(hn::And(in, is_met), t, few.spheres.instance[i]);
+    }
+    hn::Store(nearest.t, kLaneTag, met.t + at);
+    hn::Store(nearest.instance, kLaneTag, met.instance + at);
+    hn::Store(bits, kIndexTag, met.boxes + at);
   }
 }
 

@@ -34,30 +34,31 @@ RectanglesMet rectangles_met(const RectangleRow& row, const Ray& ray, double t_m
     return {row.all | RectangleRow::kUnusual, 0};
   }
   const hn::CappedTag<double, 4> tag;
-  using Lanes = hn::Vec<decltype(tag)>;
+  using FourLanes = hn::Vec<decltype(tag)>;
   const auto all = [&](double value) HWY_ATTR { return hn::Set(tag, value); };
-  const Lanes ox = all(ray.origin.x), oy = all(ray.origin.y), oz = all(ray.origin.z);
-  const Lanes dx = all(ray.direction.x), dy = all(ray.direction.y), dz = all(ray.direction.z);
+  const FourLanes ox = all(ray.origin.x), oy = all(ray.origin.y), oz = all(ray.origin.z);
+  const FourLanes dx = all(ray.direction.x), dy = all(ray.direction.y), dz = all(ray.direction.z);
   const double slack = 2 * RectangleRow::kMargin * row.extent / steep;
-  const Lanes first = all(ray.t_min), last = all(t_max + slack), half = all(0.5);
-  const Lanes t_slack = all(slack), length = all(steep);
+  const FourLanes first = all(ray.t_min), last = all(t_max + slack), half = all(0.5);
+  const FourLanes t_slack = all(slack), length = all(steep);
   RectanglesMet met;
   for (size_t i = 0; i < row.count; i += hn::MaxLanes(tag)) {
     const auto load = [&](const double* at) HWY_ATTR { return hn::Load(tag, at + i); };
-    const auto product = [&](const double(*with)[RectangleRow::kMost], Lanes x, Lanes y,
-                             Lanes z) HWY_ATTR {
+    const auto product = [&](const double(*with)[RectangleRow::kMost], FourLanes x, FourLanes y,
+                             FourLanes z) HWY_ATTR {
       return hn::MulAdd(load(with[2]), z, hn::MulAdd(load(with[1]), y, hn::Mul(load(with[0]), x)));
     };
     // From the origin to the corner.
-    const Lanes cx = hn::Sub(load(row.corner[0]), ox), cy = hn::Sub(load(row.corner[1]), oy),
-                cz = hn::Sub(load(row.corner[2]), oz);
-    const Lanes approach = product(row.normal, dx, dy, dz);
-    const Lanes t = hn::Div(product(row.normal, cx, cy, cz), approach);
-    const Lanes entered_at = hn::Sub(t, t_slack);
-    const Lanes px = hn::MulSub(t, dx, cx), py = hn::MulSub(t, dy, cy), pz = hn::MulSub(t, dz, cz);
+    const FourLanes cx = hn::Sub(load(row.corner[0]), ox), cy = hn::Sub(load(row.corner[1]), oy),
+                    cz = hn::Sub(load(row.corner[2]), oz);
+    const FourLanes approach = product(row.normal, dx, dy, dz);
+    const FourLanes t = hn::Div(product(row.normal, cx, cy, cz), approach);
+    const FourLanes entered_at = hn::Sub(t, t_slack);
+    const FourLanes px = hn::MulSub(t, dx, cx), py = hn::MulSub(t, dy, cy),
+                    pz = hn::MulSub(t, dz, cz);
     // Half where it is on the edge.
-    const Lanes u = hn::Abs(hn::Sub(product(row.share_u, px, py, pz), half));
-    const Lanes v = hn::Abs(hn::Sub(product(row.share_v, px, py, pz), half));
+    const FourLanes u = hn::Abs(hn::Sub(product(row.share_u, px, py, pz), half));
+    const FourLanes v = hn::Abs(hn::Sub(product(row.share_v, px, py, pz), half));
     const auto told = hn::Gt(hn::Abs(approach), hn::Mul(load(row.grazing), length));
     const auto outside = hn::Or(hn::Gt(u, load(row.out_u)), hn::Gt(v, load(row.out_v)));
     const auto elsewhere = hn::Or(hn::Lt(hn::Add(t, t_slack), first), hn::Gt(t, last));

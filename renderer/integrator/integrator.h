@@ -97,10 +97,10 @@ class Integrator {
     for (size_t i = 0; i < rays.size(); ++i) found[i] = radiance(rays[i], {}, state);
   }
   /// The same of the camera's rays through raster points.
-  virtual void radiances(const Camera& camera, std::span<const Vec2> points, std::span<Color> found,
-                         TraceState& state) const {
-    for (size_t i = 0; i < points.size(); ++i)
-      found[i] = radiance(camera.ray(points[i].x, points[i].y), {}, state);
+  virtual void radiances(const Camera& camera, std::span<const Sampler::RasterSample> rasters,
+                         std::span<Color> found, TraceState& state) const {
+    for (size_t i = 0; i < rasters.size(); ++i)
+      found[i] = radiance(camera.ray(rasters[i].point.x, rasters[i].point.y), {}, state);
   }
   /// What radiance() returns, to the last bit, for a camera ray that meets nothing.
   virtual Color background(const Ray& ray) const = 0;

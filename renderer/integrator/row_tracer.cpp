@@ -22,6 +22,9 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "renderer/accel/carved_lanes-inl.h"
+#include "renderer/accel/slab_lanes-inl.h"
+#include "renderer/accel/sphere_lanes-inl.h"
 #include "renderer/math/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -75,12 +78,6 @@ HWY_INLINE void append(const Lanes3& values, uint32_t bits, size_t at,
   append(values.y, bits, parts[1] + at);
   append(values.z, bits, parts[2] + at);
 }
-HWY_INLINE void store(const Lanes3& values, size_t at, double (&parts)[3][RayRow::kRoom]) {
-  hn::Store(values.x, kLaneTag, parts[0] + at);
-  hn::Store(values.y, kLaneTag, parts[1] + at);
-  hn::Store(values.z, kLaneTag, parts[2] + at);
-}
-
 class RowFollower {
  public:
   RowFollower(const RowTracer& tracer, std::span<Color> found, TraceState& state)
@@ -98,27 +95,27 @@ class RowFollower {
     follow_all(rays.size());
   }
   /// Camera::ray() through each.
-  void follow(const Camera::Pinhole& camera, std::span<const Vec2> points) {
+  void follow(const Camera::Pinhole& camera, std::span<const Sampler::RasterSample> rasters) {
     RayRow& row = now_->rays;
     row.t_min = camera.near_distance, row.t_max = camera.far_distance;
     const Lanes3 eye = all(camera.eye), view = all(camera.view);
-    const LaneIndices last = hn::Set(kIndexTag, static_cast<int64_t>(points.size() - 1));
+    const LaneIndices last = hn::Set(kIndexTag, static_cast<int64_t>(rasters.size() - 1));
     const auto place = [](Lanes at, double offset, double scale)
                            HWY_ATTR { return hn::Add(all(offset), hn::Mul(at, all(scale))); };
-    for (size_t i = 0; i < points.size(); i += kLanes) {
-      const LaneIndices at =
-          hn::ShiftLeft<1>(hn::Min(hn::Iota(kIndexTag, static_cast<int64_t>(i)), last));
-      const Lanes u = place(gather(&points[0].x, at), camera.offset.x, camera.scale.x);
-      const Lanes v = place(gather(&points[0].y, at), camera.offset.y, camera.scale.y);
+    for (size_t i = 0; i < rasters.size(); i += kLanes) {
+      const LaneIndices number = hn::Min(hn::Iota(kIndexTag, static_cast<int64_t>(i)), last);
+      const LaneIndices at = hn::Add(hn::ShiftLeft<1>(number), number);
+      const Lanes u = place(gather(&rasters[0].point.x, at), camera.offset.x, camera.scale.x);
+      const Lanes v = place(gather(&rasters[0].point.y, at), camera.offset.y, camera.scale.y);
       const Lanes3 right = multiply(all(camera.right), u), up = multiply(all(camera.up), v);
       store(normalize(add(add(view, right), up)), i, row.direction);
       store(eye, i, row.origin);
     }
-    follow_all(points.size());
+    follow_all(rasters.size());
   }
 
  private:
-  static_assert(sizeof(Vec2) == 2 * sizeof(double));
+  static_assert(sizeof(Sampler::RasterSample) == 3 * sizeof(double));
 
   void follow_all(size_t count) {
     now_->rays.count = count;
@@ -183,14 +180,16 @@ class RowFollower {
       return;
     }
     std::fill_n(places + count, kLanes, places[0]);
+    alignas(64) double s[RayRow::kRoom], t[RayRow::kRoom];
     for (size_t i = 0; i < count; i += kLanes) {
-      alignas(64) double s[kLanes], t[kLanes];
-      place_in_panorama(beyond, gather(now_->rays.direction, indices_of(places + i)), s, t);
-      for (size_t lane = 0; lane < std::min(kLanes, count - i); ++lane) {
-        const uint32_t place = places[i + lane];
-        bring(place, throughput(place) * beyond.panorama_at(s[lane], t[lane]));
-      }
+      const LaneIndices at = indices_of(places + i);
+      place_in_panorama(beyond, gather(now_->rays.direction, at), s + i, t + i);
+      // A large picture is in no cache; by the time that it is looked at, it is.
+      for (size_t lane = 0; lane < kLanes; ++lane)
+        beyond.picture->prefetch(s[i + lane], t[i + lane]);
     }
+    for (size_t i = 0; i < count; ++i)
+      bring(places[i], throughput(places[i]) * beyond.panorama_at(s[i], t[i]));
   }
   Color throughput(uint32_t place) const {
     return {now_->throughput[0][place], now_->throughput[1][place], now_->throughput[2][place]};
@@ -513,6 +512,39 @@ class RowFollower {
     }
   }
 
+  /// Of `bits`, those whose shadow rays hit what one of their boxes holds, where that can be told
+  /// of many at once. From the others it takes away those boxes, and all that they do not enter.
+  uint32_t shaded_at_once(const Lanes3& origin, const Lanes3& way, Lanes last, uint32_t bits,
+                          uint32_t* boxes) const {
+    const FewInstances& few = *scene_.occluders.few;
+    const FewRows& rows = few.rows();
+    const SlabLanes slabs(origin, way);
+    bits &= bits_of(slabs.are_usual(few.row()));
+    uint32_t some = 0, shaded = 0;
+    for (uint32_t left = bits; left != 0;) some |= boxes[take_lowest_lane(left)];
+    for (uint32_t left = some & few.row().all; left != 0;) {
+      const size_t box = take_lowest_lane(left);
+      const uint32_t bit = 1u << box;
+      const Lanes first = hn::Zero(kLaneTag);
+      Lanes enter = first, t = first;
+      uint32_t in = bits_of(slabs.entered(few.row(), box, enter, last)) & bits;
+      if (((rows.spheres.boxes | rows.carved_boxes) & bit) != 0 && in != 0) {
+        state_.counters.traversal.primitive_tests += static_cast<uint64_t>(std::popcount(in));
+        uint32_t in_doubt = 0;
+        if ((rows.carved_boxes & bit) != 0) {
+          const CarvedBoxMet met = meet_carved_box(rows.carved[box], origin, way, last);
+          shaded |= in & bits_of(met.hit);
+          in_doubt = in & ~bits_of(hn::Or(met.hit, met.missed));
+        } else if ((rows.spheres.shading & bit) != 0) {
+          shaded |= in & bits_of(meet_sphere(rows.spheres, box, origin, way, first, last, t));
+        }
+        in = in_doubt;
+      }
+      for (uint32_t out = bits & ~in; out != 0;) boxes[take_lowest_lane(out)] &= ~bit;
+    }
+    return shaded;
+  }
+
   /// Of the points `lit`, those that the light does not reach for what is in the way.
   uint32_t shaded_of(const LaneSurface& s, uint32_t index, const Arriving& sampled, uint32_t lit,
                      uint32_t answered) {
@@ -528,21 +560,33 @@ class RowFollower {
       }
     }
     if (asked == 0) return 0;
-    alignas(64) double distance[kLanes];
-    hn::Store(sampled.distance, kLaneTag, distance);
     const Light& light = scene_.lights[index];
     const bool placed = light.kind == LightKind::point;
     const Lanes3 place = all(light.position);
     const Lanes3 origins = origin_towards(s, placed ? subtract(place, s.point) : sampled.wi);
-    const Stored3 origin(origins), way(placed ? subtract(place, origins) : sampled.wi);
+    const Lanes3 ways = placed ? subtract(place, origins) : sampled.wi;
+    Lanes last = placed ? all(1) : sampled.distance;
+    if (std::isfinite(light.shadow_distance)) {
+      const Lanes whole = placed ? sampled.distance : all(1);
+      const Lanes there = hn::Div(all(light.shadow_distance), whole);
+      last = hn::IfThenElse(hn::Lt(there, last), there, last);
+    }
     uint32_t shaded = 0;
+    if ((asked & answered) != 0) {
+      shaded = shaded_at_once(origins, ways, last, asked & answered, boxes);
+      asked &= ~shaded;
+      for (uint32_t left = asked & answered; left != 0;) {
+        const size_t lane = take_lowest_lane(left);
+        if (!occluders.few->holds_any(boxes[lane])) asked &= ~(1u << lane);
+      }
+    }
+    if (asked == 0) return shaded;
+    const Stored3 origin(origins), way(ways);
+    alignas(64) double t_max[kLanes];
+    hn::Store(last, kLaneTag, t_max);
     while (asked != 0) {
       const size_t lane = take_lowest_lane(asked);
-      double t_max = placed ? 1 : distance[lane];
-      if (std::isfinite(light.shadow_distance)) {
-        t_max = std::min(t_max, light.shadow_distance / (placed ? distance[lane] : 1));
-      }
-      const Ray ray{origin.point(lane), way.vec(lane), 0, t_max};
+      const Ray ray{origin.point(lane), way.vec(lane), 0, t_max[lane]};
       const bool stops =
           (answered >> lane & 1) != 0
               ? occluders.few->any_hit_among(boxes[lane], ray, state_.counters.traversal)
@@ -608,11 +652,12 @@ class RowFollower {
 };
 
 RowTracer::Code row_code() {
-  return {[](const RowTracer& tracer, std::span<const Ray> rays, std::span<Color> found,
-             TraceState& state) HWY_ATTR { RowFollower(tracer, found, state).follow(rays); },
-          [](const RowTracer& tracer, const Camera::Pinhole& camera, std::span<const Vec2> points,
-             std::span<Color> found, TraceState& state)
-              HWY_ATTR { RowFollower(tracer, found, state).follow(camera, points); }};
+  return {
+      [](const RowTracer& tracer, std::span<const Ray> rays, std::span<Color> found,
+         TraceState& state) HWY_ATTR { RowFollower(tracer, found, state).follow(rays); },
+      [](const RowTracer& tracer, const Camera::Pinhole& camera,
+         std::span<const Sampler::RasterSample> rasters, std::span<Color> found, TraceState& state)
+          HWY_ATTR { RowFollower(tracer, found, state).follow(camera, rasters); }};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -50,9 +50,9 @@ class RowTracer {
     code_.follow_rays(*this, rays, found, state);
   }
   /// The same of a pinhole's rays through raster points.
-  void radiances(const Camera::Pinhole& camera, std::span<const Vec2> points,
+  void radiances(const Camera::Pinhole& camera, std::span<const Sampler::RasterSample> rasters,
                  std::span<Color> found, TraceState& state) const {
-    code_.follow_points(*this, camera, points, found, state);
+    code_.follow_rasters(*this, camera, rasters, found, state);
   }
 
   /// How the surface at a hit of an instance is worked out.
@@ -70,8 +70,8 @@ class RowTracer {
   /// Of one instruction set.
   struct Code {
     void (*follow_rays)(const RowTracer&, std::span<const Ray>, std::span<Color>, TraceState&);
-    void (*follow_points)(const RowTracer&, const Camera::Pinhole&, std::span<const Vec2>,
-                          std::span<Color>, TraceState&);
+    void (*follow_rasters)(const RowTracer&, const Camera::Pinhole&,
+                           std::span<const Sampler::RasterSample>, std::span<Color>, TraceState&);
   };
 
  private:

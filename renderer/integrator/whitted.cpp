@@ -231,13 +231,13 @@ class MirrorIntegrator final : public WhittedIntegrator<kShadows, true, false>,
     else
       Base::radiances(rays, found, state);
   }
-  void radiances(const Camera& camera, std::span<const Vec2> points, std::span<Color> found,
-                 TraceState& state) const override {
+  void radiances(const Camera& camera, std::span<const Sampler::RasterSample> rasters,
+                 std::span<Color> found, TraceState& state) const override {
     const auto pinhole = camera.pinhole();
     if (rows_ && pinhole)
-      rows_->radiances(*pinhole, points, found, state);
+      rows_->radiances(*pinhole, rasters, found, state);
     else
-      Base::radiances(camera, points, found, state);
+      Base::radiances(camera, rasters, found, state);
   }
 
  private:

@@ -65,6 +65,18 @@ HWY_INLINE Lanes3 choose(LaneMask mask, const Lanes3& yes, const Lanes3& no) {
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
           hn::IfThenElse(mask, yes.z, no.z)};
 }
+/// From arrays of parts, at a place whose vectors are aligned.
+template <size_t kRoom>
+HWY_INLINE Lanes3 load(const double (&parts)[3][kRoom], size_t at) {
+  return {hn::Load(kLaneTag, parts[0] + at), hn::Load(kLaneTag, parts[1] + at),
+          hn::Load(kLaneTag, parts[2] + at)};
+}
+template <size_t kRoom>
+HWY_INLINE void store(const Lanes3& a, size_t at, double (&parts)[3][kRoom]) {
+  hn::Store(a.x, kLaneTag, parts[0] + at);
+  hn::Store(a.y, kLaneTag, parts[1] + at);
+  hn::Store(a.z, kLaneTag, parts[2] + at);
+}
 /// std::max(a, b), of what is no number and of zeros too.
 HWY_INLINE Lanes greater(Lanes a, Lanes b) { return hn::IfThenElse(hn::Lt(a, b), b, a); }
 HWY_INLINE LaneMask is_black(const Lanes3& c) {
@@ -106,7 +118,7 @@ struct Stored3 {
   void put(size_t lane, const Vec3& v) { x[lane] = v.x, y[lane] = v.y, z[lane] = v.z; }
 };
 
-HWY_NOINLINE void normalize_each(Stored3& v) {
+inline HWY_NOINLINE void normalize_each(Stored3& v) {
   for (size_t lane = 0; lane < kLanes; ++lane) v.put(lane, tessera::normalize(v.vec(lane)));
 }
 HWY_INLINE Lanes3 normalize(const Lanes3& v) {
@@ -159,7 +171,7 @@ HWY_INLINE LanesSum two_product(Lanes a, Lanes b) {
   return {p, hn::Add(hn::Add(high, hn::Mul(al, bh)), hn::Mul(al, bl))};
 }
 
-HWY_NOINLINE Lanes atan2_each(Lanes y, Lanes x, uint32_t which, Lanes angle) {
+inline HWY_NOINLINE Lanes atan2_each(Lanes y, Lanes x, uint32_t which, Lanes angle) {
   alignas(64) double ys[kLanes], xs[kLanes], angles[kLanes];
   hn::Store(y, kLaneTag, ys);
   hn::Store(x, kLaneTag, xs);

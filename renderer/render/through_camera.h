@@ -7,7 +7,6 @@
 
 #include "base/unmade.h"
 #include "renderer/integrator/integrator.h"
-#include "renderer/render/sample_sum.h"
 #include "renderer/scene/scene.h"
 
 namespace tessera {
@@ -40,31 +39,22 @@ auto through_camera(const Scene& scene, const SampleKey& key, const Look& look) 
   return std::pair<Seen, bool>(sum * (1.0 / lens_samples), raster.negative);
 }
 
-/// The same of many samples, at most kMost rays at once.
+/// The same of many samples, which look at `rasters`, at most kMost rays at once.
 template <size_t kMost>
 void through_camera(const Scene& scene, const Integrator& integrator,
-                    std::span<const SampleKey> keys, std::span<Sample> found, TraceState& state) {
+                    std::span<const SampleKey> keys, std::span<const Sampler::RasterSample> rasters,
+                    std::span<Color> found, TraceState& state) {
   const Camera& camera = *scene.camera;
   const uint32_t lens_samples = camera.lens_samples();
-  const auto raster = [&](size_t i) {
-    return scene.sampler->raster_sample(keys[i].x, keys[i].y, keys[i].sample);
-  };
-  Unmade<Color, kMost> colors;
   if (lens_samples == 0) {
-    Unmade<Vec2, kMost> points;
-    for (size_t i = 0; i < keys.size(); ++i) {
-      const auto [at, negative] = raster(i);
-      points[i] = at;
-      found[i].negative = negative;
-    }
-    integrator.radiances(camera, {points.data(), keys.size()}, {colors.data(), keys.size()}, state);
-    for (size_t i = 0; i < keys.size(); ++i) found[i].color = colors[i];
+    integrator.radiances(camera, rasters, found, state);
     return;
   }
   Unmade<Ray, kMost> rays;
+  Unmade<Color, kMost> colors;
   for (size_t i = 0; i < keys.size(); ++i) {
     const auto& [x, y, sample] = keys[i];
-    const auto [at, negative] = raster(i);
+    const Vec2& at = rasters[i].point;
     Color sum = kBlack;
     for (uint32_t begin = 0, count = 0; begin < lens_samples; begin += count) {
       count = std::min(lens_samples - begin, uint32_t{kMost});
@@ -75,7 +65,7 @@ void through_camera(const Scene& scene, const Integrator& integrator,
       integrator.radiances({rays.data(), count}, {colors.data(), count}, state);
       for (uint32_t ray = 0; ray < count; ++ray) sum += colors[ray];
     }
-    found[i] = {sum * (1.0 / lens_samples), negative};
+    found[i] = sum * (1.0 / lens_samples);
   }
 }
 

@@ -205,15 +205,15 @@ class SceneTileRenderer final : public TileRenderer {
   /// Leaves none waiting. Whether it was not cancelled.
   bool put_waiting(LonePixels& waiting, const RenderTask& task, TraceState& state,
                    const Output& output) const {
+    if (waiting.count == 0) return true;
     const std::span keys(waiting.keys.data(), std::exchange(waiting.count, 0));
-    Unmade<Sample, kRowSamples> found;
-    finite_samples(keys, {found.data(), keys.size()}, state);
+    const SamplesTogether found(*this, keys, state);
     state.counters.samples_skipped += keys.size() * (task.sample_count - 1);
     for (size_t i = 0; i < keys.size(); ++i) {
-      put_color(kBlack + found[i].color, value_at(keys[i].x, keys[i].y, output.tile));  // no -0
-      if (!output.progress.go_on()) return false;
+      const Color color = finite(found[i], state).color;
+      put_color(kBlack + color, value_at(keys[i].x, keys[i].y, output.tile));  // no -0
     }
-    return true;
+    return output.progress.go_on(keys.size());
   }
 
   // ------------------------------------------------------------------------ adaptive sampling
@@ -412,12 +412,24 @@ class SceneTileRenderer final : public TileRenderer {
     }
     return sample;
   }
-  /// finite_sample() of each by trace(), where rays are followed in rows.
-  void finite_samples(std::span<const SampleKey> keys, std::span<Sample> found,
-                      TraceState& state) const {
-    through_camera<kRowSamples>(*scene_, *integrator_, keys, found, state);
-    for (size_t i = 0; i < keys.size(); ++i) found[i] = finite(found[i], state);
-  }
+  /// What trace() finds of each key, at most kRowSamples, where rays are followed in rows.
+  class SamplesTogether {
+   public:
+    SamplesTogether(const SceneTileRenderer& renderer, std::span<const SampleKey> keys,
+                    TraceState& state) {
+      const Scene& scene = *renderer.scene_;
+      for (size_t i = 0; i < keys.size(); ++i)
+        rasters_[i] = scene.sampler->raster_sample(keys[i].x, keys[i].y, keys[i].sample);
+      through_camera<kRowSamples>(scene, *renderer.integrator_, keys,
+                                  {rasters_.data(), keys.size()}, {colors_.data(), keys.size()},
+                                  state);
+    }
+    Sample operator[](size_t i) const { return {colors_[i], rasters_[i].negative}; }
+
+   private:
+    Unmade<Sampler::RasterSample, kRowSamples> rasters_;
+    Unmade<Color, kRowSamples> colors_;
+  };
 
   /// The task's samples, added in the order of their numbers. Whether it was not cancelled.
   bool add_samples(SampleSum& sum, int x, int y, const RenderTask& task, TraceState& state,
@@ -442,10 +454,9 @@ class SceneTileRenderer final : public TileRenderer {
   /// The next `count` samples of a pixel, traced together.
   void add_row(SampleSum& sum, const SampleKey& first, uint32_t count, TraceState& state) const {
     Unmade<SampleKey, kRowSamples> keys;
-    Unmade<Sample, kRowSamples> found;
     for (uint32_t i = 0; i < count; ++i) keys[i] = {first.x, first.y, first.sample + i};
-    finite_samples({keys.data(), count}, {found.data(), count}, state);
-    for (uint32_t i = 0; i < count; ++i) sum.add(found[i]);
+    const SamplesTogether found(*this, {keys.data(), count}, state);
+    for (uint32_t i = 0; i < count; ++i) sum.add(finite(found[i], state));
   }
 
   /// Whether a pixel is nothing but what its only sample finds.

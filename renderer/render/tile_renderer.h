@@ -18,9 +18,9 @@ struct TileProgress {
   std::atomic<uint64_t> work_done{0};  ///< grows with every pixel, and every thousand rays of one
   std::atomic<bool> cancelled{false};  ///< set from outside: stop within so many rays
 
-  /// For the tracing thread: says that it gets on. Whether it shall.
-  bool go_on() {
-    work_done.store(work_done.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  /// For the tracing thread: says that it gets on, by so many pixels. Whether it shall.
+  bool go_on(uint64_t done = 1) {
+    work_done.store(work_done.load(std::memory_order_relaxed) + done, std::memory_order_relaxed);
     return !cancelled.load(std::memory_order_relaxed);
   }
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -51,6 +52,17 @@ class ImageTexture {
   /// look-ups along the longer one at the level of the shorter one (as texture units of graphics
   /// processors do: McCormack et al. 1999), at most 16 of them.
   Texel lookup(double s, double t, const Vec2& a, const Vec2& b) const;
+
+  /// Has what lookup(s, t) will read brought nearer, for `s` and `t` from 0 to 1.
+  void prefetch(double s, double t) const {
+    const Level& level = levels_.front();
+    const size_t texel = settings_.channels * (settings_.bits / 8), row = texel * level.width;
+    const auto column = static_cast<size_t>(s * level.width);
+    const auto line = static_cast<size_t>(std::max(0.0, t * level.height - 0.5));
+    const std::byte* const at = texels_.get() + level.offset + line * row + column * texel;
+    __builtin_prefetch(at);
+    __builtin_prefetch(at + row);
+  }
 
  private:
   struct Level {

@@ -3,8 +3,10 @@
 #include <algorithm>
 
 #include "renderer/math/rounding.h"
+#include "renderer/shapes/box.h"
 #include "renderer/shapes/csg_sweep.h"
 #include "renderer/shapes/line_box.h"
+#include "renderer/shapes/sphere.h"
 #include "renderer/shapes/surface_interaction.h"
 
 namespace tessera {
@@ -72,6 +74,20 @@ void CsgShape::crossings(const Ray& ray, const RayError& error,
     const double reach = std::max(e->t - sweep->low(), sweep->high() - e->t);
     events.push_back({e->t, endless ? 0 : reach, e->inward, e->primitive, e->u, e->v});
   }
+}
+
+std::optional<CarvedBox> CsgShape::carved_box() const {
+  if (!table_.is_usable() || !table_.is_carved_leaf()) return std::nullopt;
+  const auto& leaves = gates_.leaves();
+  const auto* const box = dynamic_cast<const Box*>(leaves[0].convex);
+  if (!box || leaves[0].moved) return std::nullopt;
+  CarvedBox carved{box->bounds(), {}};
+  for (size_t i = 1; i < leaves.size(); ++i) {
+    const auto* const sphere = dynamic_cast<const Sphere*>(leaves[i].convex);
+    if (!sphere || leaves[i].moved) return std::nullopt;
+    carved.holes.push_back({sphere->center(), sphere->radius()});
+  }
+  return carved;
 }
 
 uint32_t CsgShape::operand_of(uint32_t primitive) const {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "renderer/shapes/carved_box.h"
 #include "renderer/shapes/csg_gates.h"
 #include "renderer/shapes/csg_table.h"
 
@@ -28,6 +31,9 @@ class CsgShape final : public Solid {
   /// To combine further in one tree is better: operands are then pruned and merged as a whole.
   void crossings(const Ray& ray, const RayError& error,
                  std::vector<SolidEvent>& events) const override;
+
+  /// Where it is nothing but that.
+  std::optional<CarvedBox> carved_box() const;
 
   /// The operand that a hit's primitive belongs to, by number in the order of the tree.
   uint32_t operand_of(uint32_t primitive) const;

@@ -16,6 +16,9 @@ class CsgTable {
   /// Else the combination is not of that kind.
   bool is_usable() const { return usable_; }
 
+  /// Whether the whole is what is inside of the first leaf and of no other.
+  bool is_carved_leaf() const { return is_carved_ && table_ == uint64_t{1} << 1; }
+
   enum class Answer { miss, hit, in_doubt };
   /// As CsgShape::closest_hit, for a line that is inside the bounds of the whole in `range`; with
   /// `any` any other hit is as good.

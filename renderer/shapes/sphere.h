@@ -24,6 +24,7 @@ class Sphere final : public ConvexSolid {
     return inner > 0 && squared < inner * inner ? Side::inside : Side::in_doubt;
   }
 
+  static constexpr double kMargin = 0x1p-44;  ///< hundreds of times the rounding of the squares
   /// Where `ray` first meets the sides that `cull` leaves, if it does at t <= `limit`; ray.cull
   /// does not count.
   bool intersect(const Ray& ray, Cull cull, double limit, double& t) const {
@@ -41,8 +42,6 @@ class Sphere final : public ConvexSolid {
   }
 
  private:
-  static constexpr double kMargin = 0x1p-44;  ///< hundreds of times the rounding of the squares
-
   /// A cheap test, without roots and divisions, that most misses pass; where it says nothing the
   /// roots decide. `f` leads from the centre to the ray's origin.
   bool surely_missed(const Ray& ray, const Vec3& f) const {

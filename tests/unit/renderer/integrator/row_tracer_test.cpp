@@ -171,12 +171,12 @@ TEST(RowTracer, SendsRaysThroughRasterPointsAsTheCameraDoes) {
   const auto integrator = make_integrator(scene);
   ASSERT_TRUE(RowTracer::can_follow(*scene));
   const Camera& camera = *scene->camera;
-  std::vector<Vec2> points;
-  for (int i = 0; i < 61; ++i) points.push_back({i % 16 + .25, i / 4 + .75});
+  std::vector<Sampler::RasterSample> points;
+  for (int i = 0; i < 61; ++i) points.push_back({{i % 16 + .25, i / 4 + .75}, false});
   std::vector<Color> expected;
   TraceState state;
   integrator->make_room(state);
-  for (const Vec2& point : points)
+  for (const auto& [point, negative] : points)
     expected.push_back(integrator->radiance(camera.ray(point.x, point.y), {}, state));
   for (const BvhKernels& code : all_kernels()) {
     const RowTracer tracer(*scene, dynamic_cast<const PathFollower&>(*integrator), code.name);

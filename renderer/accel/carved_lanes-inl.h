@@ -1,0 +1,82 @@
+// Compiled once for each instruction set: as many rays as there are lanes against a carved box.
+#if defined(TESSERA_CARVED_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_CARVED_LANES_INL_H
+#undef TESSERA_CARVED_LANES_INL_H
+#else
+#define TESSERA_CARVED_LANES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <cmath>
+
+#include "renderer/math/lanes-inl.h"
+#include "renderer/shapes/carved_box.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+/// Which rays surely hit a carved box before `last`, and which surely do not; what is in neither
+/// has to be worked out.
+struct CarvedBoxMet {
+  LaneMask hit, missed;
+};
+
+/// By the ends of the stretch inside the box: where one of them is before the ray and outside of
+/// all spheres it is a hit, and where both are inside of one sphere there is none. All that is
+/// within a millionth is left in doubt, which is far more than rounding.
+HWY_INLINE CarvedBoxMet meet_carved_box(const CarvedBox& carved, const Lanes3& origin,
+                                        const Lanes3& direction, Lanes last) {
+  const Lanes margin = all(0x1p-20), zero = hn::Zero(kLaneTag);
+  const Lanes from = sum(abs(origin)), along = sum(abs(direction));
+  Lanes enter = all(-1e300), leave = all(1e300), flattest = zero;
+  const auto narrow = [&](double min, double max, Lanes o, Lanes d) HWY_ATTR {
+    constexpr double kSteepest = 1e200;
+    const Lanes inverse =
+        hn::Max(all(-kSteepest), hn::Min(hn::Div(all(1), d), all(kSteepest)));
+    const Lanes a = hn::Mul(hn::Sub(all(min), o), inverse);
+    const Lanes b = hn::Mul(hn::Sub(all(max), o), inverse);
+    enter = hn::Max(enter, hn::Min(a, b));
+    leave = hn::Min(leave, hn::Max(a, b));
+    flattest = hn::Max(flattest, hn::Abs(inverse));
+  };
+  narrow(carved.box.min.x, carved.box.max.x, origin.x, direction.x);
+  narrow(carved.box.min.y, carved.box.max.y, origin.y, direction.y);
+  narrow(carved.box.min.z, carved.box.max.z, origin.z, direction.z);
+  const auto doubt_at = [&](Lanes t) HWY_ATTR {
+    return hn::Mul(margin, hn::Add(from, hn::Mul(hn::Abs(t), along)));
+  };
+  const Lanes at_enter = doubt_at(enter), at_leave = doubt_at(leave);
+  const Lanes doubt = hn::Mul(hn::Max(at_enter, at_leave), flattest);
+  auto missed = hn::Or(hn::Gt(hn::Sub(enter, doubt), hn::Add(leave, doubt)),
+                       hn::Or(hn::Lt(leave, hn::Neg(doubt)), hn::Gt(enter, hn::Add(last, doubt))));
+  auto enters_outside = hn::Lt(hn::Add(enter, doubt), hn::Sub(leave, doubt));
+  auto leaves_outside = enters_outside;
+  const Lanes3 first_end = add(origin, multiply(direction, enter));
+  const Lanes3 last_end = add(origin, multiply(direction, leave));
+  for (const CarvedBox::Hole& hole : carved.holes) {
+    const Lanes radius = all(hole.radius);
+    const auto is_inside = [&](const Lanes3& point, Lanes by, LaneMask& outside) HWY_ATTR {
+      const Lanes3 v = subtract(point, all(hole.center));
+      const Lanes squared = dot(v, v), outer = hn::Add(radius, by), inner = hn::Sub(radius, by);
+      outside = hn::And(outside, hn::Gt(squared, hn::Mul(outer, outer)));
+      return hn::And(hn::Gt(inner, zero), hn::Lt(squared, hn::Mul(inner, inner)));
+    };
+    const auto enters_inside = is_inside(first_end, at_enter, enters_outside);
+    const auto leaves_inside = is_inside(last_end, at_leave, leaves_outside);
+    missed = hn::Or(missed, hn::And(enters_inside, leaves_inside));
+  }
+  const auto is_on_ray = [&](Lanes t) HWY_ATTR {
+    return hn::And(hn::Gt(t, doubt), hn::Lt(hn::Add(t, doubt), last));
+  };
+  return {hn::Or(hn::And(enters_outside, is_on_ray(enter)),
+                 hn::And(leaves_outside, is_on_ray(leave))),
+          missed};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,64 @@
+// Compiled once for each instruction set: as many rays as there are lanes against boxes.
+#if defined(TESSERA_SLAB_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_SLAB_LANES_INL_H
+#undef TESSERA_SLAB_LANES_INL_H
+#else
+#define TESSERA_SLAB_LANES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include "renderer/accel/box_row.h"
+#include "renderer/math/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+/// As many rays as there are lanes, held against boxes one after the other; the test of
+/// BvhKernels::boxes_entered.
+class SlabLanes {
+ public:
+  HWY_INLINE SlabLanes(const Lanes3& origin, const Lanes3& direction)
+      : far_(sum(abs(origin))),
+        steep_(sum(abs(direction))),
+        inverse_{inverse_of(direction.x), inverse_of(direction.y), inverse_of(direction.z)},
+        offset_(multiply(origin, inverse_)) {}
+
+  /// Whose answers count; others may hit anything.
+  HWY_INLINE LaneMask are_usual(const BoxRow& row) const {
+    return hn::And(hn::Le(far_, all(row.farthest)),
+                   hn::And(hn::Ge(steep_, all(1e-150)), hn::Le(steep_, all(1e150))));
+  }
+  /// Which of them may hit something in box `i` from `enter` to `leave`; raises `enter` to a lower
+  /// bound of t there.
+  HWY_INLINE LaneMask entered(const BoxRow& row, size_t i, Lanes& enter, Lanes leave) const {
+    const auto narrow = [&](const double* min, const double* max, Lanes inverse,
+                            Lanes offset) HWY_ATTR {
+      const Lanes a = hn::MulSub(all(min[i]), inverse, offset);
+      const Lanes b = hn::MulSub(all(max[i]), inverse, offset);
+      enter = hn::Max(enter, hn::Min(a, b));
+      leave = hn::Min(leave, hn::Max(a, b));
+    };
+    narrow(row.min[0], row.max[0], inverse_.x, offset_.x);
+    narrow(row.min[1], row.max[1], inverse_.y, offset_.y);
+    narrow(row.min[2], row.max[2], inverse_.z, offset_.z);
+    return hn::Le(enter, leave);
+  }
+
+ private:
+  /// As SlabAxis.
+  static HWY_INLINE Lanes inverse_of(Lanes direction) {
+    constexpr double kSteepest = 1e200;
+    return hn::Max(all(-kSteepest), hn::Min(hn::Div(all(1), direction), all(kSteepest)));
+  }
+
+  Lanes far_, steep_;
+  Lanes3 inverse_, offset_;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#endif
