@@ -234,8 +234,12 @@ class RenderRun {
         interrupted());
     traced_seconds_ = seconds_since(start);
     peak_worker_bytes_ = std::max(peak_worker_bytes_, farm_->peak_worker_bytes());
-    // Workers end while the picture is written.
-    if (last) farm_->dismiss();
+    // While the picture is written workers end, and give back the memory of large pictures, which
+    // takes time.
+    if (last) {
+      loaded_.blobs = {};
+      farm_->dismiss();
+    }
     return result;
   }
 

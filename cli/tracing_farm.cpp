@@ -133,9 +133,7 @@ class InProcessFarm : public TracingFarm {
           run_worker(*client, options, stop_);
         }) {}
   ~InProcessFarm() override {
-    // In this order: a worker that has left already would be told of as lost.
-    loop_.shut_down(kFrameIsDone);
-    stop_ = true;
+    dismiss();
     worker_.join();
   }
 
@@ -146,6 +144,14 @@ class InProcessFarm : public TracingFarm {
       blobs_ = job.blobs;
     }
     return loop_.run(std::move(job), progress, stop, tiles_);
+  }
+  void dismiss() override {
+    if (std::exchange(dismissed_, true)) return;
+    // In this order: a worker that has left already would be told of as lost.
+    loop_.shut_down(kFrameIsDone);
+    stop_ = true;
+    const std::lock_guard lock(mutex_);
+    blobs_ = {};
   }
   void keep_tiles(std::shared_ptr<TileStore> tiles) override { tiles_ = std::move(tiles); }
 
@@ -162,6 +168,7 @@ class InProcessFarm : public TracingFarm {
   RenderLoop loop_;
   std::shared_ptr<TileStore> tiles_;
   std::atomic<bool> stop_{false};
+  bool dismissed_ = false;
   std::thread worker_;
 };
 
