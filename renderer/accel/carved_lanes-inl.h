@@ -33,8 +33,7 @@ HWY_INLINE CarvedBoxMet meet_carved_box(const CarvedBox& carved, const Lanes3& o
   Lanes enter = all(-1e300), leave = all(1e300), flattest = zero;
   const auto narrow = [&](double min, double max, Lanes o, Lanes d) HWY_ATTR {
     constexpr double kSteepest = 1e200;
-    const Lanes inverse =
-        hn::Max(all(-kSteepest), hn::Min(hn::Div(all(1), d), all(kSteepest)));
+    const Lanes inverse = hn::Max(all(-kSteepest), hn::Min(hn::Div(all(1), d), all(kSteepest)));
     const Lanes a = hn::Mul(hn::Sub(all(min), o), inverse);
     const Lanes b = hn::Mul(hn::Sub(all(max), o), inverse);
     enter = hn::Max(enter, hn::Min(a, b));
@@ -70,9 +69,9 @@ HWY_INLINE CarvedBoxMet meet_carved_box(const CarvedBox& carved, const Lanes3& o
   const auto is_on_ray = [&](Lanes t) HWY_ATTR {
     return hn::And(hn::Gt(t, doubt), hn::Lt(hn::Add(t, doubt), last));
   };
-  return {hn::Or(hn::And(enters_outside, is_on_ray(enter)),
-                 hn::And(leaves_outside, is_on_ray(leave))),
-          missed};
+  return {
+      hn::Or(hn::And(enters_outside, is_on_ray(enter)), hn::And(leaves_outside, is_on_ray(leave))),
+      missed};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -33,13 +33,13 @@ class SlabLanes {
   /// Which of them may hit something in box `i` from `enter` to `leave`; raises `enter` to a lower
   /// bound of t there.
   HWY_INLINE LaneMask entered(const BoxRow& row, size_t i, Lanes& enter, Lanes leave) const {
-    const auto narrow = [&](const double* min, const double* max, Lanes inverse,
-                            Lanes offset) HWY_ATTR {
-      const Lanes a = hn::MulSub(all(min[i]), inverse, offset);
-      const Lanes b = hn::MulSub(all(max[i]), inverse, offset);
-      enter = hn::Max(enter, hn::Min(a, b));
-      leave = hn::Min(leave, hn::Max(a, b));
-    };
+    const auto narrow = [&](const double* min, const double* max, Lanes inverse, Lanes offset)
+                            HWY_ATTR {
+                              const Lanes a = hn::MulSub(all(min[i]), inverse, offset);
+                              const Lanes b = hn::MulSub(all(max[i]), inverse, offset);
+                              enter = hn::Max(enter, hn::Min(a, b));
+                              leave = hn::Min(leave, hn::Max(a, b));
+                            };
     narrow(row.min[0], row.max[0], inverse_.x, offset_.x);
     narrow(row.min[1], row.max[1], inverse_.y, offset_.y);
     narrow(row.min[2], row.max[2], inverse_.z, offset_.z);

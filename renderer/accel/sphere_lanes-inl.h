@@ -25,12 +25,11 @@ HWY_INLINE LaneMask meet_sphere(const SphereRow& row, size_t box, const Lanes3& 
   const Lanes3 f = subtract(origin, center);
   const Lanes a = dot(direction, direction), ff = dot(f, f), along = dot(f, direction);
   const Lanes rr = hn::Mul(radius, radius), whole = hn::Mul(a, ff);
-  const auto lies_behind =
-      hn::And(hn::And(hn::Gt(along, zero), hn::Ge(first, zero)),
-              hn::Gt(hn::Sub(ff, rr), hn::Mul(margin, ff)));
+  const auto lies_behind = hn::And(hn::And(hn::Gt(along, zero), hn::Ge(first, zero)),
+                                   hn::Gt(hn::Sub(ff, rr), hn::Mul(margin, ff)));
   const Lanes off = hn::Sub(hn::Sub(whole, hn::Mul(along, along)), hn::Mul(a, rr));
-  const auto is_missed = hn::And(hn::Gt(whole, all(1e-280)),
-                                 hn::Or(lies_behind, hn::Gt(off, hn::Mul(margin, whole))));
+  const auto is_missed =
+      hn::And(hn::Gt(whole, all(1e-280)), hn::Or(lies_behind, hn::Gt(off, hn::Mul(margin, whole))));
   if (hn::AllTrue(kLaneTag, is_missed)) return hn::Lt(zero, zero);
   const Lanes b = hn::Neg(along);
   const Lanes3 nearest = add(f, multiply(direction, hn::Div(b, a)));
@@ -45,9 +44,8 @@ HWY_INLINE LaneMask meet_sphere(const SphereRow& row, size_t box, const Lanes3& 
   const auto swapped = hn::Gt(one, other);
   const Lanes enter = hn::IfThenElse(swapped, other, one);
   const Lanes leave = hn::IfThenElse(swapped, one, other);
-  const auto counts = [&](Lanes at) HWY_ATTR {
-    return hn::And(hn::Gt(at, first), hn::Lt(at, last));
-  };
+  const auto counts = [&](Lanes at)
+                          HWY_ATTR { return hn::And(hn::Gt(at, first), hn::Lt(at, last)); };
   // Entering shows the front, leaving the back.
   const Cull cull = row.cull[box];
   const auto enters = cull == Cull::front ? hn::Lt(zero, zero) : counts(enter);

@@ -92,9 +92,19 @@ std::vector<uint8_t> convert(const Film& film, const OutputSettings& settings, C
   const std::span<const float> values = film.values();
   const double scale = exposure_scale(settings);
   std::vector<uint8_t> result(values.size());
-  constexpr size_t kPart = size_t{1 << 16} * kFilmChannels;
+  constexpr size_t kPart = size_t{1 << 15} * kFilmChannels;
+  const bool is_plain =
+      scale == 1 && !settings.has_response &&
+      (settings.tone_curve == ToneCurve::clamp || settings.tone_curve == ToneCurve::linear);
   const auto convert_part = [&](size_t part) {
     const size_t end = std::min(values.size(), (part + 1) * kPart);
+    if (is_plain) {  // what before_transfer() comes to
+      for (size_t i = part * kPart; i < end; ++i) {
+        const double v = values[i];
+        result[i] = to_byte(v > 0 ? std::min(v, 1.0) : 0.0);
+      }
+      return;
+    }
     for (size_t i = part * kPart; i < end; i += kFilmChannels) {
       const Rgb mapped = before_transfer(settings, scale, &values[i]);
       for (size_t c = 0; c < kFilmChannels; ++c) result[i + c] = to_byte(mapped[c]);
