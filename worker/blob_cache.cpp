@@ -130,7 +130,8 @@ bool BlobCache::write(const fs::path& path, const Blob& blob) {
     complain(std::strerror(errno));
     return false;
   }
-  if (hold(file) && write_all(file.get(), {blob.data(), blob.size()}) && fsync(file.get()) == 0 &&
+  if (!hold(file)) return false;  // another has just removed it
+  if (write_all(file.get(), {blob.data(), blob.size()}) && fsync(file.get()) == 0 &&
       rename(unfinished.c_str(), path.c_str()) == 0) {
     sync_folder(folder_);
     return true;

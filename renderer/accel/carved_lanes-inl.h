@@ -17,8 +17,8 @@ HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
 
-/// Which rays surely hit a carved box before `last`, and which surely do not; what is in neither
-/// has to be worked out.
+/// Which rays surely hit a carved box after 0, and 0 is where they begin, and before `last`; and
+/// which surely do not after 0, wherever they begin. What is in neither has to be worked out.
 struct CarvedBoxMet {
   LaneMask hit, missed;
 };

@@ -116,8 +116,10 @@ void FewInstances::take_rows() {
       rows_.carved_boxes |= 1u << box;
     }
     if (instance.shape->kind() != ShapeKind::sphere) continue;
-    rows_.spheres.set(box, static_cast<const Sphere&>(*instance.shape), i, seen_cull(instance),
-                      instance.casts_shadow);
+    const auto& sphere = static_cast<const Sphere&>(*instance.shape);
+    // Beyond, squares leave the range of double, and a hit may be told before its box is entered.
+    if (!(sphere.radius() > 1e-100 && sphere.radius() < 1e100)) continue;
+    rows_.spheres.set(box, sphere, i, seen_cull(instance), instance.casts_shadow);
   }
 }
 
@@ -226,6 +228,7 @@ void FewInstances::closest_hits(const RayRow& rays, std::span<Hit> hits,
     hit = {};
     auto boxes = static_cast<uint32_t>(met.boxes[i]);
     if ((boxes & BoxRow::kUnusual) != 0) [[unlikely]] {
+      counters.primitive_tests -= rows_.planes.count;
       closest_hit(rays.ray(i), hit, counters);
       continue;
     }

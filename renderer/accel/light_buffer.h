@@ -24,14 +24,14 @@ class LightBuffer {
   /// farther off than half of what boxes are grown by.
   static bool has_answers(const BoxRow& row, const SurfaceInteraction& from) {
     const auto size = [](const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
-    constexpr double kShare = 0x1p21;
-    return size(from.point - Point3{}) + kShare * size(from.point_error + abs(from.smooth_shift)) <=
+    return size(from.point - Point3{}) +
+               kErrorShare * size(from.point_error + abs(from.smooth_shift)) <=
            row.farthest;
   }
+  /// Whether the light is at a place, so that a direction tells the boxes; else a point does.
+  bool is_of_place() const { return is_place_; }
   /// A bit for each box that rays may hit something in which leave the surface at `point` for the
   /// light, in direction `wi` of unit length and so far away.
-  /// Of a light far away it is told by the point alone, else by the direction.
-  bool is_by_direction() const { return is_place_; }
   uint32_t boxes_met(const Point3& point, const Vec3& wi, double distance) const {
     if (!is_place_) return met_along(point - Point3{});
     if (!(distance > 1e-100)) [[unlikely]]
@@ -39,7 +39,8 @@ class LightBuffer {
     return met_towards(wi);
   }
 
-  // The parts of boxes_met() by direction, for many at once.
+  // The parts of has_answers(), and of boxes_met() by direction, for many at once.
+  static constexpr double kErrorShare = 0x1p21;
   /// Cells along each edge of a face.
   static constexpr int kSide = 32;
   /// The most that the smaller parts of a direction can be, and a little.

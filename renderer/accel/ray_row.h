@@ -22,6 +22,11 @@ struct RayRow {
 
   size_t count = 0;
   double t_min = 0, t_max = std::numeric_limits<double>::infinity();
+  /// Empties it, for rays from `from` to `to`.
+  void begin(double from = 0, double to = std::numeric_limits<double>::infinity()) {
+    count = 0;
+    t_min = from, t_max = to;
+  }
   alignas(64) double origin[3][kRoom], direction[3][kRoom];
 
   Ray ray(size_t i) const {

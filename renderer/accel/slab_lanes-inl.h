@@ -8,6 +8,8 @@
 
 #include <hwy/highway.h>
 
+#include <limits>
+
 #include "renderer/accel/box_row.h"
 #include "renderer/math/lanes-inl.h"
 
@@ -27,7 +29,9 @@ class SlabLanes {
 
   /// Whose answers count; others may hit anything.
   HWY_INLINE LaneMask are_usual(const BoxRow& row) const {
-    return hn::And(hn::Le(far_, all(row.farthest)),
+    // Of no boxes every answer is right, if the ray is one.
+    const double farthest = row.all == 0 ? std::numeric_limits<double>::max() : row.farthest;
+    return hn::And(hn::Le(far_, all(farthest)),
                    hn::And(hn::Ge(steep_, all(1e-150)), hn::Le(steep_, all(1e150))));
   }
   /// Which of them may hit something in box `i` from `enter` to `leave`; raises `enter` to a lower

@@ -85,7 +85,7 @@ class RowFollower {
 
   void follow(std::span<const Ray> rays) {
     RayRow& row = now_->rays;
-    row.t_min = rays[0].t_min, row.t_max = rays[0].t_max;
+    row.begin(rays[0].t_min, rays[0].t_max);
     for (size_t i = 0; i < rays.size(); ++i) {
       for (int axis = 0; axis < 3; ++axis) {
         row.origin[axis][i] = rays[i].origin[axis];
@@ -97,7 +97,7 @@ class RowFollower {
   /// Camera::ray() through each.
   void follow(const Camera::Pinhole& camera, std::span<const Sampler::RasterSample> rasters) {
     RayRow& row = now_->rays;
-    row.t_min = camera.near_distance, row.t_max = camera.far_distance;
+    row.begin(camera.near_distance, camera.far_distance);
     const Lanes3 eye = all(camera.eye), view = all(camera.view);
     const LaneIndices last = hn::Set(kIndexTag, static_cast<int64_t>(rasters.size() - 1));
     const auto place = [](Lanes at, double offset, double scale)
@@ -125,7 +125,7 @@ class RowFollower {
     std::ranges::fill(found_, kBlack);
     state_.counters.rays_primary += count;
     for (; now_->rays.count > 0; ++depth_) {
-      next_->rays.count = 0;
+      next_->rays.begin();
       step();
       std::swap(now_, next_);
     }
@@ -472,15 +472,15 @@ class RowFollower {
 
   /// LightBuffer::has_answers().
   uint32_t answered_by_buffers(const LaneSurface& s) const {
-    constexpr double kShare = 0x1p21;
-    const Lanes reach = hn::Add(sum(abs(s.point)), hn::Mul(all(kShare), sum(abs(s.error))));
+    const Lanes reach =
+        hn::Add(sum(abs(s.point)), hn::Mul(all(LightBuffer::kErrorShare), sum(abs(s.error))));
     return bits_of(hn::Le(reach, all(scene_.occluders.few->row().farthest)));
   }
 
   /// LightBuffer::boxes_met() in the lanes of `bits`.
   static void look_up(const LightBuffer& buffer, const LaneSurface& s, const Arriving& sampled,
                       uint32_t bits, uint32_t* boxes) {
-    if (!buffer.is_by_direction()) {
+    if (!buffer.is_of_place()) {
       const Stored3 points(s.point), wi(sampled.wi);
       while (bits != 0) {
         const size_t lane = take_lowest_lane(bits);

@@ -32,8 +32,8 @@ class PathFollower {
 
 /// Follows rays through a scene of simple features, several at once: what is worked out of a hit is
 /// worked out of as many as a vector holds. It is the arithmetic of a single ray line by line, no
-/// product fused with a sum, so that the bits are the same, and the counts but those of traversal.
-/// Immutable; thread-safe, each thread with its state.
+/// product fused with a sum, so that the bits are the same, and the counts but those that
+/// integrator.h names. Immutable; thread-safe, each thread with its state.
 class RowTracer {
  public:
   /// Rays at a time.
@@ -45,6 +45,8 @@ class RowTracer {
   /// that name are of. `scene` and `alone` must outlive it.
   RowTracer(const Scene& scene, const PathFollower& alone,
             std::string_view instructions = kernels().name);
+  RowTracer(const RowTracer&) = delete;
+  RowTracer& operator=(const RowTracer&) = delete;
   /// The radiance along each of at most kMost camera rays, which end at the same t.
   void radiances(std::span<const Ray> rays, std::span<Color> found, TraceState& state) const {
     code_.follow_rays(*this, rays, found, state);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "base/unmade.h"
 #include "renderer/integrator/direct_light.h"
 #include "renderer/integrator/row_tracer.h"
 #include "renderer/integrator/surface_point.h"
@@ -209,7 +210,8 @@ class WhittedIntegrator : public Integrator {
   PathSegment whole_path_;  ///< what all camera rays begin with
 };
 
-/// Of scenes of simple features: a ray goes on from a mirror as one ray, so that none waits.
+/// Of scenes of simple features, plain ones in rows too: a ray goes on from a mirror as one ray, so
+/// that none waits.
 template <bool kShadows>
 class MirrorIntegrator final : public WhittedIntegrator<kShadows, true, false>,
                                public PathFollower {
@@ -233,11 +235,16 @@ class MirrorIntegrator final : public WhittedIntegrator<kShadows, true, false>,
   }
   void radiances(const Camera& camera, std::span<const Sampler::RasterSample> rasters,
                  std::span<Color> found, TraceState& state) const override {
-    const auto pinhole = camera.pinhole();
-    if (rows_ && pinhole)
-      rows_->radiances(*pinhole, rasters, found, state);
-    else
+    if (!rows_) {
       Base::radiances(camera, rasters, found, state);
+    } else if (const auto pinhole = camera.pinhole()) {
+      rows_->radiances(*pinhole, rasters, found, state);
+    } else {
+      Unmade<Ray, RowTracer::kMost> rays;
+      for (size_t i = 0; i < rasters.size(); ++i)
+        rays[i] = camera.ray(rasters[i].point.x, rasters[i].point.y);
+      rows_->radiances({rays.data(), rasters.size()}, found, state);
+    }
   }
 
  private:

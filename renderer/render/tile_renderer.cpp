@@ -164,6 +164,9 @@ class SceneTileRenderer final : public TileRenderer {
           const bool seen = is_seen(x, y);
           if (in_blocks && seen) {
             waiting.keys[waiting.count++] = {x, y, task.first_sample};
+            // A lens fills rows by one pixel, and may take long for it.
+            if (scene_->camera->lens_samples() > 0 && !put_waiting(waiting, task, state, output))
+              return false;
             continue;
           }
           if (!seen) ++unseen_pixels;

@@ -57,7 +57,8 @@ class ImageTexture {
   void prefetch(double s, double t) const {
     const Level& level = levels_.front();
     const size_t texel = settings_.channels * (settings_.bits / 8), row = texel * level.width;
-    const auto column = static_cast<size_t>(s * level.width);
+    // What is no number counts as 0.
+    const auto column = static_cast<size_t>(std::max(0.0, s * level.width));
     const auto line = static_cast<size_t>(std::max(0.0, t * level.height - 0.5));
     const std::byte* const at = texels_.get() + level.offset + line * row + column * texel;
     __builtin_prefetch(at);

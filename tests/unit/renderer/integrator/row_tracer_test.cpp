@@ -25,6 +25,8 @@ class SimpleScene {
         chance(.5) ? "solid { r: .2 g: .3 b: .4 }"
                    : "gradient { sky { r: .1 g: .2 b: .9 } ground { r: .3 } }",
         pick(0, 5), chance(.5));
+    text_ += fmt::format("cameras {{ near_distance: {:.17g} far_distance: {:.17g} }} ",
+                         size_ * random_.between(0, .2), size_ * random_.between(.5, 4));
     for (int i = 0; i < 5; ++i) add_material(i);
     const int lights = pick(0, 5), planes = pick(0, 6), others = pick(1, 12);
     for (int i = 0; i < lights; ++i) add_light();
@@ -32,6 +34,12 @@ class SimpleScene {
     for (int i = 0; i < others; ++i) add_solid();
   }
   const std::string& text() const { return text_; }
+  /// Where the camera's rays begin and end.
+  void set_bounds(std::vector<Ray>& rays) {
+    const double first = chance(.3) ? size_ * random_.between(0, .5) : 0;
+    const double last = chance(.3) ? size_ * random_.between(.5, 4) : rays[0].t_max;
+    for (Ray& ray : rays) ray.t_min = first, ray.t_max = last;
+  }
   Ray ray() {
     const auto place = [&] { return Point3{} + vec(random_.between(0, 1) < .05 ? 1e3 : 1); };
     const Point3 from = place();
@@ -141,6 +149,7 @@ TEST(RowTracer, FollowsEachRayAsItIsFollowedAlone) {
     const auto one_by_one = make_integrator(full);
     std::vector<Ray> rays(1 + seed % RowTracer::kMost);
     for (Ray& ray : rays) ray = random.ray();
+    random.set_bounds(rays);
     std::vector<Color> expected(rays.size());
     TraceState state;
     one_by_one->make_room(state);
@@ -166,24 +175,29 @@ TEST(RowTracer, FollowsEachRayAsItIsFollowedAlone) {
 }
 
 TEST(RowTracer, SendsRaysThroughRasterPointsAsTheCameraDoes) {
-  SimpleScene random(7);
-  const auto scene = built(random.text(), "bvh", {});
-  const auto integrator = make_integrator(scene);
-  ASSERT_TRUE(RowTracer::can_follow(*scene));
-  const Camera& camera = *scene->camera;
-  std::vector<Sampler::RasterSample> points;
-  for (int i = 0; i < 61; ++i) points.push_back({{i % 16 + .25, i / 4 + .75}, false});
-  std::vector<Color> expected;
-  TraceState state;
-  integrator->make_room(state);
-  for (const auto& [point, negative] : points)
-    expected.push_back(integrator->radiance(camera.ray(point.x, point.y), {}, state));
-  for (const BvhKernels& code : all_kernels()) {
-    const RowTracer tracer(*scene, dynamic_cast<const PathFollower&>(*integrator), code.name);
-    std::vector<Color> found(points.size());
-    tracer.radiances(*camera.pinhole(), points, found, state);
-    EXPECT_EQ(found, expected) << code.name;
+  uint64_t in_rows = 0;
+  for (uint32_t seed = 0; seed < 60; ++seed) {
+    SimpleScene random(seed);
+    const auto scene = built(random.text(), "bvh", {});
+    const auto integrator = make_integrator(scene);
+    if (!RowTracer::can_follow(*scene)) continue;
+    ++in_rows;
+    const Camera& camera = *scene->camera;
+    std::vector<Sampler::RasterSample> points;
+    for (int i = 0; i < 61; ++i) points.push_back({{i % 16 + .25, i / 4 + .75}, false});
+    std::vector<Color> expected;
+    TraceState state;
+    integrator->make_room(state);
+    for (const auto& [point, negative] : points)
+      expected.push_back(integrator->radiance(camera.ray(point.x, point.y), {}, state));
+    for (const BvhKernels& code : all_kernels()) {
+      const RowTracer tracer(*scene, dynamic_cast<const PathFollower&>(*integrator), code.name);
+      std::vector<Color> found(points.size());
+      tracer.radiances(*camera.pinhole(), points, found, state);
+      EXPECT_EQ(found, expected) << code.name;
+    }
   }
+  EXPECT_GT(in_rows, 30u);
 }
 
 }  // namespace
