@@ -10,6 +10,7 @@
 
 #include <cmath>
 
+#include "renderer/accel/slab_lanes-inl.h"
 #include "renderer/math/lanes-inl.h"
 #include "renderer/shapes/carved_box.h"
 
@@ -32,8 +33,7 @@ HWY_INLINE CarvedBoxMet meet_carved_box(const CarvedBox& carved, const Lanes3& o
   const Lanes from = sum(abs(origin)), along = sum(abs(direction));
   Lanes enter = all(-1e300), leave = all(1e300), flattest = zero;
   const auto narrow = [&](double min, double max, Lanes o, Lanes d) HWY_ATTR {
-    constexpr double kSteepest = 1e200;
-    const Lanes inverse = hn::Max(all(-kSteepest), hn::Min(hn::Div(all(1), d), all(kSteepest)));
+    const Lanes inverse = inverse_of(d);
     const Lanes a = hn::Mul(hn::Sub(all(min), o), inverse);
     const Lanes b = hn::Mul(hn::Sub(all(max), o), inverse);
     enter = hn::Max(enter, hn::Min(a, b));

@@ -17,6 +17,12 @@ HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
 
+/// One over each, never infinite, as SlabAxis.
+HWY_INLINE Lanes inverse_of(Lanes direction) {
+  constexpr double kSteepest = 1e200;
+  return hn::Max(all(-kSteepest), hn::Min(hn::Div(all(1), direction), all(kSteepest)));
+}
+
 /// As many rays as there are lanes, held against boxes one after the other; the test of
 /// BvhKernels::boxes_entered.
 class SlabLanes {
@@ -51,12 +57,6 @@ class SlabLanes {
   }
 
  private:
-  /// As SlabAxis.
-  static HWY_INLINE Lanes inverse_of(Lanes direction) {
-    constexpr double kSteepest = 1e200;
-    return hn::Max(all(-kSteepest), hn::Min(hn::Div(all(1), direction), all(kSteepest)));
-  }
-
   Lanes far_, steep_;
   Lanes3 inverse_, offset_;
 };

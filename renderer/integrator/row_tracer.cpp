@@ -25,6 +25,8 @@
 #include "renderer/accel/carved_lanes-inl.h"
 #include "renderer/accel/slab_lanes-inl.h"
 #include "renderer/accel/sphere_lanes-inl.h"
+#include "renderer/integrator/lane_light-inl.h"
+#include "renderer/integrator/lane_surface-inl.h"
 #include "renderer/math/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -37,11 +39,6 @@ struct Front {
   alignas(64) double throughput[3][RayRow::kRoom];
   alignas(64) double path_length[RayRow::kRoom];
   uint32_t number[RowTracer::kMost];  ///< of the camera ray
-};
-
-/// As LocalSurface, in world space.
-struct LaneSurface {
-  Lanes3 point, error, front, shading;
 };
 
 /// Some rays that hit one instance, a lane each. What fills the vector up is one of them again.
@@ -194,21 +191,6 @@ class RowFollower {
   Color throughput(uint32_t place) const {
     return {now_->throughput[0][place], now_->throughput[1][place], now_->throughput[2][place]};
   }
-  /// Background::place_in_panorama().
-  static void place_in_panorama(const Background& beyond, const Lanes3& d, double* s, double* t) {
-    const auto turned = [&](int axis) HWY_ATTR { return dot(all(beyond.rotation[axis]), d); };
-    const Lanes x = turned(0), y = turned(1), z = turned(2);
-    const Lanes azimuth = hn::Add(atan2(x, hn::Neg(z)), all(beyond.angle));
-    const Lanes turn = hn::Add(all(0.5), hn::Div(azimuth, all(2 * portable::kPi)));
-    hn::Store(hn::Sub(turn, hn::Floor(turn)), kLaneTag, s);
-    if (beyond.kind == BackgroundKind::panorama_equal_area) {
-      hn::Store(hn::Sub(all(0.5), hn::Div(y, all(2))), kLaneTag, t);
-    } else {
-      const Lanes across = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(z, z)));
-      hn::Store(hn::Div(atan2(across, y), all(portable::kPi)), kLaneTag, t);
-    }
-  }
-
   void shade(const uint32_t* places, size_t count, uint32_t instance) {
     Bundle bundle;
     std::copy_n(places, kLanes, bundle.places);
@@ -219,12 +201,15 @@ class RowFollower {
     bundle.t = gather(&hits_[0].t, hn::ShiftLeft<2>(at));
     bundle.throughput = gather(now_->throughput, at);
     bundle.path_length = hn::Add(gather(now_->path_length, at), bundle.t);
+    const Lanes3 at_hit = add(bundle.origin, multiply(bundle.direction, bundle.t));
     const RowTracer::Placed& placed = tracer_.placed(instance);
     const Shape& shape = *scene_.instances[instance].shape;
     if (placed.form == RowTracer::Form::plane) {
-      shade(bundle, surface_of(static_cast<const Plane&>(shape), placed, bundle), instance, 0);
+      shade(bundle, surface_of(static_cast<const Plane&>(shape), placed.normal, at_hit), instance,
+            0);
     } else if (placed.form == RowTracer::Form::sphere) {
-      shade(bundle, surface_of(static_cast<const Sphere&>(shape), placed, bundle), instance, 0);
+      shade(bundle, surface_of(static_cast<const Sphere&>(shape), placed.facing, at_hit), instance,
+            0);
     } else {
       shade_one_by_one(bundle, instance);
     }
@@ -238,49 +223,6 @@ class RowFollower {
   }
 
   // ----------------------------------------------------------------------------------- surfaces
-
-  /// What take_to_world() makes of it under the identity, its normals apart.
-  static void place_in_world(Lanes3& point, Lanes3& error) {
-    const Lanes zero = hn::Zero(kLaneTag);
-    point = add(point, {zero, zero, zero});  // no -0
-    const Lanes3 size = multiply(abs(point), all(gamma(4)));
-    error = add(add(multiply(error, all(gamma(3) + 1)), size), size);
-  }
-  /// Plane::place_surface().
-  static LaneSurface surface_of(const Plane& plane, const RowTracer::Placed& placed,
-                                const Bundle& bundle) {
-    LaneSurface s;
-    const Lanes3 normal = all(plane.normal());
-    const Lanes offset = all(plane.offset());
-    s.point = add(bundle.origin, multiply(bundle.direction, bundle.t));
-    const Lanes distance = hn::Sub(dot(normal, s.point), offset);
-    s.point = subtract(s.point, multiply(normal, distance));
-    const Lanes terms = hn::Add(sum(abs(multiply(normal, s.point))), hn::Abs(offset));
-    const Lanes error = hn::Mul(all(2), hn::Mul(all(gamma(4)), terms));
-    s.error = add(multiply(abs(s.point), all(gamma(3))), multiply(abs(normal), error));
-    place_in_world(s.point, s.error);
-    s.front = s.shading = all(placed.normal);
-    return s;
-  }
-  /// Sphere::surface().
-  static LaneSurface surface_of(const Sphere& sphere, const RowTracer::Placed& placed,
-                                const Bundle& bundle) {
-    LaneSurface s;
-    const Lanes3 center = all(sphere.center());
-    const Lanes3 at = add(bundle.origin, multiply(bundle.direction, bundle.t));
-    const Lanes3 n = normalize(subtract(at, center));
-    s.point = add(center, multiply(n, all(sphere.radius())));
-    const Lanes3 terms =
-        add(add(abs(center), multiply(abs(n), all(5 * sphere.radius()))), abs(s.point));
-    s.error = multiply(terms, all(kUnitRoundoff));
-    place_in_world(s.point, s.error);
-    const Lanes zero = hn::Zero(kLaneTag);
-    const Lanes3 whole = add(n, {zero, zero, zero});
-    const auto is_unit = hn::Eq(dot(whole, whole), all(1));
-    s.front = choose(is_unit, whole, normalize(whole));
-    s.front = s.shading = multiply(s.front, all(placed.facing));
-    return s;
-  }
 
   /// Where the surfaces have to be asked for one at a time; they may be of several materials.
   void shade_one_by_one(Bundle& bundle, uint32_t instance) {
@@ -314,16 +256,6 @@ class RowFollower {
       shade(bundle, surface, instance, material);
       left &= ~same;
     }
-  }
-
-  /// RayOrigins::towards().
-  static Lanes3 origin_towards(const LaneSurface& s, const Lanes3& direction) {
-    const auto behind = hn::Lt(dot(s.front, direction), hn::Zero(kLaneTag));
-    const Lanes reach = dot(abs(s.front), s.error);
-    const Lanes3 offset = multiply(s.front, hn::IfThenElse(behind, hn::Neg(reach), reach));
-    const Lanes3 origin = add(s.point, offset);
-    return {next_towards(origin.x, offset.x), next_towards(origin.y, offset.y),
-            next_towards(origin.z, offset.z)};
   }
 
   // -------------------------------------------------------------------------------------- light
@@ -369,37 +301,6 @@ class RowFollower {
           {now_->rays.ray(place), sum, throughput(place), now_->path_length[place], depth_},
           state_);
     }
-  }
-
-  /// A light, as it is at each point.
-  struct Arriving {
-    Lanes3 wi;
-    Lanes distance, factor;
-  };
-  /// sample_light(); a bit for each point that it reaches.
-  static uint32_t sample(const Light& light, const Lanes3& point, Lanes path_length,
-                         Arriving& sample) {
-    if (light.kind == LightKind::directional) {
-      sample = {all(-light.direction), all(std::numeric_limits<double>::infinity()), all(1)};
-      return ~0u;
-    }
-    const Lanes zero = hn::Zero(kLaneTag);
-    const Lanes3 to_light = subtract(all(light.position), point);
-    sample.distance = hn::Sqrt(dot(to_light, to_light));
-    sample.wi = divide(to_light, sample.distance);
-    const Lanes scale = all(light.frame_scale);
-    const Lanes reach = hn::Mul(sample.distance, scale);
-    const LightAttenuation& a = light.attenuation;
-    const Lanes d = a.whole_path ? hn::Mul(hn::Add(sample.distance, path_length), scale) : reach;
-    const Lanes inner = hn::Add(all(a.linear), hn::Mul(d, all(a.quadratic)));
-    Lanes denominator = hn::Add(all(a.constant), hn::Mul(d, inner));
-    if (a.is_none()) denominator = hn::IfThenElse(hn::Gt(denominator, zero), denominator, all(1));
-    if (a.at_most_one) denominator = greater(denominator, all(1));
-    sample.factor =
-        hn::IfThenElse(hn::Gt(denominator, zero), hn::Div(all(a.scale), denominator), zero);
-    const auto is_beyond = hn::Gt(reach, all(light.radius));
-    const auto arrives = hn::And(hn::Gt(sample.distance, zero), hn::Gt(sample.factor, zero));
-    return bits_of(hn::AndNot(is_beyond, arrives));
   }
 
   /// tessera::local_radiance() of simple features.
@@ -475,41 +376,6 @@ class RowFollower {
     const Lanes reach =
         hn::Add(sum(abs(s.point)), hn::Mul(all(LightBuffer::kErrorShare), sum(abs(s.error))));
     return bits_of(hn::Le(reach, all(scene_.occluders.few->row().farthest)));
-  }
-
-  /// LightBuffer::boxes_met() in the lanes of `bits`.
-  static void look_up(const LightBuffer& buffer, const LaneSurface& s, const Arriving& sampled,
-                      uint32_t bits, uint32_t* boxes) {
-    if (!buffer.is_of_place()) {
-      const Stored3 points(s.point), wi(sampled.wi);
-      while (bits != 0) {
-        const size_t lane = take_lowest_lane(bits);
-        boxes[lane] = buffer.boxes_met(points.point(lane), wi.vec(lane), 1);
-      }
-      return;
-    }
-    const Lanes3& d = sampled.wi;
-    const Lanes zero = hn::Zero(kLaneTag), side = all(LightBuffer::kSide);
-    const Lanes x = hn::Abs(d.x), y = hn::Abs(d.y), z = hn::Abs(d.z);
-    const auto by_x = hn::And(hn::Gt(x, y), hn::Gt(x, z)), by_y = hn::Gt(y, z);
-    const auto of_axis = [&](Lanes of_x, Lanes of_y, Lanes of_z) HWY_ATTR {
-      return hn::IfThenElse(by_x, of_x, hn::IfThenElse(by_y, of_y, of_z));
-    };
-    const auto cell = [](Lanes part) HWY_ATTR {
-      return hn::Trunc(
-          hn::Mul(hn::Add(part, all(LightBuffer::kEdge)), all(LightBuffer::kCellsPerPart)));
-    };
-    const Lanes below = hn::IfThenElseZero(hn::Lt(of_axis(d.x, d.y, d.z), zero), all(1));
-    const Lanes face = hn::Add(of_axis(zero, all(2), all(4)), below);
-    const Lanes column = cell(of_axis(d.y, d.z, d.x)), row = cell(of_axis(d.z, d.x, d.y));
-    alignas(64) double cells[kLanes];
-    hn::Store(hn::Add(hn::Mul(hn::Add(hn::Mul(face, side), row), side), column), kLaneTag, cells);
-    const uint32_t told = bits_of(hn::Gt(sampled.distance, all(1e-100)));
-    while (bits != 0) {
-      const size_t lane = take_lowest_lane(bits);
-      boxes[lane] = (told >> lane & 1) != 0 ? buffer.boxes_of_cell(static_cast<size_t>(cells[lane]))
-                                            : buffer.all_boxes();
-    }
   }
 
   /// Of `bits`, those whose shadow rays hit what one of their boxes holds, where that can be told

@@ -1,0 +1,110 @@
+// Part of row_tracer.cpp, compiled once for each instruction set: what lights and
+// panoramas are to many points and rays, a lane each.
+#if defined(TESSERA_LANE_LIGHT_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_LANE_LIGHT_INL_H
+#undef TESSERA_LANE_LIGHT_INL_H
+#else
+#define TESSERA_LANE_LIGHT_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <limits>
+
+#include "renderer/accel/light_buffer.h"
+#include "renderer/integrator/lane_surface-inl.h"
+#include "renderer/math/elementary.h"
+#include "renderer/math/lanes-inl.h"
+#include "renderer/shading/background.h"
+#include "renderer/shading/light.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+/// A light, as it is at each point.
+struct Arriving {
+  Lanes3 wi;
+  Lanes distance, factor;
+};
+/// sample_light(); a bit for each point that it reaches.
+HWY_INLINE uint32_t sample(const Light& light, const Lanes3& point, Lanes path_length,
+                           Arriving& sample) {
+  if (light.kind == LightKind::directional) {
+    sample = {all(-light.direction), all(std::numeric_limits<double>::infinity()), all(1)};
+    return ~0u;
+  }
+  const Lanes zero = hn::Zero(kLaneTag);
+  const Lanes3 to_light = subtract(all(light.position), point);
+  sample.distance = hn::Sqrt(dot(to_light, to_light));
+  sample.wi = divide(to_light, sample.distance);
+  const Lanes scale = all(light.frame_scale);
+  const Lanes reach = hn::Mul(sample.distance, scale);
+  const LightAttenuation& a = light.attenuation;
+  const Lanes d = a.whole_path ? hn::Mul(hn::Add(sample.distance, path_length), scale) : reach;
+  const Lanes inner = hn::Add(all(a.linear), hn::Mul(d, all(a.quadratic)));
+  Lanes denominator = hn::Add(all(a.constant), hn::Mul(d, inner));
+  if (a.is_none()) denominator = hn::IfThenElse(hn::Gt(denominator, zero), denominator, all(1));
+  if (a.at_most_one) denominator = greater(denominator, all(1));
+  sample.factor =
+      hn::IfThenElse(hn::Gt(denominator, zero), hn::Div(all(a.scale), denominator), zero);
+  const auto is_beyond = hn::Gt(reach, all(light.radius));
+  const auto arrives = hn::And(hn::Gt(sample.distance, zero), hn::Gt(sample.factor, zero));
+  return bits_of(hn::AndNot(is_beyond, arrives));
+}
+
+/// LightBuffer::boxes_met() in the lanes of `bits`.
+HWY_INLINE void look_up(const LightBuffer& buffer, const LaneSurface& s, const Arriving& sampled,
+                        uint32_t bits, uint32_t* boxes) {
+  if (!buffer.is_of_place()) {
+    const Stored3 points(s.point), wi(sampled.wi);
+    while (bits != 0) {
+      const size_t lane = take_lowest_lane(bits);
+      boxes[lane] = buffer.boxes_met(points.point(lane), wi.vec(lane), 1);
+    }
+    return;
+  }
+  const Lanes3& d = sampled.wi;
+  const Lanes zero = hn::Zero(kLaneTag), side = all(LightBuffer::kSide);
+  const Lanes x = hn::Abs(d.x), y = hn::Abs(d.y), z = hn::Abs(d.z);
+  const auto by_x = hn::And(hn::Gt(x, y), hn::Gt(x, z)), by_y = hn::Gt(y, z);
+  const auto of_axis = [&](Lanes of_x, Lanes of_y, Lanes of_z) HWY_ATTR {
+    return hn::IfThenElse(by_x, of_x, hn::IfThenElse(by_y, of_y, of_z));
+  };
+  const auto cell = [](Lanes part) HWY_ATTR {
+    return hn::Trunc(
+        hn::Mul(hn::Add(part, all(LightBuffer::kEdge)), all(LightBuffer::kCellsPerPart)));
+  };
+  const Lanes below = hn::IfThenElseZero(hn::Lt(of_axis(d.x, d.y, d.z), zero), all(1));
+  const Lanes face = hn::Add(of_axis(zero, all(2), all(4)), below);
+  const Lanes column = cell(of_axis(d.y, d.z, d.x)), row = cell(of_axis(d.z, d.x, d.y));
+  alignas(64) double cells[kLanes];
+  hn::Store(hn::Add(hn::Mul(hn::Add(hn::Mul(face, side), row), side), column), kLaneTag, cells);
+  const uint32_t told = bits_of(hn::Gt(sampled.distance, all(1e-100)));
+  while (bits != 0) {
+    const size_t lane = take_lowest_lane(bits);
+    boxes[lane] = (told >> lane & 1) != 0 ? buffer.boxes_of_cell(static_cast<size_t>(cells[lane]))
+                                          : buffer.all_boxes();
+  }
+}
+
+/// Background::place_in_panorama().
+HWY_INLINE void place_in_panorama(const Background& beyond, const Lanes3& d, double* s, double* t) {
+  const auto turned = [&](int axis) HWY_ATTR { return dot(all(beyond.rotation[axis]), d); };
+  const Lanes x = turned(0), y = turned(1), z = turned(2);
+  const Lanes azimuth = hn::Add(atan2(x, hn::Neg(z)), all(beyond.angle));
+  const Lanes turn = hn::Add(all(0.5), hn::Div(azimuth, all(2 * portable::kPi)));
+  hn::Store(hn::Sub(turn, hn::Floor(turn)), kLaneTag, s);
+  if (beyond.kind == BackgroundKind::panorama_equal_area) {
+    hn::Store(hn::Sub(all(0.5), hn::Div(y, all(2))), kLaneTag, t);
+  } else {
+    const Lanes across = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(z, z)));
+    hn::Store(hn::Div(atan2(across, y), all(portable::kPi)), kLaneTag, t);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#endif

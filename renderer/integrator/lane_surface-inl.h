@@ -1,0 +1,80 @@
+// Part of row_tracer.cpp, compiled once for each instruction set: where rays meet
+// planes and spheres, a lane each.
+#if defined(TESSERA_LANE_SURFACE_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_LANE_SURFACE_INL_H
+#undef TESSERA_LANE_SURFACE_INL_H
+#else
+#define TESSERA_LANE_SURFACE_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include "renderer/math/lanes-inl.h"
+#include "renderer/math/rounding.h"
+#include "renderer/shapes/plane.h"
+#include "renderer/shapes/sphere.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+/// As LocalSurface, in world space.
+struct LaneSurface {
+  Lanes3 point, error, front, shading;
+};
+
+/// What take_to_world() makes of it under the identity, its normals apart.
+HWY_INLINE void place_in_world(Lanes3& point, Lanes3& error) {
+  const Lanes zero = hn::Zero(kLaneTag);
+  point = add(point, {zero, zero, zero});  // no -0
+  const Lanes3 size = multiply(abs(point), all(gamma(4)));
+  error = add(add(multiply(error, all(gamma(3) + 1)), size), size);
+}
+/// Plane::place_surface().
+HWY_INLINE LaneSurface surface_of(const Plane& plane, const Vec3& front, const Lanes3& at) {
+  LaneSurface s;
+  const Lanes3 normal = all(plane.normal());
+  const Lanes offset = all(plane.offset());
+  s.point = at;
+  const Lanes distance = hn::Sub(dot(normal, s.point), offset);
+  s.point = subtract(s.point, multiply(normal, distance));
+  const Lanes terms = hn::Add(sum(abs(multiply(normal, s.point))), hn::Abs(offset));
+  const Lanes error = hn::Mul(all(2), hn::Mul(all(gamma(4)), terms));
+  s.error = add(multiply(abs(s.point), all(gamma(3))), multiply(abs(normal), error));
+  place_in_world(s.point, s.error);
+  s.front = s.shading = all(front);
+  return s;
+}
+/// Sphere::surface().
+HWY_INLINE LaneSurface surface_of(const Sphere& sphere, double facing, const Lanes3& at) {
+  LaneSurface s;
+  const Lanes3 center = all(sphere.center());
+  const Lanes3 n = normalize(subtract(at, center));
+  s.point = add(center, multiply(n, all(sphere.radius())));
+  const Lanes3 terms =
+      add(add(abs(center), multiply(abs(n), all(5 * sphere.radius()))), abs(s.point));
+  s.error = multiply(terms, all(kUnitRoundoff));
+  place_in_world(s.point, s.error);
+  const Lanes zero = hn::Zero(kLaneTag);
+  const Lanes3 whole = add(n, {zero, zero, zero});
+  const auto is_unit = hn::Eq(dot(whole, whole), all(1));
+  s.front = choose(is_unit, whole, normalize(whole));
+  s.front = s.shading = multiply(s.front, all(facing));
+  return s;
+}
+
+/// RayOrigins::towards().
+HWY_INLINE Lanes3 origin_towards(const LaneSurface& s, const Lanes3& direction) {
+  const auto behind = hn::Lt(dot(s.front, direction), hn::Zero(kLaneTag));
+  const Lanes reach = dot(abs(s.front), s.error);
+  const Lanes3 offset = multiply(s.front, hn::IfThenElse(behind, hn::Neg(reach), reach));
+  const Lanes3 origin = add(s.point, offset);
+  return {next_towards(origin.x, offset.x), next_towards(origin.y, offset.y),
+          next_towards(origin.z, offset.z)};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#endif
