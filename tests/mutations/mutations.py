@@ -365,7 +365,7 @@ MUTATIONS = [
              "WorkerSessionTest.*"),
     Mutation("rows: mirrored rays end where the camera's do", "renderer/integrator/row_tracer.cpp",
              "next_->rays.begin();", "next_->rays.count = 0;", "integrator_test", "RowTracer.*"),
-    Mutation("rows: a sphere's point is surer than it is", "renderer/integrator/row_tracer.cpp",
+    Mutation("rows: a sphere's point is surer than it is", "renderer/integrator/lane_surface-inl.h",
              "all(5 * sphere.radius())", "all(4 * sphere.radius())", "integrator_test", "RowTracer.*"),
     Mutation("rows: a carved box is missed where only one end is inside", "renderer/accel/carved_lanes-inl.h",
              "hn::And(enters_inside, leaves_inside)", "hn::Or(enters_inside, leaves_inside)",
