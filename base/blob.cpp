@@ -15,7 +15,11 @@ Blob::Blob(std::vector<std::byte> bytes)
 
 Blob::~Blob() {
   if (descriptor_ < 0) return;
-  munmap(const_cast<std::byte*>(data_), size_);
+  // While a piece goes, other threads wait where they begin, end or take memory.
+  constexpr size_t kPiece = size_t{4} << 20;
+  for (size_t at = 0; at < size_; at += kPiece) {
+    munmap(const_cast<std::byte*>(data_) + at, std::min(kPiece, size_ - at));
+  }
   close(descriptor_);
 }
 

@@ -34,6 +34,15 @@ SharedPixels::~SharedPixels() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
+void SharedPixels::finish(std::span<char> part) {
+  const auto page = static_cast<uintptr_t>(sysconf(_SC_PAGESIZE));
+  const auto begin = reinterpret_cast<uintptr_t>(part.data());
+  const uintptr_t first = (begin + page - 1) / page * page,
+                  end = (begin + part.size()) / page * page;
+  // Only of this process: the pages stay, and so does what is in them.
+  if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED);
+}
+
 int SharedPixels::seal() {
   unmap();
   constexpr int kSeals = F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;

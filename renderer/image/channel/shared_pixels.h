@@ -16,6 +16,8 @@ class SharedPixels {
   ~SharedPixels();
 
   std::span<char> bytes() const { return pixels_; }
+  /// Says that `part` of bytes() is done with: unmapping it is work, which threads can share.
+  static void finish(std::span<char> part);
   /// Takes away the right to write from everybody, this process too, which has no bytes() from now
   /// on. Returns what they are mapped by, as long as this object lives; -1: it cannot be.
   int seal();

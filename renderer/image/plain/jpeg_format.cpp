@@ -66,15 +66,16 @@ std::optional<ImageAnswer> decode(jpeg_decompress_struct& info, JpegErrors& erro
   const size_t row_bytes = answer.layout.bytes() / info.image_height;
   const auto channels = static_cast<size_t>(answer.layout.channels);
   const auto conversion = to_srgb && channels == 3 ? read_conversion(info, errors) : std::nullopt;
-  const auto convert = [&](std::span<char> pixels) {
+  const auto finish = [&](std::span<char> pixels) {
     if (conversion) conversion->convert(pixels, channels);
+    if (answer.shared) SharedPixels::finish(pixels);
   };
   const std::span<char> pixels = answer.make_room();
   if (const auto slices = JpegSlices::cut(info, file)) {
-    if (!decode_slices(*slices, channels, pixels, convert)) return std::nullopt;
+    if (!decode_slices(*slices, channels, pixels, finish)) return std::nullopt;
   } else {
     if (!read_rows(info, errors, row_bytes, pixels)) return std::nullopt;
-    convert(pixels);
+    finish(pixels);
   }
   return answer;
 }

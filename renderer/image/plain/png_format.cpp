@@ -88,18 +88,18 @@ unsigned char paeth(int a, int b, int c) {
 /// Rows of 8-bit RGB from `begin` on, each after the number of its filter.
 Octets filtered(const std::vector<char>& pixels, size_t row_bytes, size_t begin, size_t end) {
   constexpr size_t kPixel = 3;
-  const Octets black(row_bytes + kPixel);
-  Octets out;
-  out.reserve((end - begin) * (row_bytes + 1));
-  for (size_t y = begin; y < end; ++y) {
+  const Octets black(row_bytes);
+  Octets out((end - begin) * (row_bytes + 1));
+  unsigned char* to = out.data();
+  for (size_t y = begin; y < end; ++y, to += row_bytes) {
     const auto* row = reinterpret_cast<const unsigned char*>(pixels.data()) + y * row_bytes;
     const unsigned char* above = y > 0 ? row - row_bytes : black.data();
-    out.push_back(PNG_FILTER_VALUE_PAETH);
+    *to++ = PNG_FILTER_VALUE_PAETH;
     for (size_t i = 0; i < kPixel; ++i)
-      out.push_back(static_cast<unsigned char>(row[i] - paeth(0, above[i], 0)));
+      to[i] = static_cast<unsigned char>(row[i] - paeth(0, above[i], 0));
     for (size_t i = kPixel; i < row_bytes; ++i)
-      out.push_back(
-          static_cast<unsigned char>(row[i] - paeth(row[i - kPixel], above[i], above[i - kPixel])));
+      to[i] =
+          static_cast<unsigned char>(row[i] - paeth(row[i - kPixel], above[i], above[i - kPixel]));
   }
   return out;
 }
@@ -126,7 +126,7 @@ Octets deflated_alone(const Octets& bytes, bool is_last) {
 
 /// The data of the image (RFC 1950) in parts, which several threads make.
 std::vector<Octets> deflated(const std::vector<char>& pixels, size_t row_bytes) {
-  constexpr size_t kPartBytes = size_t{256} << 10;
+  constexpr size_t kPartBytes = size_t{64} << 10;
   const size_t height = pixels.size() / row_bytes;
   const size_t rows = std::max<size_t>(1, kPartBytes / row_bytes);
   const size_t count = (height + rows - 1) / rows;
