@@ -67,7 +67,11 @@ class RenderRun {
     check_outputs(options_);
     if (options_.resume) store_ = std::make_shared<SqliteTileStore>(store_path());
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
-    // Workers get ready while the scene is read.
+    // Workers get ready while the scene is read, and so does what writes PNG, which waits for
+    // little.
+    for (const auto& path : picture_paths(options_)) {
+      if (is_quickly_prepared(path)) prepare_to_write(path);
+    }
     farm_ = start_farm();
     read(first.value_or(0));
     if (sample_count(first) < kFewSamples) prepare_to_write_pictures();

@@ -160,6 +160,11 @@ TextureImage as_texture(ImageCodec::Answer answer) {
 
 }  // namespace
 
+bool is_quickly_prepared(const fs::path& path) {
+  const char* const name = format_of(path).name;
+  return name && std::string_view(name) == "png";
+}
+
 void prepare_to_write(const fs::path& path) {
   const Format& format = format_of(path);
   if (format.name) ImageCodec::shared().start(std::string_view(format.name) != "png");

@@ -45,6 +45,8 @@ struct TextureImage {
 /// Starts what `path` will be encoded by (ImageCodec) without waiting for it. May be called from
 /// any thread, often, or never.
 void prepare_to_write(const std::filesystem::path& path);
+/// Whether that takes but a few milliseconds, and little memory.
+bool is_quickly_prepared(const std::filesystem::path& path);
 
 /// Throws a usage error now for what write_image could not do later: an ending that is no format, a
 /// folder that is missing or not writable, a path that is no regular file. Leaves nothing behind.
