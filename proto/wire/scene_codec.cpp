@@ -260,6 +260,7 @@ void write_scene_file(const std::string& path, const v1::Scene& scene, const Blo
 
 std::string serialize_scene(const v1::Scene& scene) {
   std::string bytes;
+  bytes.reserve(scene.ByteSizeLong());
   pb::io::StringOutputStream output(&bytes);
   pb::io::CodedOutputStream coded(&output);
   coded.SetSerializationDeterministic(true);

@@ -10,15 +10,13 @@
 
 #include "base/file.h"
 #include "base/plain_text.h"
+#include "scenes/import/short_decimal.h"
 
 namespace tessera {
 namespace {
 
 constexpr size_t kPiece = size_t{1} << 20;
 constexpr size_t kLongestLine = size_t{64} << 20;
-
-bool is_line_end(char c) { return c == '\n' || c == '\r'; }
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 
 /// The number of lines that end in [begin, end); CRLF ends one.
 int64_t count_lines(const char* begin, const char* end) {
@@ -29,13 +27,12 @@ int64_t count_lines(const char* begin, const char* end) {
   return lines;
 }
 
-/// The length of the joint (backslash and line end) at `at`, or 0.
-int joint(const char* at) {
+}  // namespace
+
+int LineReader::joint(const char* at) {
   if (*at != '\\' || !is_line_end(at[1])) return 0;
   return at[1] == '\r' && at[2] == '\n' ? 3 : 2;
 }
-
-}  // namespace
 
 LineReader::LineReader(const std::string& path) : name_(path) {
   check_input_file(path, uint64_t{1} << 40);
@@ -102,25 +99,11 @@ bool LineReader::next_line() {
   return in_line_;
 }
 
-void LineReader::skip_space() {
-  for (;;) {
-    if (is_blank(*at_))
-      ++at_;
-    else if (const int length = *at_ == '\\' ? joint(at_) : 0)
-      at_ += length;
-    else
-      return;
+void LineReader::skip_joints() {
+  while (const int length = joint(at_)) {
+    at_ += length;
+    while (is_blank(*at_)) ++at_;
   }
-}
-
-bool LineReader::at_word_end() const {
-  return is_blank(*at_) || is_line_end(*at_) || joint(at_) != 0;
-}
-
-bool LineReader::at_line_end() {
-  skip_space();
-  word_ = at_;
-  return is_line_end(*at_);
 }
 
 std::string_view LineReader::word() {
@@ -142,7 +125,17 @@ std::string LineReader::rest() {
 float LineReader::number(const char* what) {
   skip_space();
   word_ = at_;
-  const char* begin = *at_ == '+' ? at_ + 1 : at_;
+  const char* const begin = *at_ == '+' ? at_ + 1 : at_;
+  float value = 0;
+  if (const char* const stop = read_short_decimal(begin, end_, value)) {
+    at_ = stop;
+    if (at_word_end()) return value;
+    at_ = word_;
+  }
+  return unusual_number(begin, what);
+}
+
+float LineReader::unusual_number(const char* begin, const char* what) {
   float value = 0;
   const auto [stop, problem] = std::from_chars(begin, end_, value);
   if (problem == std::errc::invalid_argument) {
@@ -169,13 +162,17 @@ std::optional<float> LineReader::optional_number(const char* what) {
 }
 
 int64_t LineReader::index() {
-  const bool negative = *at_ == '-';
-  if (negative) ++at_;
-  int64_t value = 0;
-  const char* first = at_;
-  for (; *at_ >= '0' && *at_ <= '9'; ++at_)
-    if (value < int64_t{1} << 40) value = value * 10 + (*at_ - '0');
-  if (at_ == first) throw error(quoted_word(), "a vertex index");
+  const char* at = at_;
+  const bool negative = *at == '-';
+  if (negative) ++at;
+  uint64_t number = 0;
+  const char* const first = at;
+  for (; *at >= '0' && *at <= '9'; ++at) number = number * 10 + static_cast<uint64_t>(*at - '0');
+  at_ = at;
+  if (at == first) throw error(quoted_word(), "a vertex index");
+  // More digits than any index has may have gone round.
+  constexpr ptrdiff_t kMostDigits = 12;
+  const int64_t value = at - first > kMostDigits ? int64_t{1} << 40 : static_cast<int64_t>(number);
   return negative ? -value : value;
 }
 

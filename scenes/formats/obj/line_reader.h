@@ -28,7 +28,11 @@ class LineReader {
   std::string_view word();
   /// The rest of the line without spaces around it and with its line joints as they are.
   std::string rest();
-  bool at_line_end();
+  bool at_line_end() {
+    skip_space();
+    word_ = at_;
+    return is_line_end(*at_);
+  }
 
   /// A finite number that single precision can hold.
   float number(const char* what);
@@ -40,7 +44,9 @@ class LineReader {
   char peek() const { return *at_; }
   void skip_char() { ++at_; }
   /// Whether a word ends here.
-  bool at_word_end() const;
+  bool at_word_end() const {
+    return is_blank(*at_) || is_line_end(*at_) || (*at_ == '\\' && joint(at_) != 0);
+  }
 
   /// Where the word that was read last begins.
   SourcePlace place() const { return place_of(word_); }
@@ -54,8 +60,18 @@ class LineReader {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
 
+  static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+  /// The length of the joint (backslash and line end) at `at`, or 0.
+  static int joint(const char* at);
+
   bool refill();
-  void skip_space();
+  void skip_space() {
+    while (is_blank(*at_)) ++at_;
+    if (*at_ == '\\') skip_joints();
+  }
+  void skip_joints();
+  float unusual_number(const char* begin, const char* what);
   SourcePlace place_of(const char* at) const;
 
   std::string name_;

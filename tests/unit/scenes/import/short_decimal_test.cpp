@@ -1,0 +1,80 @@
+#include "scenes/import/short_decimal.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <random>
+#include <string>
+#include <string_view>
+
+namespace tessera {
+namespace {
+
+float read(std::string_view text, size_t* length = nullptr) {
+  float value = -1;
+  const char* const stop = read_short_decimal(text.data(), text.data() + text.size(), value);
+  if (length) *length = stop ? static_cast<size_t>(stop - text.data()) : 0;
+  return value;
+}
+
+/// What the library reads; its bits, so that -0 is not 0.
+uint32_t bits_by_library(const std::string& text) {
+  float value = 0;
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return std::bit_cast<uint32_t>(value);
+}
+
+TEST(ShortDecimal, ReadsUpToWhatIsNoDigit) {
+  size_t length = 0;
+  EXPECT_EQ(read("12.5 7", &length), 12.5f);
+  EXPECT_EQ(length, 4u);
+  EXPECT_EQ(read("-3/", &length), -3.f);
+  EXPECT_EQ(length, 2u);
+  EXPECT_EQ(read("4.x", &length), 4.f);
+  EXPECT_EQ(length, 2u);
+  EXPECT_EQ(read(".25", &length), .25f);
+  EXPECT_EQ(length, 3u);
+}
+
+TEST(ShortDecimal, LeavesWhatIsUnusual) {
+  for (const char* text : {"", "-", ".", "-.", "+1", "inf", "nan", "1e3", "1.E3", "1234567890123456",
+                           "0.1234567890123456", "16777217"}) {
+    size_t length = 1;
+    EXPECT_EQ(read(text, &length), -1.f) << text;
+    EXPECT_EQ(length, 0u) << text;
+  }
+}
+
+TEST(ShortDecimal, GivesTheNearestFloat) {
+  constexpr unsigned kSeed = 20261122;
+  std::mt19937_64 random(kSeed);
+  int taken = 0;
+  const auto check = [&](const std::string& text) {
+    size_t length = 0;
+    const float value = read(text, &length);
+    if (length == 0) return;
+    ++taken;
+    ASSERT_EQ(length, text.size()) << text;
+    ASSERT_EQ(std::bit_cast<uint32_t>(value), bits_by_library(text)) << text << " seed " << kSeed;
+  };
+  for (int i = 0; i < 300'000; ++i) {
+    const int digits = 1 + static_cast<int>(random() % 15);
+    std::string text;
+    for (int d = 0; d < digits; ++d) text += static_cast<char>('0' + random() % 10);
+    text.insert(random() % (text.size() + 1), ".");
+    check((random() % 2 ? "-" : "") + text);
+  }
+  EXPECT_GT(taken, 299'000) << "all but whole numbers between two floats";
+  // So near the middle between two floats that it is the nearest double.
+  for (int i = 0; i < 100'000; ++i) {
+    const float below = 1 + static_cast<float>(random() % 9'000'000) / 1e6f;
+    const double middle = (double{below} + double{std::nextafter(below, 10.f)}) / 2;
+    check(fmt::format("{:.14f}", middle));
+  }
+}
+
+}  // namespace
+}  // namespace tessera
