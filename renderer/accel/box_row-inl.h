@@ -21,13 +21,12 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// What a slab test wants of one axis: one over the direction, never infinite, so that no product
-/// with the distance of a face is not a number, and the origin as often.
+/// What a slab test wants of one axis: one over the direction, never infinite, and the origin as
+/// often.
 struct SlabAxis {
   double inverse, offset;
   HWY_INLINE SlabAxis(double origin, double direction) {
-    constexpr double kSteepest = 1e200;
-    inverse = std::max(-kSteepest, std::min(1 / direction, kSteepest));
+    inverse = std::max(-BoxRow::kMostInverse, std::min(1 / direction, BoxRow::kMostInverse));
     offset = origin * inverse;
   }
 };
@@ -38,7 +37,8 @@ uint32_t boxes_entered(const BoxRow& row, const Ray& ray, double t_max, double* 
   const double far = std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z);
   const double steep =
       std::abs(ray.direction.x) + std::abs(ray.direction.y) + std::abs(ray.direction.z);
-  if (!(far <= row.farthest && steep >= 1e-150 && steep <= 1e150)) [[unlikely]] {
+  const bool is_steep = steep >= BoxRow::kLeastSteep && steep <= BoxRow::kMostSteep;
+  if (!(far <= row.farthest && is_steep)) [[unlikely]] {
     std::fill_n(entered, row.count, -Bounds3::kInfinity);
     return row.all | BoxRow::kUnusual;
   }

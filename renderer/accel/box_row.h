@@ -15,6 +15,11 @@ struct BoxRow {
   static constexpr size_t kMost = 16;
   /// Beside the bits of boxes: the ray is such that any may be hit, and may be none at all.
   static constexpr uint32_t kUnusual = 1u << 31;
+  /// Of a direction, the parts' sizes added up: rays of others are unusual.
+  static constexpr double kLeastSteep = 1e-150, kMostSteep = 1e150;
+  /// One over a part of a direction is not taken to be more, nor less than its negative: so it is
+  /// finite, and no product with the distance of a face is not a number.
+  static constexpr double kMostInverse = 1e200;
 
   BoxRow() = default;
   /// At most kMost boxes, none empty, within 1e38.

@@ -25,11 +25,10 @@ struct CarvedBoxMet {
 };
 
 /// By the ends of the stretch inside the box: where one of them is before the ray and outside of
-/// all spheres it is a hit, and where both are inside of one sphere there is none. All that is
-/// within a millionth is left in doubt, which is far more than rounding.
+/// all spheres it is a hit, and where both are inside of one sphere there is none.
 HWY_INLINE CarvedBoxMet meet_carved_box(const CarvedBox& carved, const Lanes3& origin,
                                         const Lanes3& direction, Lanes last) {
-  const Lanes margin = all(0x1p-20), zero = hn::Zero(kLaneTag);
+  const Lanes margin = all(CarvedBox::kDoubt), zero = hn::Zero(kLaneTag);
   const Lanes from = sum(abs(origin)), along = sum(abs(direction));
   Lanes enter = all(-1e300), leave = all(1e300), flattest = zero;
   const auto narrow = [&](double min, double max, Lanes o, Lanes d) HWY_ATTR {

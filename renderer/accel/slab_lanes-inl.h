@@ -19,8 +19,8 @@ namespace HWY_NAMESPACE {
 
 /// One over each, never infinite, as SlabAxis.
 HWY_INLINE Lanes inverse_of(Lanes direction) {
-  constexpr double kSteepest = 1e200;
-  return hn::Max(all(-kSteepest), hn::Min(hn::Div(all(1), direction), all(kSteepest)));
+  const Lanes most = all(BoxRow::kMostInverse);
+  return hn::Max(hn::Neg(most), hn::Min(hn::Div(all(1), direction), most));
 }
 
 /// As many rays as there are lanes, held against boxes one after the other; the test of
@@ -37,8 +37,9 @@ class SlabLanes {
   HWY_INLINE LaneMask are_usual(const BoxRow& row) const {
     // Of no boxes every answer is right, if the ray is one.
     const double farthest = row.all == 0 ? std::numeric_limits<double>::max() : row.farthest;
-    return hn::And(hn::Le(far_, all(farthest)),
-                   hn::And(hn::Ge(steep_, all(1e-150)), hn::Le(steep_, all(1e150))));
+    const auto is_steep =
+        hn::And(hn::Ge(steep_, all(BoxRow::kLeastSteep)), hn::Le(steep_, all(BoxRow::kMostSteep)));
+    return hn::And(hn::Le(far_, all(farthest)), is_steep);
   }
   /// Which of them may hit something in box `i` from `enter` to `leave`; raises `enter` to a lower
   /// bound of t there.

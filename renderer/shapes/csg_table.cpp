@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "renderer/shapes/carved_box.h"
 #include "renderer/shapes/csg_event.h"
 
 namespace tessera {
@@ -93,8 +94,6 @@ CsgTable::CsgTable(const CsgGates& gates) {
 /// of these points.
 CsgTable::Answer CsgTable::by_ends(const CsgGates& gates, const Ray& ray, const SolidSpan& span,
                                    bool any, Hit& hit) const {
-  // Far more than what is in doubt of where a line touches a sphere, which is half of the digits.
-  constexpr double kMargin = 0x1p-20;
   const auto sum = [](const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
   const double from = sum(ray.origin - Point3{}), along = sum(ray.direction);
   const auto& leaves = gates.leaves();
@@ -105,7 +104,8 @@ CsgTable::Answer CsgTable::by_ends(const CsgGates& gates, const Ray& ray, const 
     uint32_t inside = 0;
     for (int end = 0; end < 2; ++end) {
       const double t = end == 0 ? span.enter.t : span.leave.t;
-      const Side side = leaf.convex->side_of(ray.at(t), kMargin * (from + std::abs(t) * along));
+      const Side side =
+          leaf.convex->side_of(ray.at(t), CarvedBox::kDoubt * (from + std::abs(t) * along));
       are_outside[end] &= side == Side::outside;
       inside += side == Side::inside;
     }

@@ -9,8 +9,8 @@
 namespace tessera {
 
 /// 10^i.
-inline constexpr std::array<double, 16> kShortPowersOf10{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                                         1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+inline constexpr std::array<double, 16> kShortPowersOf10{
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
 
 /// Reads what nearly every number of a text of meshes is: digits with or without a point and a sign
 /// before them, at most 15, no exponent. Returns where it ends, with the nearest float in `value`;

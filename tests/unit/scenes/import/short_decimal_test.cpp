@@ -40,8 +40,8 @@ TEST(ShortDecimal, ReadsUpToWhatIsNoDigit) {
 }
 
 TEST(ShortDecimal, LeavesWhatIsUnusual) {
-  for (const char* text : {"", "-", ".", "-.", "+1", "inf", "nan", "1e3", "1.E3", "1234567890123456",
-                           "0.1234567890123456", "16777217"}) {
+  for (const char* text : {"", "-", ".", "-.", "+1", "inf", "nan", "1e3", "1.E3",
+                           "1234567890123456", "0.1234567890123456", "16777217"}) {
     size_t length = 1;
     EXPECT_EQ(read(text, &length), -1.f) << text;
     EXPECT_EQ(length, 0u) << text;
