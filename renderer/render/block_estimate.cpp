@@ -215,9 +215,8 @@ std::array<double, BlockEstimate::kMaxPixels> BlockEstimate::standard_errors() c
     // The variance of Student's t.
     const double freedom = std::max(3.0, 1 / (1 / all + 1 / left.freedom));
     const double unsure = freedom / (freedom - 2);
-    // What a block hides is spread over it.
-    errors[i] = std::sqrt(variance / (n * kChannels) * gain_squared_ * left.share * unsure +
-                          unseen_ / static_cast<double>(count_));
+    errors[i] =
+        std::sqrt(variance / (n * kChannels) * gain_squared_ * left.share * unsure + unseen_);
   }
   return errors;
 }

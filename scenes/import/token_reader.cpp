@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
 #include "base/file.h"
+#include "scenes/import/decimal.h"
 
 namespace tessera {
 namespace {
@@ -37,10 +37,9 @@ std::string_view TokenReader::rest_of_line() {
 }
 
 double TokenReader::number(const char* what) {
-  std::string_view text = word();
-  if (text.starts_with('+')) text.remove_prefix(1);
+  const std::string_view text = word();
   double value = 0;
-  const auto [stop, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const auto [stop, problem] = read_decimal(text.data(), text.data() + text.size(), value);
   const bool is_number =
       problem != std::errc::invalid_argument && stop == text.data() + text.size();
   if (text.empty() || !is_number) throw error(quoted_word(), what);

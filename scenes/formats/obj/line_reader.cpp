@@ -10,7 +10,7 @@
 
 #include "base/file.h"
 #include "base/plain_text.h"
-#include "scenes/import/short_decimal.h"
+#include "scenes/import/decimal.h"
 
 namespace tessera {
 namespace {
@@ -125,33 +125,16 @@ std::string LineReader::rest() {
 float LineReader::number(const char* what) {
   skip_space();
   word_ = at_;
-  const char* const begin = *at_ == '+' ? at_ + 1 : at_;
   float value = 0;
-  if (const char* const stop = read_short_decimal(begin, end_, value)) {
-    at_ = stop;
-    if (at_word_end()) return value;
-    at_ = word_;
-  }
-  return unusual_number(begin, what);
-}
-
-float LineReader::unusual_number(const char* begin, const char* what) {
-  float value = 0;
-  const auto [stop, problem] = std::from_chars(begin, end_, value);
+  const auto [stop, problem] = read_decimal(at_, end_, value);
   if (problem == std::errc::invalid_argument) {
     if (is_line_end(*at_)) throw error("the line ends here", what);
     throw error(quoted_word(), what);
   }
   at_ = stop;
   if (!at_word_end()) throw error(quoted_word(), what);
-  if (problem == std::errc::result_out_of_range) {
-    // Too small is as good as zero; too large has no place in a scene.
-    double wide = 0;
-    const auto again = std::from_chars(begin, end_, wide);
-    if (again.ec == std::errc::result_out_of_range || std::abs(wide) > 1)
-      throw error(quoted_word(), fmt::format("{} that single precision can hold", what));
-    return static_cast<float>(wide);
-  }
+  if (problem == std::errc::result_out_of_range)
+    throw error(quoted_word(), fmt::format("{} that single precision can hold", what));
   if (!std::isfinite(value)) throw error(quoted_word(), fmt::format("{} that is finite", what));
   return value;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -71,7 +70,6 @@ class LineReader {
     if (*at_ == '\\') skip_joints();
   }
   void skip_joints();
-  float unusual_number(const char* begin, const char* what);
   SourcePlace place_of(const char* at) const;
 
   std::string name_;

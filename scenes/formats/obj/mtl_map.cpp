@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <string_view>
 #include <vector>
 
 #include "base/file.h"
+#include "scenes/import/decimal.h"
 
 namespace tessera {
 namespace {
@@ -15,9 +15,8 @@ namespace {
 using namespace std::string_view_literals;
 
 std::optional<double> as_number(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
   float value = 0;
-  const auto [stop, problem] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const auto [stop, problem] = read_decimal(word.data(), word.data() + word.size(), value);
   if (problem != std::errc() || stop != word.data() + word.size() || !std::isfinite(value))
     return std::nullopt;
   return value;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "scenes/import/decimal.h"
+
 namespace tessera {
 namespace {
 
@@ -34,18 +36,13 @@ void for_each_word(std::string_view text, const Action& action) {
 
 template <typename Number>
 Number parse(const X3dDocument& document, std::string_view word, size_t offset) {
-  const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);
-  const char* end = word.data() + word.size();
+  const char* const end = word.data() + word.size();
   Number value = 0;
-  const auto [stop, problem] = std::from_chars(begin, end, value);
+  const auto [stop, problem] = read_decimal(word.data(), end, value);
   if (stop != end || problem == std::errc::invalid_argument)
     throw document.error(offset, shown(word), "a number");
-  if (problem == std::errc::result_out_of_range) {
-    double wide = 0;
-    const auto again = std::from_chars(begin, end, wide);
-    if (again.ec == std::errc() && std::abs(wide) < 1) return static_cast<Number>(wide);
+  if (problem == std::errc::result_out_of_range)
     throw document.error(offset, shown(word), "a number in the range of its precision");
-  }
   if (!std::isfinite(value)) throw document.error(offset, shown(word), "a finite number");
   return value;
 }

@@ -1,4 +1,4 @@
-#include "scenes/import/short_decimal.h"
+#include "scenes/import/decimal.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -74,6 +74,42 @@ TEST(ShortDecimal, GivesTheNearestFloat) {
     const double middle = (double{below} + double{std::nextafter(below, 10.f)}) / 2;
     check(fmt::format("{:.14f}", middle));
   }
+}
+
+template <typename Number>
+std::errc problem_of(std::string_view text, Number* value = nullptr) {
+  Number read = 7;
+  const auto [stop, problem] = read_decimal(text.data(), text.data() + text.size(), read);
+  if (problem == std::errc()) {
+    EXPECT_EQ(stop, text.data() + text.size()) << text;
+  }
+  if (value) *value = read;
+  return problem;
+}
+
+TEST(Decimal, TakesOneSignOfEitherKind) {
+  for (const char* text : {"+5", "+5e0", "5"}) {
+    float single = 0;
+    double both = 0;
+    EXPECT_EQ(problem_of(text, &single), std::errc()) << text;
+    EXPECT_EQ(problem_of(text, &both), std::errc()) << text;
+    EXPECT_EQ(single, 5.f) << text;
+    EXPECT_EQ(both, 5.0) << text;
+  }
+  for (const char* text : {"+-5", "++5", "-+5", "--5", "+", "-", "", "+-5e0"}) {
+    EXPECT_EQ(problem_of<float>(text), std::errc::invalid_argument) << text;
+    EXPECT_EQ(problem_of<double>(text), std::errc::invalid_argument) << text;
+  }
+}
+
+TEST(Decimal, TakesWhatIsTooSmallForZero) {
+  float value = 1;
+  EXPECT_EQ(problem_of("1e-60", &value), std::errc());
+  EXPECT_EQ(value, 0.f);
+  EXPECT_EQ(problem_of("-.00000000000000000000000000000000000000001", &value), std::errc());
+  EXPECT_EQ(value, -1e-41f);
+  EXPECT_EQ(problem_of<float>("1e60"), std::errc::result_out_of_range);
+  EXPECT_EQ(problem_of<double>("1e400"), std::errc::result_out_of_range);
 }
 
 }  // namespace

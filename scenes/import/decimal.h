@@ -2,6 +2,7 @@
 
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -11,6 +12,9 @@ namespace tessera {
 /// 10^i.
 inline constexpr std::array<double, 16> kShortPowersOf10{
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+
+/// read_decimal() of what is not short.
+std::from_chars_result read_unusual_decimal(const char* begin, const char* end, float& value);
 
 /// Reads what nearly every number of a text of meshes is: digits with or without a point and a sign
 /// before them, at most 15, no exponent. Returns where it ends, with the nearest float in `value`;
@@ -48,5 +52,14 @@ inline const char* read_short_decimal(const char* at, const char* end, float& va
   value = static_cast<float>(is_negative ? -quotient : quotient);
   return at;
 }
+
+/// std::from_chars() for what files of scenes have: a plus before the number too, though no second
+/// sign, and what is too small for a float is as good as zero, not out of range. `value` is as it
+/// was where there is no number, or one that is out of range.
+inline std::from_chars_result read_decimal(const char* begin, const char* end, float& value) {
+  if (const char* const stop = read_short_decimal(begin, end, value)) return {stop, std::errc()};
+  return read_unusual_decimal(begin, end, value);
+}
+std::from_chars_result read_decimal(const char* begin, const char* end, double& value);
 
 }  // namespace tessera
