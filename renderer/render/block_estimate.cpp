@@ -205,6 +205,8 @@ std::array<double, BlockEstimate::kMaxPixels> BlockEstimate::standard_errors() c
     std::fill_n(errors.begin(), count_, std::sqrt(unseen_));
     return errors;
   }
+  // What a block hides is spread over as many pixels as what it shows.
+  const double hidden = unseen_ / pooled.sharing;
   const Left left = left_of_independent(pooled);
   for (size_t i = 0; i < count_; ++i) {
     const double own = variance_of(pixels_[i]);
@@ -216,7 +218,7 @@ std::array<double, BlockEstimate::kMaxPixels> BlockEstimate::standard_errors() c
     const double freedom = std::max(3.0, 1 / (1 / all + 1 / left.freedom));
     const double unsure = freedom / (freedom - 2);
     errors[i] =
-        std::sqrt(variance / (n * kChannels) * gain_squared_ * left.share * unsure + unseen_);
+        std::sqrt(variance / (n * kChannels) * gain_squared_ * left.share * unsure + hidden);
   }
   return errors;
 }

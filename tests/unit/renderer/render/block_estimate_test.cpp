@@ -327,6 +327,16 @@ TEST(BlockEstimate, leaves_pixels_that_vary_unlike_their_own) {
   EXPECT_LT(errors[1], 0.7 * errors[0]);
 }
 
+// To see that something varies a little is no reason to believe that less is hidden.
+TEST(BlockEstimate, claims_no_less_where_a_pixel_begins_to_vary) {
+  const auto alike = standard_errors(2, [](int) { return 0.0; });
+  const auto varying = standard_errors(2, [](int pixel) { return pixel == 0 ? 1e-9 : 0.0; });
+  for (size_t i = 0; i < alike.size(); ++i) {
+    EXPECT_GT(alike[i], 0);
+    EXPECT_GE(varying[i], alike[i]) << i;
+  }
+}
+
 TEST(BlockEstimate, is_honest_on_hard_edges) { expect_honest(boxes(""), "owen-sobol"); }
 TEST(BlockEstimate, is_honest_on_blurred_edges) { expect_honest(boxes(kLens), "owen-sobol"); }
 TEST(BlockEstimate, is_honest_on_blurred_edges_of_independent_samples) {
