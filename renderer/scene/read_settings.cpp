@@ -86,7 +86,7 @@ void check_square(uint32_t samples) {
   while (side * side < samples) ++side;
   if (side * side != samples) {
     fail_value(kSettings, "sampling.samples_per_pixel", std::to_string(samples),
-               fmt::format("a square number for a grid; {} and {} are near",
+               fmt::format("a square number for a grid, as {} and {}, or --pattern owen-sobol",
                            (side - 1) * (side - 1), side * side));
   }
 }
@@ -111,6 +111,20 @@ void complete_adaptive(v1::FrameSettings& frame, const v1::Sampling& in) {
   checked(kSettings, "sampling.target_error", frame.target_error(), {.min = 0});
   frame.set_min_samples(choose("sampling.min_samples", frame.min_samples(), in.min_samples() != 0,
                                in.min_samples(), kDefaultMinSamples, kMaxSamplesPerPixel));
+}
+
+/// What the scene says of it, as far as it is for this frame: a number of samples for all pixels
+/// alike, and a pattern of such a number, say nothing of a frame that is to have as many as it
+/// takes.
+v1::Sampling sampling_for(const v1::FrameSettings& frame, v1::Sampling scene) {
+  if (!(frame.target_error() > 0) || scene.target_error() > 0) return scene;
+  scene.clear_samples_per_pixel();
+  const auto pattern = scene.pattern();
+  if (pattern == v1::Sampling::CENTER || pattern == v1::Sampling::CENTERED_GRID ||
+      pattern == v1::Sampling::CORNER_GRID) {
+    scene.clear_pattern();
+  }
+  return scene;
 }
 
 SamplerSettings read_sampler(const v1::FrameSettings& frame) {
@@ -160,7 +174,7 @@ v1::FrameSettings complete(v1::FrameSettings frame, const v1::Settings& in) {
     fail_value(kSettings, "the frame", fmt::format("{}x{} pixels", frame.width(), frame.height()),
                fmt::format("at most {} in all", kMaxFramePixels));
   }
-  const v1::Sampling& sampling = in.sampling();
+  const v1::Sampling sampling = sampling_for(frame, in.sampling());
   complete_adaptive(frame, sampling);
   frame.set_samples_per_pixel(choose("sampling.samples_per_pixel", frame.samples_per_pixel(),
                                      sampling.has_samples_per_pixel(), sampling.samples_per_pixel(),

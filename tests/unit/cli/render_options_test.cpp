@@ -65,6 +65,29 @@ TEST(RenderOptions, DefaultsThenSceneThenOptions) {
   EXPECT_EQ(frame.time(), 2);
 }
 
+// A scene's count and its grid are for all pixels alike.
+TEST(RenderOptions, TargetErrorsTakeNoCountThatTheSceneMeantForAllPixels) {
+  v1::Scene scene;
+  v1::Sampling& sampling = *scene.mutable_settings()->mutable_sampling();
+  sampling.set_samples_per_pixel(4);
+  sampling.set_pattern(v1::Sampling::CORNER_GRID);
+  RenderOptions options;
+  options.target_error = 0.01;
+  v1::FrameSettings frame = frame_settings(options, scene, std::nullopt);
+  EXPECT_EQ(frame.samples_per_pixel(), 1024u);
+  EXPECT_EQ(frame.pattern(), "owen-sobol");
+
+  options.samples_per_pixel = 64;
+  EXPECT_EQ(frame_settings(options, scene, std::nullopt).samples_per_pixel(), 64u);
+  options.samples_per_pixel.reset();
+  sampling.set_pattern(v1::Sampling::INDEPENDENT);
+  EXPECT_EQ(frame_settings(options, scene, std::nullopt).pattern(), "independent");
+  sampling.set_target_error(0.5);
+  frame = frame_settings(options, scene, std::nullopt);
+  EXPECT_EQ(frame.samples_per_pixel(), 4u) << "of a scene with a target of its own: the most";
+  EXPECT_EQ(frame.target_error(), 0.01);
+}
+
 TEST(RenderOptions, SamplingIsTheDefaultThenTheScenesThenAsAsked) {
   v1::Scene scene;
   RenderOptions options;
