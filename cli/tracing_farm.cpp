@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
@@ -130,8 +131,19 @@ class InProcessFarm : public TracingFarm {
             return make_tile_renderer(scene..., Sharing{.arena = nullptr, .live = &trees_});
           };
           options.at_hand = [this](const Digest& digest) { return blob_at_hand(digest); };
-          run_worker(*client, options, stop_);
-        }) {}
+          try {
+            run_worker(*client, options, stop_);
+          } catch (...) {
+            failure_ = std::current_exception();
+            has_failed_ = true;
+          }
+        }) {
+    loop_.observe(
+        [this](Coordinator&, Time) {
+          if (has_failed_) std::rethrow_exception(failure_);
+        },
+        kBetweenObservations);
+  }
   ~InProcessFarm() override {
     dismiss();
     worker_.join();
@@ -168,6 +180,8 @@ class InProcessFarm : public TracingFarm {
   RenderLoop loop_;
   std::shared_ptr<TileStore> tiles_;
   std::atomic<bool> stop_{false};
+  std::exception_ptr failure_;  ///< what ended the worker, as where memory is short
+  std::atomic<bool> has_failed_{false};
   bool dismissed_ = false;
   std::thread worker_;
 };

@@ -156,7 +156,8 @@ Color fresnel_conductor(double cos_i, const Color& eta, const Color& k) {
     const double s = cos2 * a2_b2 + sin2 * sin2, t = cross * sin2;
     // Straight on both polarisations are alike.
     const double ratio = s + t > 0 ? (s - t) / (s + t) : 1;
-    return (perpendicular + perpendicular * ratio) / 2;
+    // Where the medium is as the one before it, rounding may say a little less than nothing.
+    return std::max(0.0, (perpendicular + perpendicular * ratio) / 2);
   };
   return {channel(eta.r, k.r), channel(eta.g, k.g), channel(eta.b, k.b)};
 }

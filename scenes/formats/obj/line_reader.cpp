@@ -27,6 +27,22 @@ int64_t count_lines(const char* begin, const char* end) {
   return lines;
 }
 
+/// Behind the last line end of a piece that joins nothing; 0: there is none. CR as its last
+/// character may be the half of a CRLF.
+size_t last_line_end(std::string_view piece) {
+  for (size_t cut = piece.size(); cut > 0;) {
+    const size_t end = piece.find_last_of("\n\r", cut - 1);
+    if (end == std::string_view::npos) break;
+    const bool is_half = piece[end] == '\r' && end + 1 == piece.size();
+    const bool is_crlf = piece[end] == '\n' && end > 0 && piece[end - 1] == '\r';
+    const size_t before = is_crlf ? end - 1 : end;
+    const bool joins = before > 0 && piece[before - 1] == '\\';
+    if (!is_half && !joins) return end + 1;
+    cut = before;
+  }
+  return 0;
+}
+
 }  // namespace
 
 int LineReader::joint(const char* at) {
@@ -60,17 +76,7 @@ bool LineReader::refill() {
       throw scene_error(fmt::format("{}: {}", name_, std::strerror(errno)));
     buffer_.resize(had + got);
     ended = got < kPiece;
-    // Cut after a line end that joins nothing; CR alone may be the half of a CRLF.
-    cut = buffer_.size();
-    while (cut > 0) {
-      const size_t lf = buffer_.rfind('\n', cut - 1);
-      cut = lf == std::string::npos ? 0 : lf + 1;
-      if (cut == 0) break;
-      size_t before = lf;
-      if (before > 0 && buffer_[before - 1] == '\r') --before;
-      if (before == 0 || buffer_[before - 1] != '\\') break;
-      cut = lf;
-    }
+    cut = last_line_end(buffer_);
   }
   if (ended) {
     file_.reset();
@@ -149,13 +155,15 @@ int64_t LineReader::index() {
   const bool negative = *at == '-';
   if (negative) ++at;
   uint64_t number = 0;
+  const char* const begin = at;
+  while (*at == '0') ++at;
   const char* const first = at;
   for (; *at >= '0' && *at <= '9'; ++at) number = number * 10 + static_cast<uint64_t>(*at - '0');
   at_ = at;
-  if (at == first) throw error(quoted_word(), "a vertex index");
+  if (at == begin) throw error(quoted_word(), "a vertex index");
   // More digits than any index has may have gone round.
   constexpr ptrdiff_t kMostDigits = 12;
-  const int64_t value = at - first > kMostDigits ? int64_t{1} << 40 : static_cast<int64_t>(number);
+  const int64_t value = at - first > kMostDigits ? kTooLarge : static_cast<int64_t>(number);
   return negative ? -value : value;
 }
 

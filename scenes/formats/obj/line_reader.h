@@ -37,8 +37,10 @@ class LineReader {
   float number(const char* what);
   /// The next word if there is one.
   std::optional<float> optional_number(const char* what);
-  /// Reads an integer that may be negative; leaves the place after its last digit.
+  /// Reads an integer that may be negative; leaves the place after its last digit. One of more than
+  /// 12 digits is kTooLarge, or its negative.
   int64_t index();
+  static constexpr int64_t kTooLarge = int64_t{1} << 40;
   /// The character at the place, '\n' at the line's end.
   char peek() const { return *at_; }
   void skip_char() { ++at_; }

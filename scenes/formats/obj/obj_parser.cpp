@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstdlib>
 #include <cstring>
 
 #include "base/file.h"
@@ -151,7 +152,9 @@ uint32_t ObjParser::reference(const char* what, size_t count) {
     throw in_.error(fmt::format("{} 0 in {}", what, in_.quoted_word()),
                     "a count from 1, or a negative one from the end");
   if (index < 0 || index >= static_cast<int64_t>(count))
-    throw in_.error(fmt::format("{} {} in {}", what, written, in_.quoted_word()),
+    throw in_.error(std::abs(written) < LineReader::kTooLarge
+                        ? fmt::format("{} {} in {}", what, written, in_.quoted_word())
+                        : fmt::format("a {} in {}", what, in_.quoted_word()),
                     count == 0 ? fmt::format("a {} before it", what)
                                : fmt::format("at most {}, the number so far", count));
   return static_cast<uint32_t>(index);

@@ -1,5 +1,7 @@
 #include "scenes/formats/read_scene.h"
 
+#include <fmt/format.h>
+
 #include "scenes/formats/scene_summary.h"
 #include "tests/unit/scenes/formats/read_scene_fixture.h"
 
@@ -209,6 +211,22 @@ TEST_F(ReadScene, GivesAModelOnlyWhatItCameWithout) {
   EXPECT_EQ(lit.cameras(0).name(), "default");
   EXPECT_EQ(lit.nodes_size(), 1);
   EXPECT_FALSE(lit.settings().integrator().has_ambient());
+}
+
+// A file is read by pieces of 1 MiB, which end wherever a line does.
+TEST_F(ReadScene, PiecesOfAnObjEndAtAnyLineEnd) {
+  for (const std::string end : {"\n", "\r", "\r\n", " \\\r\n0\r", " \\\n0\n"}) {
+    std::string text;
+    int lines = 0;
+    while (text.size() < 2'500'000) {
+      text += fmt::format("v {} {} 0{}", lines % 100, lines % 77, end);
+      lines += end.size() > 2 ? 2 : 1;
+    }
+    text += "f 1 2 3" + end.substr(end.size() - 1) + "f 1 2 x";
+    const std::string path = write("large.obj", text);
+    EXPECT_EQ(error_of([&] { read_scene(path); }),
+              fmt::format("{}:{}:7: 'x'; expected a vertex index", path, lines + 2));
+  }
 }
 
 }  // namespace

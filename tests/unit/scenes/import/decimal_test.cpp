@@ -13,6 +13,8 @@
 namespace tessera {
 namespace {
 
+using namespace std::string_literals;
+
 float read(std::string_view text, size_t* length = nullptr) {
   float value = -1;
   const char* const stop = read_short_decimal(text.data(), text.data() + text.size(), value);
@@ -108,6 +110,20 @@ TEST(Decimal, TakesWhatIsTooSmallForZero) {
   EXPECT_EQ(value, 0.f);
   EXPECT_EQ(problem_of("-.00000000000000000000000000000000000000001", &value), std::errc());
   EXPECT_EQ(value, -1e-41f);
+  const std::string many_zeros = "0." + std::string(400, '0') + "1";
+  for (const std::string& text : {"1e-400"s, "123.5e-99999999999999999999"s, many_zeros}) {
+    double both = 1;
+    EXPECT_EQ(problem_of(text, &both), std::errc()) << text;
+    EXPECT_EQ(both, 0) << text;
+    EXPECT_EQ(problem_of("-" + text, &value), std::errc()) << text;
+    EXPECT_EQ(value, 0.f) << text;
+    EXPECT_TRUE(std::signbit(value)) << text;
+  }
+  const std::string many_digits = "1" + std::string(400, '0');
+  for (const std::string& text : {"1e400"s, "1e99999999999999999999"s, many_digits, ".1e400"s}) {
+    EXPECT_EQ(problem_of<float>(text), std::errc::result_out_of_range) << text;
+    EXPECT_EQ(problem_of<double>(text), std::errc::result_out_of_range) << text;
+  }
   EXPECT_EQ(problem_of<float>("1e60"), std::errc::result_out_of_range);
   EXPECT_EQ(problem_of<double>("1e400"), std::errc::result_out_of_range);
 }

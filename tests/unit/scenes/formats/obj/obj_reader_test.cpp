@@ -57,6 +57,11 @@ TEST(Obj, ReadsEveryFormOfAFaceCorner) {
   EXPECT_EQ(full.triangles, (Indices{0, 1, 2}));
 }
 
+TEST(Obj, AnIndexMayBeginWithZeros) {
+  EXPECT_EQ(read(std::string(kSquare) + "f 01 0000000000000000000002 3").triangles,
+            (Indices{0, 1, 2}));
+}
+
 TEST(Obj, AByteOrderMarkIsNoPartOfTheFirstWord) {
   const Mesh mesh = read("\xEF\xBB\xBFv 5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3");
   EXPECT_EQ(mesh.positions, (Floats{5, 0, 0, 1, 0, 0, 0, 1, 0}));
@@ -173,7 +178,8 @@ TEST(Obj, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error(v + "f 1 2\n"), "t.obj:5:6: a face with 2 corners; expected at least 3");
   EXPECT_EQ(error(v + "f 1 2 x\n"), "t.obj:5:7: 'x'; expected a vertex index");
   EXPECT_EQ(error(v + "f 1 2 3/4/5/6\n").substr(0, 10), "t.obj:5:7:");
-  EXPECT_EQ(error(v + "f 1 2 99999999999999999999\n").substr(0, 16), "t.obj:5:7: verte");
+  EXPECT_EQ(error(v + "f 1 2 99999999999999999999\n"),
+            "t.obj:5:7: a vertex in '99999999999999999999'; expected at most 4, the number so far");
   EXPECT_EQ(error("v 0 0 0\r\nv 1 0\r\n"), "t.obj:2:6: the line ends here; expected a coordinate");
   EXPECT_EQ(error("v 0 \\\n 0 zero\n"), "t.obj:2:4: 'zero'; expected a coordinate");
   EXPECT_EQ(error("v 0 0 nan\n"), "t.obj:1:7: 'nan'; expected a coordinate that is finite");
