@@ -81,6 +81,11 @@ void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Tim
   }
 }
 
+/// A process that waits long for a core may take its own connection for lost and make another.
+static spdlog::level::level_enum level_of(bool is_the_same_process) {
+  return is_the_same_process ? spdlog::level::info : spdlog::level::warn;
+}
+
 void WorkerDesk::tell_if_back(WorkerRecord& worker) {
   if (std::exchange(worker.told_lost, false)) spdlog::info("worker {} is back", worker.name());
 }
@@ -94,9 +99,10 @@ void WorkerDesk::tell_taken(const v1::Hello& hello, const AllowedKey& sender, Ti
   };
   WorkerRecord claimant;
   claimant.hello = hello;
-  spdlog::warn("refused {}{}: it says hello under the id of worker {}{}{}", claimant.name(),
-               of_key(sender), owner->name(), of_key(owner->sender),
-               *count > 1 ? fmt::format("; {} such hellos of late", *count) : "");
+  spdlog::log(level_of(claimant.name() == owner->name()),
+              "refused {}{}: it says hello under the id of worker {}{}{}", claimant.name(),
+              of_key(sender), owner->name(), of_key(owner->sender),
+              *count > 1 ? fmt::format("; {} such hellos of late", *count) : "");
 }
 
 void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, const AllowedKey& sender,
@@ -127,9 +133,8 @@ void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, const Allo
   }
   if (!greeting.before.empty() && worker.returns.note(now)) {
     const bool same = greeting.before == worker.name();
-    spdlog::log(same && !greeting.active ? spdlog::level::info : spdlog::level::warn,
-                "the id of worker {} came back by another connection{}", greeting.before,
-                same ? "" : fmt::format(", as worker {}", worker.name()));
+    spdlog::log(level_of(same), "the id of worker {} came back by another connection{}",
+                greeting.before, same ? "" : fmt::format(", as worker {}", worker.name()));
   }
   tell_if_back(worker);
   v1::Welcome& welcome = *send(peer).mutable_welcome();

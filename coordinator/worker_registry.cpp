@@ -107,7 +107,6 @@ WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hel
     return {nullptr, true};
   }
   const std::string before = inserted || worker.peer == peer ? "" : worker.name();
-  const bool active = !inserted && worker.state == WorkerState::active;
   const bool anew = inserted || hello.session() != worker.hello.session();
   if (!worker.peer.empty() && worker.peer != peer) by_peer_.erase(worker.peer);
   const auto other = by_peer_.find(peer);
@@ -124,7 +123,7 @@ WorkerRegistry::Greeting WorkerRegistry::greet(const PeerId& peer, const v1::Hel
     worker.foreign = 0;
     worker.leaves = false;
   }
-  return {&worker, false, anew, !inserted, before, active};
+  return {&worker, false, anew, !inserted, before};
 }
 
 void WorkerRegistry::forget_lost() {

@@ -76,7 +76,6 @@ class WorkerRegistry {
     bool anew = false;               ///< the first of this session: what it held is forgotten
     bool known = false;              ///< by an earlier session
     std::string before{};            ///< its name until now, where it comes by another connection
-    bool active = false;             ///< the one before was not known to be lost
   };
   /// Registers a hello that judge() has nothing against.
   Greeting greet(const PeerId& peer, const v1::Hello& hello, Time now,
