@@ -155,12 +155,20 @@ void print_metrics(const CompareOptions& options, const FloatImage& a, const Flo
   if (e.not_finite > 0) say("not finite        {} values\n", e.not_finite);
 }
 
-ExitCode compare(const CompareOptions& options) {
-  for (const std::string& path : {options.first, options.second}) {
+/// What cannot be read differs from nothing: it is the command line that is wrong.
+FloatImage read_picture(const std::string& path) {
+  try {
     check_input_file(path, UINT64_MAX);
+    return read_image(path);
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::bad_scene) throw;
+    throw usage_error(error.what());
   }
-  const FloatImage a = read_image(options.first);
-  const FloatImage b = read_image(options.second);
+}
+
+ExitCode compare(const CompareOptions& options) {
+  const FloatImage a = read_picture(options.first);
+  const FloatImage b = read_picture(options.second);
   check_comparable(options, a, b);
   const Difference d = difference_of(a, b, options.max_difference);
   const auto values = static_cast<double>(a.values.size());
@@ -193,7 +201,9 @@ void add_compare_command(CLI::App& app, Action& action) {
       "Places count pixels from the left and from the top, a part is X0,Y0,X1,Y1 as in --crop.\n"
       "Two renders of a scene are equal in pixels and in bytes. To hold them against each other\n"
       "without files, compare pixels_sha256 of --stats.\n"
-      "Exit code 0 where no channel of any pixel differs by more than --max-diff, else 1.\n"
+      "Exit code 0 where no channel of any pixel differs by more than --max-diff, 1 where one "
+      "does\n"
+      "or the sizes do, 2 where a file cannot be read.\n"
       "Examples:\n"
       "  tessera compare now.exr before.exr                 equal to the last bit?\n"
       "  tessera compare now.png before.png --max-diff 0.004    equal to within one step of 255?");

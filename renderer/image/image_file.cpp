@@ -179,7 +179,8 @@ void check_color_management(const ColorManagement& names) {
   const char* const file = std::getenv("OCIO");
   if (!file || !*file) {
     throw usage_error(
-        "--ocio: $OCIO is not set; expected the path of an OpenColorIO configuration");
+        "$OCIO is not set, which --ocio-... needs; expected the path of an OpenColorIO "
+        "configuration");
   }
   Film film({0, 0, 1, 1});
   try {

@@ -205,9 +205,9 @@ class OtherCommands(TesseraTest):
         self.assertEqual(1, self.run_program("compare", "a.exr", "c.exr", "--max-diff",
                                              greatest * 0.999).code)
         self.assert_error(self.run_program("compare", "a.exr", "small.exr"), 1, "48x32", "8x8")
-        self.assert_error(self.run_program("compare", "a.exr", "none.exr"), 1, "none.exr")
+        self.assert_error(self.run_program("compare", "a.exr", "none.exr"), 2, "none.exr")
         self.write("text.png", "no picture")
-        self.assert_error(self.run_program("compare", "a.exr", "text.png"), 1, "text.png")
+        self.assert_error(self.run_program("compare", "a.exr", "text.png"), 2, "text.png")
 
 
 class Bench(TesseraTest):
