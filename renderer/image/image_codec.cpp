@@ -16,7 +16,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/error.h"
 #include "base/owned_descriptor.h"
 #include "base/process.h"
 
@@ -139,7 +138,8 @@ std::optional<ImageCodec::Answer> ImageCodec::receive_answer(ImageChannel& chann
   std::vector<std::byte> payload(reply.payload_bytes);
   if (!channel.receive_bytes(payload.data(), payload.size())) return std::nullopt;
   if (!reply.done) {
-    throw render_error(std::string(reinterpret_cast<const char*>(payload.data()), payload.size()));
+    throw Refusal(ExitCode::render_failed,
+                  std::string(reinterpret_cast<const char*>(payload.data()), payload.size()));
   }
   return Answer{reply.layout, make_blob(std::move(payload))};
 }

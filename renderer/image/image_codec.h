@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/blob.h"
+#include "base/error.h"
 #include "renderer/image/channel/image_channel.h"
 
 namespace tessera {
@@ -28,7 +29,11 @@ class ImageCodec {
     PixelLayout layout;
     BlobData payload;
   };
-  /// `request.payload_bytes` is filled in. Throws a render error with the codec's cause.
+  /// What the codec answers in place of what it was asked for: its cause, as a render error.
+  struct Refusal : Error {
+    using Error::Error;
+  };
+  /// `request.payload_bytes` is filled in. Throws Refusal, or a render error where no answer comes.
   Answer call(ImageRequest request, std::string_view payload);
 
   ImageCodec(const ImageCodec&) = delete;
