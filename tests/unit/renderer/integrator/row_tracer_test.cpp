@@ -210,7 +210,10 @@ TEST(RowTracer, SendsRaysThroughRasterPointsAsTheCameraDoes) {
     ++in_rows;
     const Camera& camera = *scene->camera;
     std::vector<Sampler::RasterSample> points;
-    for (int i = 0; i < 61; ++i) points.push_back({{i % 16 + .25, i / 4 + .75}, false});
+    for (int i = 0; i < 61; ++i) {
+      const int column = i % 16, row = i / 4;
+      points.push_back({{column + .25, row + .75}, false});
+    }
     std::vector<Color> expected;
     TraceState state;
     integrator->make_room(state);
