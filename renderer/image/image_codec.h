@@ -8,6 +8,7 @@
 
 #include "base/blob.h"
 #include "base/error.h"
+#include "base/owned_descriptor.h"
 #include "renderer/image/channel/image_channel.h"
 
 namespace tessera {
@@ -53,7 +54,7 @@ class ImageCodec {
   std::mutex mutex_;
   pid_t process_ = 0;       ///< 0: not running
   bool loads_all_ = false;  ///< it was told to
-  int socket_ = -1;
+  OwnedDescriptor socket_;
 };
 
 }  // namespace tessera
