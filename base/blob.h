@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/owned_descriptor.h"
+
 namespace tessera {
 
 class Blob;
@@ -22,29 +24,26 @@ class Blob {
   Blob(const Blob&) = delete;
   Blob& operator=(const Blob&) = delete;
 
-  /// The whole file behind `descriptor`, which this takes over and closes when the blob ends; null
-  /// where it is not `size` bytes long or cannot be mapped. Nobody may change or cut the file.
-  static BlobData map(int descriptor, uint64_t size);
+  /// The whole file, which is closed when the blob ends; null where there is none, it is not `size`
+  /// bytes long or cannot be mapped. Nobody may change or cut it.
+  static BlobData map(OwnedDescriptor file, uint64_t size);
   /// The same of memory that another process made; null too where it could still be changed.
-  static BlobData map_sealed(int descriptor, uint64_t size);
+  static BlobData map_sealed(OwnedDescriptor file, uint64_t size);
 
   const std::byte* data() const { return data_; }
   size_t size() const { return size_; }
   const std::byte* begin() const { return data_; }
   const std::byte* end() const { return data_ + size_; }
   /// Of the mapped file; -1: there is none.
-  int descriptor() const { return descriptor_; }
+  int descriptor() const { return file_.get(); }
 
   friend bool operator==(const Blob& a, const Blob& b);
 
  private:
-  Blob(int descriptor, const std::byte* data, size_t size)
-      : data_(data), size_(size), descriptor_(descriptor) {}
-
   std::vector<std::byte> owned_;
   const std::byte* data_;
   size_t size_;
-  int descriptor_ = -1;
+  OwnedDescriptor file_;
 };
 
 inline BlobData make_blob(std::vector<std::byte> bytes) {

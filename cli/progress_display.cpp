@@ -4,6 +4,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -66,24 +67,25 @@ std::string progress_text(const JobProgress& progress, bool with_bar) {
   return text;
 }
 
-ProgressDisplay::ProgressDisplay(ProgressStyle style, std::FILE* stream, std::string label)
-    : style_(style), stream_(stream), label_(std::move(label)), last_shown_(Clock::now()) {}
+ProgressDisplay::ProgressDisplay(ProgressStyle style, std::FILE* stream, std::string label,
+                                 Time now)
+    : style_(style), stream_(stream), label_(std::move(label)), last_shown_(now) {}
 
 ProgressDisplay::~ProgressDisplay() {
   if (bar_is_drawn_) say(stream_, "\r\x1b[K");
 }
 
-bool ProgressDisplay::is_due(const JobProgress& progress) {
-  const auto since = Clock::now() - last_shown_;
+bool ProgressDisplay::is_due(const JobProgress& progress, Time now) const {
+  const Time since = now - last_shown_;
   if (style_ == ProgressStyle::silent) return false;
   if (style_ == ProgressStyle::bar) return since >= kBarInterval;
   const int tenth = static_cast<int>(done_share(progress) * 10);
   return since >= kLineInterval || (tenth > last_tenth_ && since >= kTenthInterval);
 }
 
-void ProgressDisplay::show(const JobProgress& progress) {
-  if (!is_due(progress)) return;
-  last_shown_ = Clock::now();
+void ProgressDisplay::show(const JobProgress& progress, Time now) {
+  if (!is_due(progress, now)) return;
+  last_shown_ = now;
   last_tenth_ = static_cast<int>(done_share(progress) * 10);
   const bool bar = style_ == ProgressStyle::bar;
   const std::string text = label_ + progress_text(progress, bar);

@@ -1,16 +1,16 @@
 #pragma once
 
-#include <chrono>
 #include <cstdio>
 #include <string>
 
+#include "base/monotonic.h"
 #include "job/job.h"
 
 namespace tessera {
 
 enum class ProgressStyle {
   silent,
-  lines,  ///< for pipes and logs: a line at most every 2 s, or at each further tenth
+  lines,  ///< for pipes and logs: a line every 2 s; after 1 s where it is a tenth further
   bar,    ///< for terminals: one line that redraws itself
 };
 
@@ -18,22 +18,22 @@ enum class ProgressStyle {
 class ProgressDisplay {
  public:
   /// `stream` is not owned. `label` names the frame; may be empty.
-  ProgressDisplay(ProgressStyle style, std::FILE* stream, std::string label);
+  ProgressDisplay(ProgressStyle style, std::FILE* stream, std::string label,
+                  Time now = monotonic_now());
   /// Takes the bar away.
   ~ProgressDisplay();
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
-  void show(const JobProgress& progress);
+  void show(const JobProgress& progress, Time now = monotonic_now());
 
  private:
-  using Clock = std::chrono::steady_clock;
-  bool is_due(const JobProgress& progress);
+  bool is_due(const JobProgress& progress, Time now) const;
 
   ProgressStyle style_;
   std::FILE* stream_;
   std::string label_;
-  Clock::time_point last_shown_{};
+  Time last_shown_;
   int last_tenth_ = 0;
   bool bar_is_drawn_ = false;
 };

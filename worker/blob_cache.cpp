@@ -105,10 +105,10 @@ fs::path BlobCache::path_of(const Digest& digest) const { return folder_ / diges
 
 BlobData BlobCache::find(const Digest& digest, uint64_t size) {
   const fs::path path = path_of(digest);
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-  if (descriptor < 0) return nullptr;
-  futimens(descriptor, nullptr);  // used now
-  const BlobData blob = Blob::map(descriptor, size);
+  OwnedDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  if (file.get() < 0) return nullptr;
+  futimens(file.get(), nullptr);  // used now
+  const BlobData blob = Blob::map(std::move(file), size);
   if (blob && Digest::of(*blob) == digest) return blob;
   spdlog::warn("'{}' in the cache is damaged; it is fetched again", path.string());
   unlink(path.c_str());

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <utility>
@@ -19,15 +18,11 @@ constexpr size_t kLeastBytes = size_t{256} << 10;
 constexpr size_t kMostBlobs = 64;
 
 BlobData shared_copy(const Blob& blob) {
-  const int descriptor = memfd_create("tessera-blob", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-  if (descriptor < 0) return nullptr;
-  if (!write_all(descriptor, {blob.data(), blob.size()}) ||
-      fcntl(descriptor, F_ADD_SEALS, F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) !=
-          0) {
-    close(descriptor);
-    return nullptr;
-  }
-  return Blob::map(descriptor, blob.size());
+  constexpr int kSeals = F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
+  OwnedDescriptor memory(memfd_create("tessera-blob", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  const bool is_done = memory.get() >= 0 && write_all(memory.get(), {blob.data(), blob.size()}) &&
+                       fcntl(memory.get(), F_ADD_SEALS, kSeals) == 0;
+  return is_done ? Blob::map(std::move(memory), blob.size()) : nullptr;
 }
 
 }  // namespace
@@ -48,8 +43,8 @@ void share_large_blobs(BlobStore& blobs) {
 
 BlobData map_shared_blob(const BlobPlace& place, uint64_t size) {
   const std::string path = fmt::format("/proc/{}/fd/{}", place.process, place.descriptor);
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-  return descriptor < 0 ? nullptr : Blob::map_sealed(descriptor, size);
+  return Blob::map_sealed(
+      OwnedDescriptor(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)), size);
 }
 
 }  // namespace tessera

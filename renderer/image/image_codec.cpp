@@ -16,8 +16,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/error.h"
-#include "base/owned_descriptor.h"
 #include "base/process.h"
 
 namespace tessera {
@@ -73,7 +71,7 @@ void ImageCodec::start(bool loads_all) {
   ImageRequest request;
   request.call = ImageRequest::load;
   // Where this fails, so will what is asked next, and say why.
-  ImageChannel(socket_).send(request, {});
+  ImageChannel(socket_.get()).send(request, {});
 }
 
 void ImageCodec::start_locked() {
@@ -88,25 +86,20 @@ void ImageCodec::start_locked() {
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
     throw render_error(fmt::format("cannot start the image codec: {}", std::strerror(errno)));
   }
-  try {
-    process_ = start_process(find_program().string(), {kProgram},
-                             {.standard_input = ends[1], .discards_output = true});
-  } catch (...) {
-    close(ends[0]);
-    close(ends[1]);
-    throw;
-  }
-  close(ends[1]);
-  socket_ = ends[0];
+  OwnedDescriptor ours(ends[0]);
+  const OwnedDescriptor theirs(ends[1]);
+  process_ = start_process(find_program().string(), {kProgram},
+                           {.standard_input = theirs.get(), .discards_output = true});
+  socket_ = std::move(ours);
   loads_all_ = false;
   const timeval patience{.tv_sec = 0, .tv_usec = 250'000};
-  setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+  setsockopt(socket_.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  setsockopt(socket_.get(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
 }
 
 int ImageCodec::end_locked() {
   // It has nothing of its own to lose, and may still be loading.
-  close(socket_);
+  socket_ = OwnedDescriptor();
   kill(process_, SIGKILL);
   return wait_for_process(std::exchange(process_, 0));
 }
@@ -115,7 +108,7 @@ std::optional<ImageCodec::Answer> ImageCodec::try_call(const ImageRequest& reque
                                                        std::string_view payload) {
   start_locked();
   // A process that something has stopped would keep a finished picture waiting for good.
-  ImageChannel channel(socket_, [this] {
+  ImageChannel channel(socket_.get(), [this] {
     siginfo_t news{};
     constexpr int kAsk = WEXITED | WSTOPPED | WNOHANG | WNOWAIT;
     return waitid(P_PID, static_cast<id_t>(process_), &news, kAsk) == 0 && news.si_pid == 0;
@@ -132,14 +125,15 @@ std::optional<ImageCodec::Answer> ImageCodec::receive_answer(ImageChannel& chann
   OwnedDescriptor memory(descriptor);
   if (!came || !is_plausible(request, reply)) return std::nullopt;
   if (reply.is_shared) {
-    BlobData shared = Blob::map_sealed(memory.release(), reply.payload_bytes);
+    BlobData shared = Blob::map_sealed(std::move(memory), reply.payload_bytes);
     if (!shared) return std::nullopt;
     return Answer{reply.layout, std::move(shared)};
   }
   std::vector<std::byte> payload(reply.payload_bytes);
   if (!channel.receive_bytes(payload.data(), payload.size())) return std::nullopt;
   if (!reply.done) {
-    throw render_error(std::string(reinterpret_cast<const char*>(payload.data()), payload.size()));
+    throw Refusal(ExitCode::render_failed,
+                  std::string(reinterpret_cast<const char*>(payload.data()), payload.size()));
   }
   return Answer{reply.layout, make_blob(std::move(payload))};
 }

@@ -7,6 +7,8 @@
 #include <string>
 
 #include "base/blob.h"
+#include "base/error.h"
+#include "base/owned_descriptor.h"
 #include "renderer/image/channel/image_channel.h"
 
 namespace tessera {
@@ -28,7 +30,11 @@ class ImageCodec {
     PixelLayout layout;
     BlobData payload;
   };
-  /// `request.payload_bytes` is filled in. Throws a render error with the codec's cause.
+  /// What the codec answers in place of what it was asked for: its cause, as a render error.
+  struct Refusal : Error {
+    using Error::Error;
+  };
+  /// `request.payload_bytes` is filled in. Throws Refusal, or a render error where no answer comes.
   Answer call(ImageRequest request, std::string_view payload);
 
   ImageCodec(const ImageCodec&) = delete;
@@ -48,7 +54,7 @@ class ImageCodec {
   std::mutex mutex_;
   pid_t process_ = 0;       ///< 0: not running
   bool loads_all_ = false;  ///< it was told to
-  int socket_ = -1;
+  OwnedDescriptor socket_;
 };
 
 }  // namespace tessera

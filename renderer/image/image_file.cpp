@@ -144,9 +144,11 @@ ImageCodec::Answer decode(ImageRequest::Call call, const std::string& name,
   request.to_srgb = to_srgb;
   try {
     return ImageCodec::shared().call(request, payload);
-  } catch (const Error& error) {
-    throw scene_error(SourcePlace{name}, fmt::format("can not be read: {}", error.what()),
+  } catch (const ImageCodec::Refusal& refusal) {
+    throw scene_error(SourcePlace{name}, fmt::format("can not be read: {}", refusal.what()),
                       "an image file");
+  } catch (const Error& error) {
+    throw render_error(fmt::format("'{}' cannot be read: {}", name, error.what()));
   }
 }
 

@@ -171,6 +171,7 @@ class FileReader {
       }
       if (at->second.empty()) checked_.insert_or_assign({file, format}, std::move(loaded));
     } catch (const Error& error) {
+      if (error.code() != ExitCode::bad_scene) throw;
       at->second = error.what();
     }
     open_ = open;

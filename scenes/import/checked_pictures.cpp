@@ -32,6 +32,7 @@ std::string CheckedPictures::check(const std::string& name, const std::string* b
                               : options_.decode_texture(name, false));
     return "";
   } catch (const Error& error) {
+    if (error.code() != ExitCode::bad_scene) throw;
     std::string reason = error.what();
     if (reason.starts_with(name + ": ")) reason.erase(0, name.size() + 2);
     return bad_.emplace(name, std::move(reason)).first->second;

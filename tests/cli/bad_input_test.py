@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Wrong files, names, sizes and places: one clear line, the right exit code, nothing half-written."""
 import resource
+import shutil
 import socket
 import unittest
 
 import scenes
-from tessera_process import PATIENCE, SLOWER, TesseraTest, heed_permissions
+from tessera_process import PATIENCE, PROGRAM, SLOWER, TesseraTest, heed_permissions
 
 
 class BadCommandLine(TesseraTest):
@@ -209,6 +210,25 @@ class BadScenes(TesseraTest):
             self.assert_error(result, 1, "beside.obj", says)
         result = self.run_program("info", scene, "--assets", "nowhere")
         self.assert_error(result, 2, "--assets", "'nowhere'")
+
+    def test_no_codec_for_an_image_is_no_fault_of_the_scene(self):
+        self.write("a.bmp", b"no picture")
+        self.write("a.mtl", "newmtl m\nmap_Kd a.bmp\n")
+        self.write("scene.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\n"
+                   "f 1/1 2/1 3/1\n")
+        self.write("scene.x3dv", '#X3D V3.3 utf8\nShape { appearance Appearance { texture '
+                   'ImageTexture { url "a.bmp" } } geometry Box { } }\n')
+        self.write("scene.tessera", 'textures { name: "t" image { file: "a.bmp" } } background { '
+                   'panorama { texture: "t" } }\n')
+        options = ["--size", "8x8", "--workers", "0", "-o", "a.pfm"]
+        for scene, code in ("scene.obj", 0), ("scene.x3dv", 0), ("scene.tessera", 1):
+            result = self.run_program("render", scene, *options)
+            self.assertEqual(code, result.code, result.err)
+            self.assertRegex(result.err, "a.bmp.*expected an image file")
+        alone = shutil.copy(PROGRAM, self.folder)
+        for scene in "scene.obj", "scene.x3dv", "scene.tessera":
+            result = self.run_program("render", scene, *options, executable=alone)
+            self.assert_error(result, 3, "a.bmp", "cannot find the image codec")
 
     def test_unreadable(self):
         self.write("secret.obj", "v 0 0 0\n").chmod(0)

@@ -316,11 +316,9 @@ class Ends(ServiceTest):
         for endpoint in (self.endpoint, f"ipc://{self.folder}/none"):
             for command in commands:
                 with self.subTest(endpoint=endpoint, command=command[0]):
-                    began = time.monotonic()
                     result = self.run_program(*command, "--connect", endpoint)
+                    # Who only loses patience says that there is "no connection".
                     self.assert_error(result, 3, f"nothing listens at {endpoint}", "tessera serve")
-                    # Without that it gives up after 15 s.
-                    self.assertLess(time.monotonic() - began, 12)
 
     def test_who_comes_a_little_later_is_waited_for(self):
         asks = self.start("status", "--connect", self.endpoint)

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
-#include <future>
 #include <thread>
-#include <vector>
+
+#include "base/parallel.h"
 
 namespace tessera {
 
@@ -13,21 +13,13 @@ namespace tessera {
 /// none did. Throws what one of them throws.
 template <typename Work>
 bool for_all(size_t count, const Work& work) {
-  std::atomic<size_t> next = 0;
+  constexpr unsigned kMostThreads = 8;
   std::atomic<bool> goes_on = true;
-  const auto run = [&] {
-    for (size_t i = next++; goes_on && i < count; i = next++) {
-      if (!work(i)) goes_on = false;
-    }
-  };
-  constexpr size_t kMostThreads = 8;
-  const size_t threads =
-      std::min(count, std::clamp<size_t>(std::thread::hardware_concurrency(), 1, kMostThreads));
-  // Where there is no thread to be had, nothing is left when it is waited for.
-  std::vector<std::future<void>> others;
-  for (size_t i = 1; i < threads; ++i) others.push_back(std::async(run));
-  run();
-  for (auto& other : others) other.get();
+  for_each_parallel(count,
+                    static_cast<int>(std::min(std::thread::hardware_concurrency(), kMostThreads)),
+                    [&](size_t i) {
+                      if (goes_on && !work(i)) goes_on = false;
+                    });
   return goes_on;
 }
 

@@ -1,27 +1,30 @@
 #include "renderer/image/plain/jpeg_format.h"
 
 #include <cstdlib>
+#include <memory>
 #include <span>
 
 #include "renderer/image/plain/icc_profile.h"
-#include "renderer/image/plain/jpeg_errors.h"
+#include "renderer/image/plain/jpeg_decompressor.h"
 #include "renderer/image/plain/jpeg_slices.h"
 
 namespace tessera {
 namespace {
 
 /// False after an error; the frame owns nothing.
-bool read_header(jpeg_decompress_struct& info, JpegErrors& errors, const std::vector<char>& file) {
-  if (setjmp(errors.place)) return false;
+bool read_header(JpegDecompressor& jpeg, const std::vector<char>& file) {
+  if (setjmp(jpeg.place)) return false;
+  jpeg_decompress_struct& info = jpeg.info;
+  jpeg_create_decompress(&info);
   jpeg_save_markers(&info, JPEG_APP0 + 2, 0xFFFF);  // where colour profiles are
   jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(file.data()), file.size());
   return jpeg_read_header(&info, TRUE) == JPEG_HEADER_OK;
 }
 
 /// False after an error or warning; the frame owns nothing.
-bool read_rows(jpeg_decompress_struct& info, JpegErrors& errors, size_t row_bytes,
-               std::span<char> pixels) {
-  if (setjmp(errors.place)) return false;
+bool read_rows(JpegDecompressor& jpeg, size_t row_bytes, std::span<char> pixels) {
+  if (setjmp(jpeg.place)) return false;
+  jpeg_decompress_struct& info = jpeg.info;
   jpeg_start_decompress(&info);
   while (info.output_scanline < info.output_height) {
     auto* row = reinterpret_cast<JSAMPROW>(pixels.data() + info.output_scanline * row_bytes);
@@ -30,28 +33,33 @@ bool read_rows(jpeg_decompress_struct& info, JpegErrors& errors, size_t row_byte
   return info.err->num_warnings == 0;
 }
 
-bool read_profile(jpeg_decompress_struct& info, JpegErrors& errors, JOCTET*& profile,
-                  unsigned& size) {
-  if (setjmp(errors.place)) return false;
-  return jpeg_read_icc_profile(&info, &profile, &size) != 0;
+bool read_profile(JpegDecompressor& jpeg, JOCTET*& profile, unsigned& size) {
+  if (setjmp(jpeg.place)) return false;
+  return jpeg_read_icc_profile(&jpeg.info, &profile, &size) != 0;
 }
 
 /// By the embedded colour profile; nothing where there is none, or it changes nothing or is
 /// damaged.
-std::optional<SrgbConversion> read_conversion(jpeg_decompress_struct& info, JpegErrors& errors) {
+std::optional<SrgbConversion> read_conversion(JpegDecompressor& jpeg) {
   JOCTET* profile = nullptr;
   unsigned size = 0;
-  const bool is_there = read_profile(info, errors, profile, size);
-  info.err->num_warnings = 0;  // of the profile: the picture may be good without
+  const bool is_there = read_profile(jpeg, profile, size);
+  jpeg.errors.num_warnings = 0;  // of the profile: the picture may be good without
   if (!is_there) return std::nullopt;
-  const auto conversion = SrgbConversion::from({profile, size});
-  std::free(profile);
-  return conversion;
+  const std::unique_ptr<JOCTET, void (*)(void*)> ours(profile, std::free);
+  return SrgbConversion::from({profile, size});
 }
 
-std::optional<ImageAnswer> decode(jpeg_decompress_struct& info, JpegErrors& errors,
-                                  const std::vector<char>& file, bool to_srgb) {
-  if (!read_header(info, errors, file) || info.err->num_warnings != 0) return std::nullopt;
+}  // namespace
+
+bool is_jpeg(const std::vector<char>& file) {
+  return file.size() > 3 && file[0] == '\xff' && file[1] == '\xd8' && file[2] == '\xff';
+}
+
+std::optional<ImageAnswer> decode_jpeg(const std::vector<char>& file, bool to_srgb) {
+  JpegDecompressor jpeg;
+  const jpeg_decompress_struct& info = jpeg.info;
+  if (!read_header(jpeg, file) || jpeg.errors.num_warnings != 0) return std::nullopt;
   const bool is_grey = info.jpeg_color_space == JCS_GRAYSCALE;
   if (!is_grey && info.jpeg_color_space != JCS_YCbCr && info.jpeg_color_space != JCS_RGB) {
     return std::nullopt;
@@ -65,7 +73,7 @@ std::optional<ImageAnswer> decode(jpeg_decompress_struct& info, JpegErrors& erro
   if (!answer.layout.is_legal()) return std::nullopt;
   const size_t row_bytes = answer.layout.bytes() / info.image_height;
   const auto channels = static_cast<size_t>(answer.layout.channels);
-  const auto conversion = to_srgb && channels == 3 ? read_conversion(info, errors) : std::nullopt;
+  const auto conversion = to_srgb && channels == 3 ? read_conversion(jpeg) : std::nullopt;
   const auto finish = [&](std::span<char> pixels) {
     if (conversion) conversion->convert(pixels, channels);
     if (answer.shared) SharedPixels::finish(pixels);
@@ -74,26 +82,9 @@ std::optional<ImageAnswer> decode(jpeg_decompress_struct& info, JpegErrors& erro
   if (const auto slices = JpegSlices::cut(info, file)) {
     if (!decode_slices(*slices, channels, pixels, finish)) return std::nullopt;
   } else {
-    if (!read_rows(info, errors, row_bytes, pixels)) return std::nullopt;
+    if (!read_rows(jpeg, row_bytes, pixels)) return std::nullopt;
     finish(pixels);
   }
-  return answer;
-}
-
-}  // namespace
-
-bool is_jpeg(const std::vector<char>& file) {
-  return file.size() > 3 && file[0] == '\xff' && file[1] == '\xd8' && file[2] == '\xff';
-}
-
-std::optional<ImageAnswer> decode_jpeg(const std::vector<char>& file, bool to_srgb) {
-  jpeg_decompress_struct info{};
-  JpegErrors errors{};
-  errors.attach(info);
-  if (setjmp(errors.place)) return std::nullopt;
-  jpeg_create_decompress(&info);
-  auto answer = decode(info, errors, file, to_srgb);
-  jpeg_destroy_decompress(&info);
   return answer;
 }
 

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "renderer/image/plain/for_all.h"
-#include "renderer/image/plain/jpeg_errors.h"
+#include "renderer/image/plain/jpeg_decompressor.h"
 
 namespace tessera {
 namespace {
@@ -46,9 +46,10 @@ std::vector<size_t> find_runs(std::span<const char> file, size_t at) {
 }
 
 /// False after an error or warning; the frame owns nothing.
-bool read_slice(jpeg_decompress_struct& info, JpegErrors& errors, std::span<const char> file,
-                size_t channels, std::span<char> pixels) {
-  if (setjmp(errors.place)) return false;
+bool read_slice(JpegDecompressor& jpeg, std::span<const char> file, size_t channels,
+                std::span<char> pixels) {
+  if (setjmp(jpeg.place)) return false;
+  jpeg_decompress_struct& info = jpeg.info;
   jpeg_create_decompress(&info);
   jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(file.data()), file.size());
   jpeg_read_header(&info, TRUE);
@@ -117,12 +118,8 @@ std::span<char> JpegSlices::decode(size_t number, size_t channels, std::span<cha
   slice.insert(slice.end(), {'\xff', '\xd9'});
   const size_t row_bytes = width_ * channels;
   const std::span<char> place = pixels.subspan(number * rows_ * row_bytes, rows * row_bytes);
-  jpeg_decompress_struct info{};
-  JpegErrors errors{};
-  errors.attach(info);
-  const bool is_whole = read_slice(info, errors, slice, channels, place);
-  jpeg_destroy_decompress(&info);
-  return is_whole ? place : std::span<char>();
+  JpegDecompressor jpeg;
+  return read_slice(jpeg, slice, channels, place) ? place : std::span<char>();
 }
 
 bool decode_slices(const JpegSlices& slices, size_t channels, std::span<char> pixels,

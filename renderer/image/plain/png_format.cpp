@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <stdexcept>
 
 #include "renderer/image/plain/for_all.h"
@@ -112,15 +113,18 @@ Octets deflated_alone(const Octets& bytes, bool is_last) {
   // pictures, and take a fifth of its time (docs/crt.md).
   if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kRaw, kMemory, Z_RLE) != Z_OK)
     throw std::bad_alloc();
+  const std::unique_ptr<z_stream, decltype(&deflateEnd)> ending(&stream, deflateEnd);
   constexpr size_t kEmptyBlock = 16;
   Octets out(deflateBound(&stream, static_cast<uLong>(bytes.size())) + kEmptyBlock);
   stream.next_in = const_cast<unsigned char*>(bytes.data());
   stream.avail_in = static_cast<uInt>(bytes.size());
   stream.next_out = out.data();
   stream.avail_out = static_cast<uInt>(out.size());
-  deflate(&stream, is_last ? Z_FINISH : Z_SYNC_FLUSH);
+  const int status = deflate(&stream, is_last ? Z_FINISH : Z_SYNC_FLUSH);
+  const bool is_all = is_last ? status == Z_STREAM_END
+                              : status == Z_OK && stream.avail_in == 0 && stream.avail_out > 0;
+  if (!is_all) throw std::runtime_error("zlib cannot compress it");
   out.resize(stream.total_out);
-  deflateEnd(&stream);
   return out;
 }
 

@@ -136,7 +136,7 @@ std::string X3dTranslator::read_inline(const X3dNode& node, const std::string& u
     add_file(found.file, name, path);
     return "";
   } catch (const Error& error) {  // as one that is missing
-    if (files.is_endless) throw;
+    if (files.is_endless || error.code() != ExitCode::bad_scene) throw;
     undo();
     out.clear_instance_of();
     return files.problems[found.file] = error.what();

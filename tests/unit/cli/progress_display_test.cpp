@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
 
 namespace tessera {
 namespace {
+
+using namespace std::chrono_literals;
 
 JobProgress half_done() {
   JobProgress progress;
@@ -55,16 +59,20 @@ TEST(ProgressDisplay, Durations) {
   EXPECT_EQ(duration_text(3725), "1:02:05");
 }
 
-/// What a display in this style writes for a fast frame of many tiles.
-std::string written_by(ProgressStyle style) {
+/// What a display in this style writes of a frame that takes so long, looked at every millisecond.
+std::string written_by(ProgressStyle style, std::chrono::milliseconds length) {
   char* text = nullptr;
   size_t size = 0;
   std::FILE* stream = open_memstream(&text, &size);
   {
-    ProgressDisplay display(style, stream, "");
-    JobProgress progress = half_done();
-    for (progress.tiles_done = 0; progress.tiles_done <= 42; ++progress.tiles_done) {
-      display.show(progress);
+    const Time begin = std::chrono::hours(1);
+    ProgressDisplay display(style, stream, "", begin);
+    JobProgress progress;
+    progress.tiles_total = 1000;
+    progress.remaining_seconds = -1;
+    for (std::chrono::milliseconds now{0}; now <= length; ++now) {
+      progress.tiles_done = static_cast<uint64_t>(1000 * now / length);
+      display.show(progress, begin + now);
     }
   }
   std::fclose(stream);
@@ -74,9 +82,27 @@ std::string written_by(ProgressStyle style) {
 }
 
 TEST(ProgressDisplay, AFastFrameWritesNothing) {
-  EXPECT_EQ(written_by(ProgressStyle::silent), "");
-  EXPECT_EQ(written_by(ProgressStyle::lines), "");
-  EXPECT_EQ(written_by(ProgressStyle::bar), "");
+  for (const auto style : {ProgressStyle::silent, ProgressStyle::lines, ProgressStyle::bar}) {
+    EXPECT_EQ(written_by(style, 99ms), "");
+  }
+}
+
+TEST(ProgressDisplay, WritesALineEveryTwoSeconds) {
+  EXPECT_EQ(std::ranges::count(written_by(ProgressStyle::lines, 100s), '\n'), 50);
+  EXPECT_EQ(written_by(ProgressStyle::silent, 100s), "");
+}
+
+TEST(ProgressDisplay, WritesALineAtATenthButNotWithinASecondOfTheLast) {
+  EXPECT_EQ(written_by(ProgressStyle::lines, 999ms), "");
+  EXPECT_EQ(written_by(ProgressStyle::lines, 4s),
+            " 25 %  250/1000 tiles\n 50 %  500/1000 tiles\n 75 %  750/1000 tiles\n"
+            "100 %  1000/1000 tiles\n");
+  EXPECT_EQ(std::ranges::count(written_by(ProgressStyle::lines, 15s), '\n'), 10);
+}
+
+TEST(ProgressDisplay, DrawsTheBarTenTimesASecond) {
+  const std::string text = written_by(ProgressStyle::bar, 10s);
+  EXPECT_EQ(std::ranges::count(text, '\r'), 100 + 1) << "the last wipes it";
 }
 
 }  // namespace

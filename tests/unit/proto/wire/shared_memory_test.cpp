@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -78,6 +79,7 @@ TEST(SharedMemory, OnlyWhatCannotChangeIsMapped) {
   for (const int descriptor : {ordinary, open_memory, pipes[0], 9999, -1}) {
     EXPECT_FALSE(map_shared_blob({getpid(), descriptor}, 4096)) << descriptor;
   }
+  EXPECT_FALSE(map_shared_blob({getpid(), ordinary}, std::filesystem::file_size("/proc/self/exe")));
   EXPECT_FALSE(map_shared_blob({0, 3}, 4096));
   EXPECT_FALSE(map_shared_blob({-7, 3}, 4096));
   for (const int descriptor : {ordinary, open_memory, pipes[0], pipes[1]}) close(descriptor);

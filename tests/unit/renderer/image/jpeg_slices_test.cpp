@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstdlib>
 
-#include "renderer/image/plain/jpeg_errors.h"
+#include "renderer/image/plain/jpeg_decompressor.h"
 
 namespace tessera {
 namespace {
@@ -68,9 +68,8 @@ struct Decoded {
 
 Decoded decode(const std::vector<char>& file) {
   Decoded out;
-  jpeg_decompress_struct info{};
-  JpegErrors errors{};
-  errors.attach(info);
+  JpegDecompressor jpeg;
+  jpeg_decompress_struct& info = jpeg.info;
   jpeg_create_decompress(&info);
   jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(file.data()), file.size());
   jpeg_read_header(&info, TRUE);
@@ -88,7 +87,6 @@ Decoded decode(const std::vector<char>& file) {
     auto* row = reinterpret_cast<JSAMPROW>(&out.at_once[size_t{info.output_scanline} * kWidth * 3]);
     jpeg_read_scanlines(&info, &row, 1);
   }
-  jpeg_destroy_decompress(&info);
   return out;
 }
 

@@ -15,16 +15,20 @@ namespace tessera {
 namespace {
 
 /// A random scene of simple features: shapes of all kinds that stand where they are or are moved,
-/// materials and lights of all kinds that rays are followed in rows for.
+/// materials and lights of all kinds that rays are followed in rows for, before backgrounds of one
+/// ray at a time and panoramas.
 class SimpleScene {
  public:
   explicit SimpleScene(uint32_t seed) : random_(seed), size_(std::exp2(pick(-12, 13))) {
     text_ = fmt::format(
-        "background {{ {} }} settings {{ integrator {{ max_depth: {} background_at_max_depth: {} "
-        "}} }} ",
-        chance(.5) ? "solid { r: .2 g: .3 b: .4 }"
-                   : "gradient { sky { r: .1 g: .2 b: .9 } ground { r: .3 } }",
+        "settings {{ integrator {{ kind: 'whitted' max_depth: {} background_at_max_depth: {} }} "
+        "}} ",
         pick(0, 5), chance(.5));
+    if (chance(.5))
+      add_panorama();
+    else
+      text_ += chance(.5) ? "background { solid { r: .2 g: .3 b: .4 } } "
+                          : "background { gradient { sky { r: .1 b: .9 } ground { r: .3 } } } ";
     text_ += fmt::format("cameras {{ near_distance: {:.17g} far_distance: {:.17g} }} ",
                          size_ * random_.between(0, .2), size_ * random_.between(.5, 4));
     for (int i = 0; i < 5; ++i) add_material(i);
@@ -34,6 +38,7 @@ class SimpleScene {
     for (int i = 0; i < others; ++i) add_solid();
   }
   const std::string& text() const { return text_; }
+  const BlobStore& blobs() const { return blobs_; }
   /// Where the camera's rays begin and end.
   void set_bounds(std::vector<Ray>& rays) {
     const double first = chance(.3) ? size_ * random_.between(0, .5) : 0;
@@ -60,6 +65,24 @@ class SimpleScene {
   std::string rgb() {
     return fmt::format("r: {:.3f} g: {:.3f} b: {:.3f}", random_.between(0, 1),
                        random_.between(0, 1), random_.between(0, 1));
+  }
+  void add_panorama() {
+    const int width = pick(1, 9), height = pick(1, 9);
+    std::vector<std::byte> texels(size_t{3} * static_cast<size_t>(width * height));
+    for (std::byte& texel : texels) texel = static_cast<std::byte>(pick(0, 256));
+    text_ += fmt::format(
+        "textures {{ name: 'around' image {{ texels {{ digest: '{}' }} width: {} height: {} "
+        "channels: 3 bits: 8 }} }} background {{ panorama {{ texture: 'around' mapping: {} ",
+        blobs_.put(std::move(texels)).hex(), width, height,
+        chance(.5) ? "EQUIRECTANGULAR" : "CYLINDRICAL_EQUAL_AREA");
+    if (chance(.7)) text_ += fmt::format("angle: {:.17g} ", random_.between(-360, 360));
+    if (chance(.5)) text_ += "intensity: 1.7 ";
+    text_ += "} ";
+    if (chance(.7))
+      text_ +=
+          fmt::format("orientation {{ steps {{ rotate {{ axis {{ {} }} angle: {:.17g} }} }} }} ",
+                      xyz(vec()), random_.between(-180, 180));
+    text_ += "} ";
   }
   void add_material(int number) {
     const char* const models[] = {"LAMBERT", "SIGNED", "HALF_LAMBERT"};
@@ -120,13 +143,14 @@ class SimpleScene {
   UniformNumbers random_;
   double size_;
   std::string text_;
+  BlobStore blobs_;
 };
 
-std::shared_ptr<const Scene> built(const std::string& text, const std::string& accelerator,
+std::shared_ptr<const Scene> built(const SimpleScene& scene, const std::string& accelerator,
                                    const Skips& skips) {
   v1::FrameSettings frame = frame_of(16, 16);
   frame.set_accelerator(accelerator);
-  return build_scene(parse_scene(text), {}, frame, 1, {}, skips);
+  return build_scene(parse_scene(scene.text()), scene.blobs(), frame, 1, {}, skips);
 }
 
 using Counts = std::vector<uint64_t>;
@@ -136,16 +160,17 @@ Counts counts_of(const TraceCounters& c) {
 }
 
 TEST(RowTracer, FollowsEachRayAsItIsFollowedAlone) {
-  uint64_t in_rows = 0, hits = 0, reflections = 0, shadows = 0;
+  uint64_t in_rows = 0, panoramas = 0, hits = 0, reflections = 0, shadows = 0;
   for (uint32_t seed = 0; seed < 400; ++seed) {
     SimpleScene random(seed);
-    const auto scene = built(random.text(), seed % 3 == 0 ? "linear" : "bvh", {});
+    const auto scene = built(random, seed % 3 == 0 ? "linear" : "bvh", {});
     const auto integrator = make_integrator(scene);
     const auto* const alone = dynamic_cast<const PathFollower*>(integrator.get());
     if (!RowTracer::can_follow(*scene)) continue;
     ++in_rows;
+    panoramas += scene->background.is_plain_panorama();
     ASSERT_TRUE(alone) << random.text();
-    const auto full = built(random.text(), "linear", {.absent_features = false});
+    const auto full = built(random, "linear", {.absent_features = false});
     const auto one_by_one = make_integrator(full);
     std::vector<Ray> rays(1 + seed % RowTracer::kMost);
     for (Ray& ray : rays) ray = random.ray();
@@ -169,6 +194,7 @@ TEST(RowTracer, FollowsEachRayAsItIsFollowedAlone) {
     }
   }
   EXPECT_GT(in_rows, 250u);
+  EXPECT_GT(panoramas, 100u);
   EXPECT_GT(hits, 5'000u);
   EXPECT_GT(reflections, 1'000u);
   EXPECT_GT(shadows, 5'000u);
@@ -178,13 +204,16 @@ TEST(RowTracer, SendsRaysThroughRasterPointsAsTheCameraDoes) {
   uint64_t in_rows = 0;
   for (uint32_t seed = 0; seed < 60; ++seed) {
     SimpleScene random(seed);
-    const auto scene = built(random.text(), "bvh", {});
+    const auto scene = built(random, "bvh", {});
     const auto integrator = make_integrator(scene);
     if (!RowTracer::can_follow(*scene)) continue;
     ++in_rows;
     const Camera& camera = *scene->camera;
     std::vector<Sampler::RasterSample> points;
-    for (int i = 0; i < 61; ++i) points.push_back({{i % 16 + .25, i / 4 + .75}, false});
+    for (int i = 0; i < 61; ++i) {
+      const int column = i % 16, row = i / 4;
+      points.push_back({{column + .25, row + .75}, false});
+    }
     std::vector<Color> expected;
     TraceState state;
     integrator->make_room(state);
@@ -193,8 +222,11 @@ TEST(RowTracer, SendsRaysThroughRasterPointsAsTheCameraDoes) {
     for (const BvhKernels& code : all_kernels()) {
       const RowTracer tracer(*scene, dynamic_cast<const PathFollower&>(*integrator), code.name);
       std::vector<Color> found(points.size());
-      tracer.radiances(*camera.pinhole(), points, found, state);
+      TraceState together;
+      integrator->make_room(together);
+      tracer.radiances(*camera.pinhole(), points, found, together);
       EXPECT_EQ(found, expected) << code.name;
+      EXPECT_EQ(counts_of(together.counters), counts_of(state.counters)) << code.name;
     }
   }
   EXPECT_GT(in_rows, 30u);
