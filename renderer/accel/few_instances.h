@@ -7,6 +7,7 @@
 #include "renderer/accel/accelerator.h"
 #include "renderer/accel/box_row.h"
 #include "renderer/accel/bvh_kernels.h"
+#include "renderer/accel/few_rows.h"
 #include "renderer/accel/plane_row.h"
 #include "renderer/accel/rectangle_row.h"
 

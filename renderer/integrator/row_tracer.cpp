@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/unmade.h"
+#include "renderer/accel/few_rows.h"
 #include "renderer/accel/mesh_shape.h"
 #include "renderer/integrator/direct_light.h"
 #include "renderer/math/rounding.h"
