@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include "renderer/accel/box_row.h"
+#include "renderer/math/mask_bits-inl.h"
 #include "renderer/shapes/ray.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -19,14 +19,13 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "renderer/accel/packet-inl.h"
-#include "renderer/accel/test_triangles-inl.h"
-#include "renderer/accel/traverse-inl.h"
-// After what it takes from there.
 #include "renderer/accel/box_row-inl.h"
+#include "renderer/accel/packet-inl.h"
 #include "renderer/accel/plane_row-inl.h"
 #include "renderer/accel/ray_row-inl.h"
 #include "renderer/accel/rectangle_row-inl.h"
+#include "renderer/accel/test_triangles-inl.h"
+#include "renderer/accel/traverse-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {

@@ -14,6 +14,7 @@
 #include <cstdint>
 
 #include "renderer/accel/rectangle_row.h"
+#include "renderer/math/mask_bits-inl.h"
 #include "renderer/shapes/ray.h"
 
 HWY_BEFORE_NAMESPACE();

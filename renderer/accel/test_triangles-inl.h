@@ -11,6 +11,7 @@
 
 #include "renderer/accel/bvh_kernels.h"
 #include "renderer/accel/traverse-inl.h"
+#include "renderer/math/mask_bits-inl.h"
 #include "renderer/shapes/triangle.h"
 
 HWY_BEFORE_NAMESPACE();

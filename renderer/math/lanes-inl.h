@@ -16,6 +16,7 @@
 #include "renderer/math/arc_table.h"
 #include "renderer/math/color.h"
 #include "renderer/math/elementary.h"
+#include "renderer/math/mask_bits-inl.h"
 #include "renderer/math/vec.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -84,11 +85,7 @@ HWY_INLINE LaneMask is_black(const Lanes3& c) {
   return hn::And(hn::And(hn::Eq(c.x, zero), hn::Eq(c.y, zero)), hn::Eq(c.z, zero));
 }
 
-HWY_INLINE uint32_t bits_of(LaneMask mask) {
-  uint8_t bytes[8] = {};
-  hn::StoreMaskBits(kLaneTag, mask, bytes);
-  return bytes[0];
-}
+HWY_INLINE uint32_t bits_of(LaneMask mask) { return bits_of(kLaneTag, mask); }
 HWY_INLINE LaneMask mask_of(uint32_t bits) {
   const uint8_t bytes[8] = {static_cast<uint8_t>(bits)};
   return hn::LoadMaskBits(kLaneTag, bytes);
