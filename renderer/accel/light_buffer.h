@@ -23,10 +23,8 @@ class LightBuffer {
   /// Whether boxes_met() can answer for all rays that leave the surface there: they start no
   /// farther off than half of what boxes are grown by.
   static bool has_answers(const BoxRow& row, const SurfaceInteraction& from) {
-    const auto size = [](const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
-    return size(from.point - Point3{}) +
-               kErrorShare * size(from.point_error + abs(from.smooth_shift)) <=
-           row.farthest;
+    const double error = l1_norm(from.point_error + abs(from.smooth_shift));
+    return l1_norm(from.point - Point3{}) + kErrorShare * error <= row.farthest;
   }
   /// Whether the light is at a place, so that a direction tells the boxes; else a point does.
   bool is_of_place() const { return is_place_; }

@@ -75,6 +75,8 @@ inline Vec3 normalize(const Vec3& v) {
 }
 inline Normal3 normalize(const Normal3& n) { return to_normal(normalize(static_cast<Vec3>(n))); }
 inline Vec3 abs(const Vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
+/// The sum of the parts' sizes: what rounding moves a place by goes with it. Added up from x on.
+inline double l1_norm(const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 inline double max_component(const Vec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
 inline bool is_finite(const Vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
