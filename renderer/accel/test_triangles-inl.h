@@ -155,7 +155,7 @@ class TriangleTester {
                                   hn::Add(hn::Mul(delta_e, max_z), hn::Mul(delta_z, max_e)))),
                 hn::Abs(inverse_det));
     const auto least = hn::Min(hn::Min(hn::Abs(s.u), hn::Abs(s.v)), hn::Abs(s.w));
-    const auto usual = hn::And(hn::Gt(least, zero), hn::Le(error, scaled(0x1p-30, t)));
+    const auto usual = hn::And(hn::Gt(least, zero), hn::Le(error, scaled(kMostErrorOfT, t)));
     auto inside =
         hn::And(hn::Gt(t, hn::Set(tag, ray_.t_min)),
                 hn::And(hn::Lt(t, hn::Set(tag, ray_.t_max)), hn::Le(t, hn::Set(tag, t_max))));

@@ -17,6 +17,7 @@
 #include "renderer/math/color.h"
 #include "renderer/math/elementary.h"
 #include "renderer/math/mask_bits-inl.h"
+#include "renderer/math/rounding.h"
 #include "renderer/math/vec.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -120,8 +121,9 @@ inline HWY_NOINLINE void normalize_each(Stored3& v) {
 }
 HWY_INLINE Lanes3 normalize(const Lanes3& v) {
   const Lanes squared = dot(v, v);
-  const auto usual = hn::And(hn::Gt(squared, all(1e-280)), hn::Lt(squared, all(1e280)));
-  if (!hn::AllTrue(kLaneTag, usual)) [[unlikely]] {
+  const auto is_safe =
+      hn::And(hn::Gt(squared, all(kLeastSafeSquare)), hn::Lt(squared, all(kMostSafeSquare)));
+  if (!hn::AllTrue(kLaneTag, is_safe)) [[unlikely]] {
     Stored3 each(v);
     normalize_each(each);
     return each.load();
@@ -160,7 +162,7 @@ HWY_INLINE LanesSum fast_two_sum(Lanes a, Lanes b) {
   return {s, hn::Sub(b, hn::Sub(s, a))};
 }
 HWY_INLINE LanesSum two_product(Lanes a, Lanes b) {
-  const Lanes split = all(134217729);
+  const Lanes split = all(kSplit);
   const Lanes p = hn::Mul(a, b), ta = hn::Mul(a, split), tb = hn::Mul(b, split);
   const Lanes ah = hn::Sub(ta, hn::Sub(ta, a)), bh = hn::Sub(tb, hn::Sub(tb, b));
   const Lanes al = hn::Sub(a, ah), bl = hn::Sub(b, bh);
