@@ -185,21 +185,22 @@ inline HWY_NOINLINE Lanes atan2_each(Lanes y, Lanes x, uint32_t which, Lanes ang
 /// portable::atan2() to the last bit: its quick way, and where that is not sure the function
 /// itself.
 HWY_INLINE Lanes atan2(Lanes of_y, Lanes x) {
+  using Arc = portable::QuickArc;
   const auto term = [](Lanes z, double a, double b)
                         HWY_ATTR { return hn::Add(hn::Mul(z, all(a)), all(b)); };
   const Lanes zero = hn::Zero(kLaneTag), y = hn::Abs(of_y), ax = hn::Abs(x);
   const auto left = hn::Lt(x, zero), steep = hn::Gt(y, ax);
   Lanes large = hn::IfThenElse(steep, y, ax), small = hn::IfThenElse(steep, ax, y);
-  const auto in_range = hn::And(hn::And(hn::Lt(large, all(1e100)), hn::Gt(large, all(1e-100))),
-                                hn::Gt(small, hn::Mul(large, all(1e-30))));
+  const auto in_range =
+      hn::And(hn::And(hn::Lt(large, all(Arc::kMost)), hn::Gt(large, all(Arc::kLeast))),
+              hn::Gt(small, hn::Mul(large, all(Arc::kLeastRatio))));
   large = hn::IfThenElse(in_range, large, all(1));
   small = hn::IfThenElse(in_range, small, all(1));
-  const Lanes n = hn::Trunc(term(hn::Div(small, large), 8, 0.4999));
+  const Lanes n = hn::Trunc(term(hn::Div(small, large), 8, Arc::kNearlyHalf));
   const Lanes c = hn::Mul(n, all(0.125));
   const auto leading = [](Lanes v) HWY_ATTR {
     const hn::RebindToUnsigned<LaneTag> bits;
-    return hn::BitCast(kLaneTag,
-                       hn::And(hn::BitCast(bits, v), hn::Set(bits, ~uint64_t{0x7ffffff})));
+    return hn::BitCast(kLaneTag, hn::And(hn::BitCast(bits, v), hn::Set(bits, ~Arc::kLastBits)));
   };
   const Lanes large_high = leading(large), small_high = leading(small);
   const Lanes across =
@@ -213,10 +214,10 @@ HWY_INLINE Lanes atan2(Lanes of_y, Lanes x) {
   const Lanes t_low = hn::Mul(
       hn::Sub(hn::Sub(hn::Sub(across, back.high), back.low), hn::Mul(t, along_low)), inverse);
   const Lanes z = hn::Mul(t, t), zz = hn::Mul(z, z);
-  const Lanes last = hn::Sub(term(z, 1.0 / 13, -1.0 / 11), hn::Div(zz, all(15)));
+  const Lanes last = hn::Sub(term(z, Arc::k13, Arc::k11), hn::Div(zz, all(Arc::kBy15)));
   const Lanes p =
-      hn::Mul(z, hn::Add(term(z, 1.0 / 5, -1.0 / 3),
-                         hn::Mul(zz, hn::Add(term(z, 1.0 / 9, -1.0 / 7), hn::Mul(zz, last)))));
+      hn::Mul(z, hn::Add(term(z, Arc::k5, Arc::k3),
+                         hn::Mul(zz, hn::Add(term(z, Arc::k9, Arc::k7), hn::Mul(zz, last)))));
   const auto forward = hn::Or(hn::And(left, steep), hn::Not(hn::Or(left, steep)));
   const Lanes sign = hn::IfThenElse(forward, all(1), all(-1));
   const auto axis = [&](double of_steep, double of_left) HWY_ATTR {
@@ -237,7 +238,7 @@ HWY_INLINE Lanes atan2(Lanes of_y, Lanes x) {
   const Lanes from_axis = hn::Add(axis(portable::kPi2.low, portable::kPiDd.low), rest);
   const Lanes low = hn::Add(hn::Add(sum.low, hn::Add(begin.low, from_axis)), hn::Mul(sign, tail));
   const Lanes doubt =
-      hn::Add(hn::Mul(hn::Abs(tail), all(0x1p-48)), hn::Mul(sum.high, all(0x1p-100)));
+      hn::Add(hn::Mul(hn::Abs(tail), all(Arc::kTailDoubt)), hn::Mul(sum.high, all(Arc::kSumDoubt)));
   const auto is_sure = hn::And(in_range, hn::Eq(hn::Add(sum.high, hn::Sub(low, doubt)),
                                                 hn::Add(sum.high, hn::Add(low, doubt))));
   const Lanes angle = hn::CopySign(hn::Add(sum.high, low), of_y);
