@@ -14,9 +14,9 @@ std::unique_ptr<const SplitSearch> make_search(OctreeKind kind) {
 
 }  // namespace
 
-// Found by measuring the study's scenes and scanned meshes. A object in a leaf takes one lane of an
-// eight-wide node, so that eight of them cost about what one visit of a node does; and so do four
-// blocks of triangles, which need no boxes of their own.
+// Found by measuring the study's scenes and scanned meshes. An object in a leaf takes one lane of
+// an eight-wide node, so that eight of them cost about what one visit of a node does; and so do
+// four blocks of triangles, which need no boxes of their own.
 
 OctreeOptions mesh_octree_options(const SplitSearch* search) {
   return {.search = search,

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "base/error.h"
 #include "base/unmade.h"
 #include "renderer/accel/few_rows.h"
 #include "renderer/accel/mesh_shape.h"
@@ -307,7 +308,6 @@ class RowFollower {
   /// tessera::local_radiance() of simple features.
   Lanes3 local_radiance(const Seen& seen, std::span<const uint32_t> lights, const Bundle& bundle) {
     const Material& material = seen.material;
-    const Color kept_diffuse = material.diffuse * 1.0;
     Color ambient = scene_.settings.ambient;
     Lanes3 result = all(material.emission);
     uint32_t answered = 0;
@@ -323,7 +323,8 @@ class RowFollower {
         lit &= ~bits_of(hn::Lt(dot(seen.geometric_normal, sampled.wi), zero));
       }
       Lanes3 arriving = multiply(all(light.intensity), sampled.factor);
-      const Lanes3 share = reflected_share(seen, kept_diffuse, sampled.wi, bundle.direction, lit);
+      const Lanes3 share =
+          reflected_share(seen, material.diffuse, sampled.wi, bundle.direction, lit);
       lit &= ~bits_of(hn::Or(is_black(arriving), is_black(share)));
       state_.counters.shadow_rays_skipped +=
           static_cast<uint64_t>(std::popcount(bundle.bits & ~lit));
@@ -335,7 +336,7 @@ class RowFollower {
       }
       result = choose(mask_of(lit), add(result, multiply(arriving, share)), result);
     }
-    const Color& part = material.ambient_times_diffuse ? kept_diffuse : kWhite;
+    const Color& part = material.ambient_times_diffuse ? material.diffuse : kWhite;
     return add(result, all(ambient * material.ambient * part));
   }
   bool has_shadows() const { return scene_.features.shadows; }
