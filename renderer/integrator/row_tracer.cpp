@@ -1,5 +1,7 @@
 #include "renderer/integrator/row_tracer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -551,6 +553,11 @@ RowTracer::Code code_of([[maybe_unused]] std::string_view instructions) {
   return HWY_STATIC_DISPATCH(row_code)();
 }
 
+void check_sizes(size_t rays, size_t found) {
+  TESSERA_CHECK(rays >= 1 && rays <= RowTracer::kMost && found == rays,
+                fmt::format("{} rays, {} found", rays, found));
+}
+
 }  // namespace
 
 bool RowTracer::can_follow(const Scene& scene) {
@@ -562,6 +569,24 @@ bool RowTracer::can_follow(const Scene& scene) {
          std::ranges::none_of(scene.instances, [](const Instance& instance) {
            return dynamic_cast<const MeshShape*>(instance.shape.get());
          });
+}
+
+void RowTracer::radiances(std::span<const Ray> rays, std::span<Color> found,
+                          TraceState& state) const {
+  check_sizes(rays.size(), found.size());
+  // Of all rays it would take a part in three hundred of the instructions of a lens.
+  const Ray &first = rays.front(), &last = rays.back();
+  TESSERA_CHECK(first.t_min == last.t_min && first.t_max == last.t_max,
+                fmt::format("from {} to {}, from {} to {}", first.t_min, first.t_max, last.t_min,
+                            last.t_max));
+  code_.follow_rays(*this, rays, found, state);
+}
+
+void RowTracer::radiances(const Camera::Pinhole& camera,
+                          std::span<const Sampler::RasterSample> rasters, std::span<Color> found,
+                          TraceState& state) const {
+  check_sizes(rasters.size(), found.size());
+  code_.follow_rasters(*this, camera, rasters, found, state);
 }
 
 RowTracer::RowTracer(const Scene& scene, const PathFollower& alone, std::string_view instructions)
