@@ -379,7 +379,7 @@ class RowFollower {
   uint32_t answered_by_buffers(const LaneSurface& s) const {
     const Lanes reach =
         hn::Add(sum(abs(s.point)), hn::Mul(all(LightBuffer::kErrorShare), sum(abs(s.error))));
-    return bits_of(hn::Le(reach, all(scene_.occluders.few->row().farthest)));
+    return bits_of(hn::Le(reach, all(scene_.occluders.few->boxes().farthest)));
   }
 
   /// Of `bits`, those whose shadow rays hit what one of their boxes holds, where that can be told
@@ -389,15 +389,15 @@ class RowFollower {
     const FewInstances& few = *scene_.occluders.few;
     const FewRows& rows = few.rows();
     const SlabLanes slabs(origin, way);
-    bits &= bits_of(slabs.are_usual(few.row()));
+    bits &= bits_of(slabs.are_usual(few.boxes()));
     uint32_t some = 0, shaded = 0;
     for (uint32_t left = bits; left != 0;) some |= boxes[take_lowest_lane(left)];
-    for (uint32_t left = some & few.row().all; left != 0;) {
+    for (uint32_t left = some & few.boxes().all; left != 0;) {
       const size_t box = take_lowest_lane(left);
       const uint32_t bit = 1u << box;
       const Lanes first = hn::Zero(kLaneTag);
       Lanes enter = first, t = first;
-      uint32_t in = bits_of(slabs.entered(few.row(), box, enter, last)) & bits;
+      uint32_t in = bits_of(slabs.entered(few.boxes(), box, enter, last)) & bits;
       if (((rows.spheres.boxes | rows.carved_boxes) & bit) != 0 && in != 0) {
         state_.counters.traversal.primitive_tests += static_cast<uint64_t>(std::popcount(in));
         uint32_t in_doubt = 0;
