@@ -268,7 +268,8 @@ bool FewInstances::any_hit_among(uint32_t boxes, const Ray& ray,
 AcceleratorStatistics FewInstances::statistics() const {
   return {.primitives = instances_.size(),
           .references = instances_.size(),
-          .bytes = sizeof(BoxRow) + sizeof(RectangleRow) + instances_.size() * sizeof(Instance)};
+          .bytes = sizeof(FewInstances) + instances_.size() * sizeof(Instance) +
+                   (row_endless_.size() + endless_.size()) * sizeof(uint32_t)};
 }
 
 }  // namespace tessera
