@@ -16,11 +16,11 @@
 #include "renderer/accel/mesh_shape.h"
 #include "renderer/integrator/direct_light.h"
 #include "renderer/math/rounding.h"
+#include "renderer/math/targets.h"
 #include "renderer/shapes/plane.h"
 #include "renderer/shapes/sphere.h"
 
 // This file is compiled once for each instruction set, as bvh_kernels.cpp is.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer/integrator/row_tracer.cpp"
 #include <hwy/foreach_target.h>
@@ -538,21 +538,6 @@ HWY_AFTER_NAMESPACE();
 namespace tessera {
 namespace {
 
-RowTracer::Code code_of([[maybe_unused]] std::string_view instructions) {
-#if HWY_ARCH_X86
-#if HWY_TARGETS & HWY_AVX3
-  if (instructions == "AVX3") return N_AVX3::row_code();
-#endif
-#if HWY_TARGETS & HWY_AVX2
-  if (instructions == "AVX2") return N_AVX2::row_code();
-#endif
-#if HWY_TARGETS & HWY_SSE4
-  if (instructions == "SSE4") return N_SSE4::row_code();
-#endif
-#endif
-  return HWY_STATIC_DISPATCH(row_code)();
-}
-
 void check_sizes(size_t rays, size_t found) {
   TESSERA_CHECK(rays >= 1 && rays <= RowTracer::kMost && found == rays,
                 fmt::format("{} rays, {} found", rays, found));
@@ -590,7 +575,9 @@ void RowTracer::radiances(const Camera::Pinhole& camera,
 }
 
 RowTracer::RowTracer(const Scene& scene, const PathFollower& alone, std::string_view instructions)
-    : scene_(scene), alone_(alone), code_(code_of(instructions)) {
+    : scene_(scene),
+      alone_(alone),
+      code_(code_of_target(TESSERA_EACH_TARGET(row_code), instructions)()) {
   for (const std::vector<uint32_t>& scoped : scene.scoped_lights) {
     const std::span<const uint32_t> everywhere = scene.global_lights.all();
     std::vector<uint32_t>& lights = lights_.emplace_back();
