@@ -28,7 +28,7 @@ struct BoxRay {
   double t_shift;  ///< t of the point that the box test starts from: where the ray enters the whole
   double t_slack;  ///< in double only: see BoxMargin::time
 
-  static constexpr double kMargin = 0x1p-19;
+  static constexpr double kMargin = BoxMargin::kUsual;
 
   /// An upper bound in box-test terms for hits up to `t`.
   Real limit(double t) const {

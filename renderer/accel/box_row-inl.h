@@ -9,10 +9,11 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "renderer/accel/box_row.h"
+#include "renderer/math/mask_bits-inl.h"
+#include "renderer/math/vec.h"
 #include "renderer/shapes/ray.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -34,9 +35,7 @@ struct SlabAxis {
 /// BvhKernels::boxes_entered.
 uint32_t boxes_entered(const BoxRow& row, const Ray& ray, double t_max, double* entered) {
   // Sums, since a greatest part may hide one that is not a number.
-  const double far = std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z);
-  const double steep =
-      std::abs(ray.direction.x) + std::abs(ray.direction.y) + std::abs(ray.direction.z);
+  const double far = l1_norm(ray.origin - Point3{}), steep = l1_norm(ray.direction);
   const bool is_steep = steep >= BoxRow::kLeastSteep && steep <= BoxRow::kMostSteep;
   if (!(far <= row.farthest && is_steep)) [[unlikely]] {
     std::fill_n(entered, row.count, -Bounds3::kInfinity);

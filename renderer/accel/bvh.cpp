@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "renderer/accel/stopwatch.h"
+#include "base/monotonic.h"
 #include "renderer/accel/tree_boxes.h"
 
 namespace tessera {
@@ -26,13 +26,13 @@ void MeshBvh::closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
 
 InstanceBvh::InstanceBvh(std::vector<Instance> instances, int threads, const BvhKernels& code)
     : closest_(code.instance_closest), any_(code.instance_any) {
-  const Stopwatch stopwatch;
+  const Time start = monotonic_now();
   tree_.instances = std::move(instances);
   WideTree tree = build_wide_tree(instance_boxes(tree_, bounds_), 1, threads);
   statistics_ = statistics_of(tree, tree_.instances.size(), tree_.instances.size());
   lay_out(std::move(tree), tree_, threads);
   statistics_.bytes = bytes_of(tree_);
-  statistics_.build_seconds = stopwatch.seconds();
+  statistics_.build_seconds = to_seconds(monotonic_now() - start);
 }
 
 }  // namespace tessera

@@ -10,23 +10,22 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "renderer/math/targets.h"
 #include "renderer/shapes/triangle.h"
 
-// This file is compiled once for each instruction set. The sets named here add nothing we use.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+// This file is compiled once for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer/accel/bvh_kernels.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "renderer/accel/packet-inl.h"
-#include "renderer/accel/test_triangles-inl.h"
-#include "renderer/accel/traverse-inl.h"
-// After what it takes from there.
 #include "renderer/accel/box_row-inl.h"
+#include "renderer/accel/packet-inl.h"
 #include "renderer/accel/plane_row-inl.h"
 #include "renderer/accel/ray_row-inl.h"
 #include "renderer/accel/rectangle_row-inl.h"
+#include "renderer/accel/test_triangles-inl.h"
+#include "renderer/accel/traverse-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {
@@ -287,30 +286,10 @@ HWY_AFTER_NAMESPACE();
 namespace tessera {
 namespace {
 
-// Highway's own dispatch lies in a library whose loading measures the clock for 3 ms, as long as
-// all else that a worker does before it is ready. So only its headers are used.
 std::vector<BvhKernels> kernels_of_machine() {
   std::vector<BvhKernels> list;
-#if HWY_ARCH_X86
-  __builtin_cpu_init();
-#if HWY_TARGETS & HWY_AVX3
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
-      __builtin_cpu_supports("avx512cd")) {
-    list.push_back(N_AVX3::kernels_of_target());
-  }
-#endif
-#if HWY_TARGETS & HWY_AVX2
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-      __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2")) {
-    list.push_back(N_AVX2::kernels_of_target());
-  }
-#endif
-#if HWY_TARGETS & HWY_SSE4
-  if (__builtin_cpu_supports("sse4.2")) list.push_back(N_SSE4::kernels_of_target());
-#endif
-#endif
-  list.push_back(HWY_STATIC_DISPATCH(kernels_of_target)());
+  for (const auto& [target, code] : TESSERA_EACH_TARGET(kernels_of_target))
+    if (machine_has(target)) list.push_back(code());
   return list;
 }
 

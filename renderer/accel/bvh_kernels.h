@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "renderer/accel/box_row.h"
+#include "renderer/accel/few_rows.h"
 #include "renderer/accel/instance.h"
 #include "renderer/accel/plane_row.h"
 #include "renderer/accel/ray_row.h"
 #include "renderer/accel/rectangle_row.h"
 #include "renderer/accel/spatial_splits.h"
-#include "renderer/accel/sphere_row.h"
 #include "renderer/accel/traversal_tree.h"
 #include "renderer/accel/wide_tree.h"
 #include "renderer/shapes/ray.h"

@@ -36,10 +36,11 @@ bool DeferredMesh::passes_by(const Ray& ray) const {
   for (int a = 0; a < 3; ++a)
     size = std::max(
         {size, std::abs(bounds_.min[a]), std::abs(bounds_.max[a]), std::abs(ray.origin[a])});
+  const double margin = size * 0x1p-20;
   double enter = -Bounds3::kInfinity, leave = Bounds3::kInfinity;
   for (int a = 0; a < 3; ++a) {
-    const double low = bounds_.min[a] - size * 0x1p-20 - ray.origin[a];
-    const double high = bounds_.max[a] + size * 0x1p-20 - ray.origin[a];
+    const double low = bounds_.min[a] - margin - ray.origin[a];
+    const double high = bounds_.max[a] + margin - ray.origin[a];
     if (ray.direction[a] == 0) {
       if (low > 0 || high < 0) return true;
       continue;

@@ -88,7 +88,6 @@ FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& co
   rectangles_.finish();
   rows_.boxes = BoxRow(boxes);
   take_rows();
-  take_planes();
 }
 
 size_t FewInstances::planes_among(std::span<const Instance> instances) {
@@ -103,7 +102,12 @@ void FewInstances::take_rows() {
       continue;
     }
     rows_.plane_instances[planes.count] = i;
+    if (instances_[i].casts_shadow) shading_planes_ |= 1u << planes.count;
     planes.add(static_cast<const Plane&>(*instances_[i].shape), seen_cull(instances_[i]));
+  }
+  if (planes.count >= PlaneRow::kLeast) {
+    planes_at_once_ = planes.count;
+    endless_ = row_endless_;
   }
   for (size_t box = 0; (rows_.boxes.all >> box & 1) != 0; ++box) {
     const uint32_t i = held_[kBoxes + box];
@@ -121,22 +125,6 @@ void FewInstances::take_rows() {
     if (!(sphere.radius() > 1e-100 && sphere.radius() < 1e100)) continue;
     rows_.spheres.set(box, sphere, i, seen_cull(instance), instance.casts_shadow);
   }
-}
-
-void FewInstances::take_planes() {
-  const auto is_plane = [&](uint32_t i) { return is_plain_plane(instances_[i]); };
-  if (static_cast<size_t>(std::count_if(endless_.begin(), endless_.end(), is_plane)) <
-      PlaneRow::kLeast) {
-    return;
-  }
-  std::erase_if(endless_, [&](uint32_t i) {
-    if (planes_.count == PlaneRow::kMost || !is_plane(i)) return false;
-    const Instance& instance = instances_[i];
-    if (instance.casts_shadow) shading_planes_ |= 1u << planes_.count;
-    plane_numbers_[planes_.count] = i;
-    planes_.add(static_cast<const Plane&>(*instance.shape), seen_cull(instance));
-    return true;
-  });
 }
 
 void FewInstances::find_rectangles(const Ray& ray, double t_max, Candidates& candidates) const {
@@ -161,35 +149,35 @@ inline bool FewInstances::closest_plane(const Ray& ray, Hit& hit,
                                         TraversalCounters& counters) const {
   if (ray.cull != Cull::none) {
     bool found = false;
-    for (size_t i = 0; i < planes_.count; ++i) {
-      const uint32_t number = plane_numbers_[i];
+    for (size_t i = 0; i < planes_at_once_; ++i) {
+      const uint32_t number = rows_.plane_instances[i];
       found |= closest_hit_of(instances_[number], number, ray, hit, counters);
     }
     return found;
   }
-  counters.primitive_tests += planes_.count;
+  counters.primitive_tests += planes_at_once_;
   double t[PlaneRow::kMost];
-  uint32_t met = planes_met_(planes_, ray, hit.t, t);
+  uint32_t met = planes_met_(rows_.planes, ray, hit.t, t);
   if (met == 0) return false;
   const size_t nearest = take_nearest(met, t);
-  return take_if_closer(t[nearest], plane_numbers_[nearest], hit);
+  return take_if_closer(t[nearest], rows_.plane_instances[nearest], hit);
 }
 
 inline bool FewInstances::closest_endless(const Ray& ray, Hit& hit,
                                           TraversalCounters& counters) const {
-  bool found = planes_.count > 0 && closest_plane(ray, hit, counters);
+  bool found = planes_at_once_ > 0 && closest_plane(ray, hit, counters);
   for (const uint32_t i : endless_) found |= closest_hit_of(instances_[i], i, ray, hit, counters);
   return found;
 }
 
 inline bool FewInstances::any_endless(const Ray& ray, TraversalCounters& counters) const {
-  if (planes_.count > 0 && ray.cull == Cull::none) {
-    counters.primitive_tests += planes_.count;
+  if (planes_at_once_ > 0 && ray.cull == Cull::none) {
+    counters.primitive_tests += planes_at_once_;
     double t[PlaneRow::kMost];
-    if ((planes_met_(planes_, ray, ray.t_max, t) & shading_planes_) != 0) return true;
+    if ((planes_met_(rows_.planes, ray, ray.t_max, t) & shading_planes_) != 0) return true;
   } else {
-    for (size_t i = 0; i < planes_.count; ++i)
-      if (any_hit_of(instances_[plane_numbers_[i]], ray, counters)) return true;
+    for (size_t i = 0; i < planes_at_once_; ++i)
+      if (any_hit_of(instances_[rows_.plane_instances[i]], ray, counters)) return true;
   }
   for (const uint32_t i : endless_)
     if (any_hit_of(instances_[i], ray, counters)) return true;
@@ -280,7 +268,8 @@ bool FewInstances::any_hit_among(uint32_t boxes, const Ray& ray,
 AcceleratorStatistics FewInstances::statistics() const {
   return {.primitives = instances_.size(),
           .references = instances_.size(),
-          .bytes = sizeof(BoxRow) + sizeof(RectangleRow) + instances_.size() * sizeof(Instance)};
+          .bytes = sizeof(FewInstances) + instances_.size() * sizeof(Instance) +
+                   (row_endless_.size() + endless_.size()) * sizeof(uint32_t)};
 }
 
 }  // namespace tessera

@@ -7,6 +7,7 @@
 #include "renderer/accel/accelerator.h"
 #include "renderer/accel/box_row.h"
 #include "renderer/accel/bvh_kernels.h"
+#include "renderer/accel/few_rows.h"
 #include "renderer/accel/plane_row.h"
 #include "renderer/accel/rectangle_row.h"
 
@@ -27,8 +28,8 @@ class FewInstances final : public Accelerator {
                     TraversalCounters& counters) const override;
   AcceleratorStatistics statistics() const override;
 
-  /// The boxes; a bit of a mask stands for one of them.
-  const BoxRow& row() const { return rows_.boxes; }
+  /// A bit of a mask stands for one of them.
+  const BoxRow& boxes() const { return rows_.boxes; }
   const FewRows& rows() const { return rows_; }
   /// Whether nothing is held as a rectangle, so that what is in no box is always tested.
   bool is_all_in_boxes() const { return rectangles_.count == 0; }
@@ -37,7 +38,7 @@ class FewInstances final : public Accelerator {
   bool any_hit_among(uint32_t boxes, const Ray& ray, TraversalCounters& counters) const;
   /// Whether there is anything to hit in `boxes`, or that is in none.
   bool holds_any(uint32_t boxes) const {
-    return boxes != 0 || !endless_.empty() || planes_.count != 0;
+    return boxes != 0 || !endless_.empty() || planes_at_once_ != 0;
   }
 
   /// How many planes of `instances` are held against a ray at once, if they are several.
@@ -45,7 +46,6 @@ class FewInstances final : public Accelerator {
 
  private:
   void take_rows();
-  void take_planes();
   /// The place of the first box among candidates.
   static constexpr size_t kBoxes = RectangleRow::kMost;
   /// What the ray may hit, a bit each, and lower bounds of t there.
@@ -63,12 +63,14 @@ class FewInstances final : public Accelerator {
   bool closest_plane(const Ray& ray, Hit& hit, TraversalCounters& counters) const;
 
   std::vector<Instance> instances_;
-  std::vector<uint32_t> endless_;  ///< beside planes_; always tested, ascending
-  PlaneRow planes_;
-  std::array<uint32_t, PlaneRow::kMost> plane_numbers_{};  ///< ascending
-  FewRows rows_;  ///< for many rays at once, where nothing is held as a rectangle
-  std::vector<uint32_t> row_endless_;  ///< beside its planes
-  uint32_t shading_planes_ = 0;        ///< a bit for each that casts shadows
+  FewRows rows_;  ///< for many rays at once only where nothing is held as a rectangle
+  /// Of rows_.planes those that a single ray is held against at once: all or, if they are fewer
+  /// than PlaneRow::kLeast, none.
+  size_t planes_at_once_ = 0;
+  uint32_t shading_planes_ = 0;  ///< a bit for each of rows_.planes that casts shadows
+  /// What is in no box and no rectangle, ascending, always tested: by many rays at once beside
+  /// rows_.planes, by a single ray beside those that it is held against at once.
+  std::vector<uint32_t> row_endless_, endless_;
   /// By candidate: those of the row of rectangles, and from kBoxes on those of the row of boxes.
   std::array<uint32_t, 2 * BoxRow::kMost> held_{};
   RectangleRow rectangles_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "renderer/accel/box_row.h"
+#include "renderer/accel/traversal_tree.h"
 #include "renderer/shapes/surface_interaction.h"
 
 namespace tessera {
@@ -23,10 +24,8 @@ class LightBuffer {
   /// Whether boxes_met() can answer for all rays that leave the surface there: they start no
   /// farther off than half of what boxes are grown by.
   static bool has_answers(const BoxRow& row, const SurfaceInteraction& from) {
-    const auto size = [](const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
-    return size(from.point - Point3{}) +
-               kErrorShare * size(from.point_error + abs(from.smooth_shift)) <=
-           row.farthest;
+    const double error = l1_norm(from.point_error + abs(from.smooth_shift));
+    return l1_norm(from.point - Point3{}) + kErrorShare * error <= row.farthest;
   }
   /// Whether the light is at a place, so that a direction tells the boxes; else a point does.
   bool is_of_place() const { return is_place_; }
@@ -34,13 +33,18 @@ class LightBuffer {
   /// light, in direction `wi` of unit length and so far away.
   uint32_t boxes_met(const Point3& point, const Vec3& wi, double distance) const {
     if (!is_place_) return met_along(point - Point3{});
-    if (!(distance > 1e-100)) [[unlikely]]
+    if (!(distance > kLeastDistance)) [[unlikely]]
       return all_;
     return met_towards(wi);
   }
 
   // The parts of has_answers(), and of boxes_met() by direction, for many at once.
-  static constexpr double kErrorShare = 0x1p21;
+  /// A point is off by its error, and rays that are lifted off it by as much again: that is to be
+  /// half of what boxes are grown by at most.
+  static constexpr double kErrorShare = 4 / BoxMargin::kUsual;
+  /// So near a light, far above where the square of the distance underflows, its direction is still
+  /// one; nearer it tells nothing.
+  static constexpr double kLeastDistance = 1e-100;
   /// Cells along each edge of a face.
   static constexpr int kSide = 32;
   /// The most that the smaller parts of a direction can be, and a little.

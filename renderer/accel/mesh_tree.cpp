@@ -5,9 +5,9 @@
 #include <optional>
 #include <type_traits>
 
+#include "base/monotonic.h"
 #include "base/process.h"
 #include "renderer/accel/spatial_splits.h"
-#include "renderer/accel/stopwatch.h"
 #include "renderer/accel/tree_boxes.h"
 
 namespace tessera {
@@ -61,7 +61,7 @@ void publish(SharedArena::Claim& claim, const BuiltMeshTree& built) {
 }  // namespace
 
 BuiltMeshTree build_mesh_tree(const TriangleMesh& mesh, int threads, BvhQuality quality) {
-  const Stopwatch stopwatch;
+  const Time start = monotonic_now();
   BuiltMeshTree built;
   std::vector<BuildBox> boxes = triangle_boxes(mesh, threads);
   built.tree.bounds = bounds_of(boxes, threads);
@@ -75,7 +75,7 @@ BuiltMeshTree build_mesh_tree(const TriangleMesh& mesh, int threads, BvhQuality 
   lay_out(tree, mesh, built.tree, threads);
   built.statistics = statistics_of(tree, mesh.triangles.size(), references);
   built.statistics.bytes = built.tree.tree.units.bytes();
-  built.statistics.build_seconds = stopwatch.seconds();
+  built.statistics.build_seconds = to_seconds(monotonic_now() - start);
   return built;
 }
 

@@ -1,6 +1,6 @@
 #include "renderer/accel/octree.h"
 
-#include "renderer/accel/stopwatch.h"
+#include "base/monotonic.h"
 #include "renderer/accel/tree_boxes.h"
 
 namespace tessera {
@@ -14,9 +14,9 @@ std::unique_ptr<const SplitSearch> make_search(OctreeKind kind) {
 
 }  // namespace
 
-// Found by measuring the study's scenes and scanned meshes. A object in a leaf takes one lane of an
-// eight-wide node, so that eight of them cost about what one visit of a node does; and so do four
-// blocks of triangles, which need no boxes of their own.
+// Found by measuring the study's scenes and scanned meshes. An object in a leaf takes one lane of
+// an eight-wide node, so that eight of them cost about what one visit of a node does; and so do
+// four blocks of triangles, which need no boxes of their own.
 
 OctreeOptions mesh_octree_options(const SplitSearch* search) {
   return {.search = search,
@@ -39,7 +39,7 @@ OctreeOptions instance_octree_options(const SplitSearch* search) {
 MeshOctree::MeshOctree(const TriangleMesh& mesh, OctreeKind kind, int threads,
                        const BvhKernels& code)
     : code_(&code) {
-  const Stopwatch stopwatch;
+  const Time start = monotonic_now();
   const auto search = make_search(kind);
   tree_.bounds = mesh.bounds();
   statistics_.primitives = mesh.triangles.size();
@@ -47,13 +47,13 @@ MeshOctree::MeshOctree(const TriangleMesh& mesh, OctreeKind kind, int threads,
                        statistics_),
           mesh, tree_, threads);
   statistics_.bytes = tree_.tree.units.bytes();
-  statistics_.build_seconds = stopwatch.seconds();
+  statistics_.build_seconds = to_seconds(monotonic_now() - start);
 }
 
 InstanceOctree::InstanceOctree(std::vector<Instance> instances, OctreeKind kind, int threads,
                                const BvhKernels& code)
     : code_(&code) {
-  const Stopwatch stopwatch;
+  const Time start = monotonic_now();
   const auto search = make_search(kind);
   tree_.instances = std::move(instances);
   statistics_.primitives = tree_.instances.size();
@@ -61,7 +61,7 @@ InstanceOctree::InstanceOctree(std::vector<Instance> instances, OctreeKind kind,
                        threads, statistics_),
           tree_, threads);
   statistics_.bytes = bytes_of(tree_);
-  statistics_.build_seconds = stopwatch.seconds();
+  statistics_.build_seconds = to_seconds(monotonic_now() - start);
 }
 
 }  // namespace tessera

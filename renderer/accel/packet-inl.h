@@ -12,6 +12,7 @@
 
 #include "renderer/accel/test_triangles-inl.h"
 #include "renderer/accel/traverse-inl.h"
+#include "renderer/math/mask_bits-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {

@@ -11,6 +11,7 @@
 #include <cstdint>
 
 #include "renderer/accel/plane_row.h"
+#include "renderer/math/mask_bits-inl.h"
 #include "renderer/math/rounding.h"
 #include "renderer/shapes/ray.h"
 

@@ -15,6 +15,7 @@
 #include <limits>
 
 #include "renderer/accel/carved_lanes-inl.h"
+#include "renderer/accel/few_rows.h"
 #include "renderer/accel/ray_row.h"
 #include "renderer/accel/slab_lanes-inl.h"
 #include "renderer/accel/sphere_lanes-inl.h"

@@ -10,10 +10,11 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "renderer/accel/rectangle_row.h"
+#include "renderer/math/mask_bits-inl.h"
+#include "renderer/math/vec.h"
 #include "renderer/shapes/ray.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -25,9 +26,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// BvhKernels::rectangles_met.
 RectanglesMet rectangles_met(const RectangleRow& row, const Ray& ray, double t_max,
                              double* entered) {
-  const double far = std::abs(ray.origin.x) + std::abs(ray.origin.y) + std::abs(ray.origin.z);
-  const double steep =
-      std::abs(ray.direction.x) + std::abs(ray.direction.y) + std::abs(ray.direction.z);
+  const double far = l1_norm(ray.origin - Point3{}), steep = l1_norm(ray.direction);
   const bool is_usual = far <= row.farthest && steep >= 1e-100 && steep <= 1e100 && ray.t_min >= 0;
   if (!is_usual) [[unlikely]] {
     std::fill_n(entered, row.count, -Bounds3::kInfinity);

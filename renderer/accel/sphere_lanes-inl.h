@@ -28,8 +28,8 @@ HWY_INLINE LaneMask meet_sphere(const SphereRow& row, size_t box, const Lanes3& 
   const auto lies_behind = hn::And(hn::And(hn::Gt(along, zero), hn::Ge(first, zero)),
                                    hn::Gt(hn::Sub(ff, rr), hn::Mul(margin, ff)));
   const Lanes off = hn::Sub(hn::Sub(whole, hn::Mul(along, along)), hn::Mul(a, rr));
-  const auto is_missed =
-      hn::And(hn::Gt(whole, all(1e-280)), hn::Or(lies_behind, hn::Gt(off, hn::Mul(margin, whole))));
+  const auto is_missed = hn::And(hn::Gt(whole, all(Sphere::kLeastProduct)),
+                                 hn::Or(lies_behind, hn::Gt(off, hn::Mul(margin, whole))));
   if (hn::AllTrue(kLaneTag, is_missed)) return hn::Lt(zero, zero);
   const Lanes b = hn::Neg(along);
   const Lanes3 nearest = add(f, multiply(direction, hn::Div(b, a)));

@@ -11,6 +11,7 @@
 
 #include "renderer/accel/bvh_kernels.h"
 #include "renderer/accel/traverse-inl.h"
+#include "renderer/math/mask_bits-inl.h"
 #include "renderer/shapes/triangle.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -154,7 +155,7 @@ class TriangleTester {
                                   hn::Add(hn::Mul(delta_e, max_z), hn::Mul(delta_z, max_e)))),
                 hn::Abs(inverse_det));
     const auto least = hn::Min(hn::Min(hn::Abs(s.u), hn::Abs(s.v)), hn::Abs(s.w));
-    const auto usual = hn::And(hn::Gt(least, zero), hn::Le(error, scaled(0x1p-30, t)));
+    const auto usual = hn::And(hn::Gt(least, zero), hn::Le(error, scaled(kMostErrorOfT, t)));
     auto inside =
         hn::And(hn::Gt(t, hn::Set(tag, ray_.t_min)),
                 hn::And(hn::Lt(t, hn::Set(tag, ray_.t_max)), hn::Le(t, hn::Set(tag, t_max))));

@@ -16,6 +16,7 @@
 #include "renderer/accel/box_ray.h"
 #include "renderer/accel/traversal_tree.h"
 #include "renderer/accel/wide_tree.h"
+#include "renderer/math/mask_bits-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {
@@ -42,13 +43,6 @@ HWY_INLINE void sort(Entry& a, Entry& b) {
   const Entry smaller = std::min(a, b);
   b = std::max(a, b);
   a = smaller;
-}
-
-template <typename Tag, typename Mask>
-HWY_INLINE uint32_t bits_of(Tag tag, Mask mask) {
-  uint8_t bytes[8] = {};
-  hn::StoreMaskBits(tag, mask, bytes);
-  return bytes[0];
 }
 
 /// What a box test wants of a ray in every lane, kept in registers.

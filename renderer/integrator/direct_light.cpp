@@ -135,8 +135,7 @@ Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins
   const Vec3 back = point.surface.point - there.point;
   const Vec3 side = dot(back, there.normal) < 0 ? -there.normal : there.normal;
   constexpr double kRoundings = 0x1p-48;
-  const double far = std::abs(back.x) + std::abs(back.y) + std::abs(back.z);
-  const double lift = dot(abs(side), there.point_error) + kRoundings * far;
+  const double lift = dot(abs(side), there.point_error) + kRoundings * l1_norm(back);
   Ray ray = origins.spawn(-back);
   ray.direction = there.point + side * lift - ray.origin;
   ray.t_max = 1;

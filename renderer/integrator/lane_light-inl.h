@@ -80,7 +80,7 @@ HWY_INLINE void look_up(const LightBuffer& buffer, const LaneSurface& s, const A
   const Lanes column = cell(of_axis(d.y, d.z, d.x)), row = cell(of_axis(d.z, d.x, d.y));
   alignas(64) double cells[kLanes];
   hn::Store(hn::Add(hn::Mul(hn::Add(hn::Mul(face, side), row), side), column), kLaneTag, cells);
-  const uint32_t told = bits_of(hn::Gt(sampled.distance, all(1e-100)));
+  const uint32_t told = bits_of(hn::Gt(sampled.distance, all(LightBuffer::kLeastDistance)));
   while (bits != 0) {
     const size_t lane = take_lowest_lane(bits);
     boxes[lane] = (told >> lane & 1) != 0 ? buffer.boxes_of_cell(static_cast<size_t>(cells[lane]))

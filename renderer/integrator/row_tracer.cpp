@@ -1,5 +1,7 @@
 #include "renderer/integrator/row_tracer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,15 +10,17 @@
 #include <numeric>
 #include <utility>
 
+#include "base/error.h"
 #include "base/unmade.h"
+#include "renderer/accel/few_rows.h"
 #include "renderer/accel/mesh_shape.h"
 #include "renderer/integrator/direct_light.h"
 #include "renderer/math/rounding.h"
+#include "renderer/math/targets.h"
 #include "renderer/shapes/plane.h"
 #include "renderer/shapes/sphere.h"
 
 // This file is compiled once for each instruction set, as bvh_kernels.cpp is.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer/integrator/row_tracer.cpp"
 #include <hwy/foreach_target.h>
@@ -306,7 +310,6 @@ class RowFollower {
   /// tessera::local_radiance() of simple features.
   Lanes3 local_radiance(const Seen& seen, std::span<const uint32_t> lights, const Bundle& bundle) {
     const Material& material = seen.material;
-    const Color kept_diffuse = material.diffuse * 1.0;
     Color ambient = scene_.settings.ambient;
     Lanes3 result = all(material.emission);
     uint32_t answered = 0;
@@ -322,7 +325,8 @@ class RowFollower {
         lit &= ~bits_of(hn::Lt(dot(seen.geometric_normal, sampled.wi), zero));
       }
       Lanes3 arriving = multiply(all(light.intensity), sampled.factor);
-      const Lanes3 share = reflected_share(seen, kept_diffuse, sampled.wi, bundle.direction, lit);
+      const Lanes3 share =
+          reflected_share(seen, material.diffuse, sampled.wi, bundle.direction, lit);
       lit &= ~bits_of(hn::Or(is_black(arriving), is_black(share)));
       state_.counters.shadow_rays_skipped +=
           static_cast<uint64_t>(std::popcount(bundle.bits & ~lit));
@@ -334,7 +338,7 @@ class RowFollower {
       }
       result = choose(mask_of(lit), add(result, multiply(arriving, share)), result);
     }
-    const Color& part = material.ambient_times_diffuse ? kept_diffuse : kWhite;
+    const Color& part = material.ambient_times_diffuse ? material.diffuse : kWhite;
     return add(result, all(ambient * material.ambient * part));
   }
   bool has_shadows() const { return scene_.features.shadows; }
@@ -375,7 +379,7 @@ class RowFollower {
   uint32_t answered_by_buffers(const LaneSurface& s) const {
     const Lanes reach =
         hn::Add(sum(abs(s.point)), hn::Mul(all(LightBuffer::kErrorShare), sum(abs(s.error))));
-    return bits_of(hn::Le(reach, all(scene_.occluders.few->row().farthest)));
+    return bits_of(hn::Le(reach, all(scene_.occluders.few->boxes().farthest)));
   }
 
   /// Of `bits`, those whose shadow rays hit what one of their boxes holds, where that can be told
@@ -385,15 +389,15 @@ class RowFollower {
     const FewInstances& few = *scene_.occluders.few;
     const FewRows& rows = few.rows();
     const SlabLanes slabs(origin, way);
-    bits &= bits_of(slabs.are_usual(few.row()));
+    bits &= bits_of(slabs.are_usual(few.boxes()));
     uint32_t some = 0, shaded = 0;
     for (uint32_t left = bits; left != 0;) some |= boxes[take_lowest_lane(left)];
-    for (uint32_t left = some & few.row().all; left != 0;) {
+    for (uint32_t left = some & few.boxes().all; left != 0;) {
       const size_t box = take_lowest_lane(left);
       const uint32_t bit = 1u << box;
       const Lanes first = hn::Zero(kLaneTag);
       Lanes enter = first, t = first;
-      uint32_t in = bits_of(slabs.entered(few.row(), box, enter, last)) & bits;
+      uint32_t in = bits_of(slabs.entered(few.boxes(), box, enter, last)) & bits;
       if (((rows.spheres.boxes | rows.carved_boxes) & bit) != 0 && in != 0) {
         state_.counters.traversal.primitive_tests += static_cast<uint64_t>(std::popcount(in));
         uint32_t in_doubt = 0;
@@ -534,19 +538,9 @@ HWY_AFTER_NAMESPACE();
 namespace tessera {
 namespace {
 
-RowTracer::Code code_of([[maybe_unused]] std::string_view instructions) {
-#if HWY_ARCH_X86
-#if HWY_TARGETS & HWY_AVX3
-  if (instructions == "AVX3") return N_AVX3::row_code();
-#endif
-#if HWY_TARGETS & HWY_AVX2
-  if (instructions == "AVX2") return N_AVX2::row_code();
-#endif
-#if HWY_TARGETS & HWY_SSE4
-  if (instructions == "SSE4") return N_SSE4::row_code();
-#endif
-#endif
-  return HWY_STATIC_DISPATCH(row_code)();
+void check_sizes(size_t rays, size_t found) {
+  TESSERA_CHECK(rays >= 1 && rays <= RowTracer::kMost && found == rays,
+                fmt::format("{} rays, {} found", rays, found));
 }
 
 }  // namespace
@@ -562,8 +556,28 @@ bool RowTracer::can_follow(const Scene& scene) {
          });
 }
 
+void RowTracer::radiances(std::span<const Ray> rays, std::span<Color> found,
+                          TraceState& state) const {
+  check_sizes(rays.size(), found.size());
+  // Of all rays it would take a part in three hundred of the instructions of a lens.
+  const Ray &first = rays.front(), &last = rays.back();
+  TESSERA_CHECK(first.t_min == last.t_min && first.t_max == last.t_max,
+                fmt::format("from {} to {}, from {} to {}", first.t_min, first.t_max, last.t_min,
+                            last.t_max));
+  code_.follow_rays(*this, rays, found, state);
+}
+
+void RowTracer::radiances(const Camera::Pinhole& camera,
+                          std::span<const Sampler::RasterSample> rasters, std::span<Color> found,
+                          TraceState& state) const {
+  check_sizes(rasters.size(), found.size());
+  code_.follow_rasters(*this, camera, rasters, found, state);
+}
+
 RowTracer::RowTracer(const Scene& scene, const PathFollower& alone, std::string_view instructions)
-    : scene_(scene), alone_(alone), code_(code_of(instructions)) {
+    : scene_(scene),
+      alone_(alone),
+      code_(code_of_target(TESSERA_EACH_TARGET(row_code), instructions)()) {
   for (const std::vector<uint32_t>& scoped : scene.scoped_lights) {
     const std::span<const uint32_t> everywhere = scene.global_lights.all();
     std::vector<uint32_t>& lights = lights_.emplace_back();

@@ -47,15 +47,13 @@ class RowTracer {
             std::string_view instructions = kernels().name);
   RowTracer(const RowTracer&) = delete;
   RowTracer& operator=(const RowTracer&) = delete;
-  /// The radiance along each of at most kMost camera rays, which end at the same t.
-  void radiances(std::span<const Ray> rays, std::span<Color> found, TraceState& state) const {
-    code_.follow_rays(*this, rays, found, state);
-  }
+  /// The radiance along each of 1 to kMost camera rays, which begin and end at the same t, into
+  /// `found`, of as many. Another number is refused by a check, as are a first and a last ray that
+  /// differ in t.
+  void radiances(std::span<const Ray> rays, std::span<Color> found, TraceState& state) const;
   /// The same of a pinhole's rays through raster points.
   void radiances(const Camera::Pinhole& camera, std::span<const Sampler::RasterSample> rasters,
-                 std::span<Color> found, TraceState& state) const {
-    code_.follow_rasters(*this, camera, rasters, found, state);
-  }
+                 std::span<Color> found, TraceState& state) const;
 
   /// How the surface at a hit of an instance is worked out.
   enum class Form : uint8_t { plane, sphere, other };

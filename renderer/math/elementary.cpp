@@ -124,22 +124,22 @@ double angle_of(DoubleDouble y, DoubleDouble x) {
   return rounded(a);
 }
 
-/// x less its last 27 bits: what it and the rest are multiplied with may have 26 for an exact
-/// product.
 double leading_bits(double x) {
-  return std::bit_cast<double>(std::bit_cast<uint64_t>(x) & ~uint64_t{0x7ffffff});
+  return std::bit_cast<double>(std::bit_cast<uint64_t>(x) & ~QuickArc::kLastBits);
 }
 
 /// angle_of() for plain numbers, in a third of the time; false where it cannot be sure of the bits
 /// (Ziv, Fast Evaluation of Elementary Mathematical Functions with Correctly Rounded Last Bit,
 /// 1991): it sums in another order, and the two are off by much less than `doubt`.
 bool quick_angle_of(double y, double x, double& angle) {
-  const bool left = x<0, steep = y> std::abs(x);
+  using Arc = QuickArc;
+  const bool left = x < 0;
+  const bool steep = y > std::abs(x);
   const double large = steep ? y : std::abs(x), small = steep ? std::abs(x) : y;
-  if (!(large < 1e100 && large > 1e-100 && small > large * 1e-30)) return false;
-  // From the nearest multiple c of 1/8 on. Nearly halves are rounded down, so that the difference
-  // small - c * large fits into a double.
-  const int n = static_cast<int>(small / large * 8 + 0.4999);
+  if (!(large < Arc::kMost && large > Arc::kLeast && small > large * Arc::kLeastRatio))
+    return false;
+  // From the nearest multiple c of 1/8 on.
+  const int n = static_cast<int>(small / large * 8 + Arc::kNearlyHalf);
   const double c = n * 0.125;
   const double large_high = leading_bits(large), small_high = leading_bits(small);
   const double across = (small - c * large_high) - c * (large - large_high);
@@ -151,8 +151,8 @@ bool quick_angle_of(double y, double x, double& angle) {
   const double t_low = (((across - back.high) - back.low) - t * along_low) * inverse;
   const double z = t * t, zz = z * z;
   const double p =
-      z * ((z * (1.0 / 5) - 1.0 / 3) +
-           zz * ((z * (1.0 / 9) - 1.0 / 7) + zz * (z * (1.0 / 13) - 1.0 / 11 - zz / 15)));
+      z * ((z * Arc::k5 + Arc::k3) +
+           zz * ((z * Arc::k9 + Arc::k7) + zz * (z * Arc::k13 + Arc::k11 - zz / Arc::kBy15)));
   // Where that angle begins, and the way it goes round.
   const double sign = left == steep ? 1 : -1;
   const DoubleDouble axis = steep ? kPi2 : left ? kPiDd : DoubleDouble{};
@@ -161,7 +161,7 @@ bool quick_angle_of(double y, double x, double& angle) {
   const double tail = t * p;
   const double low =
       (sum.low + (begin.low + (axis.low + sign * (kArc[n].low + t_low)))) + sign * tail;
-  const double doubt = std::abs(tail) * 0x1p-48 + sum.high * 0x1p-100;
+  const double doubt = std::abs(tail) * Arc::kTailDoubt + sum.high * Arc::kSumDoubt;
   angle = sum.high + low;
   return sum.high + (low - doubt) == sum.high + (low + doubt);
 }

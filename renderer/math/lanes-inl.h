@@ -16,6 +16,8 @@
 #include "renderer/math/arc_table.h"
 #include "renderer/math/color.h"
 #include "renderer/math/elementary.h"
+#include "renderer/math/mask_bits-inl.h"
+#include "renderer/math/rounding.h"
 #include "renderer/math/vec.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -84,11 +86,7 @@ HWY_INLINE LaneMask is_black(const Lanes3& c) {
   return hn::And(hn::And(hn::Eq(c.x, zero), hn::Eq(c.y, zero)), hn::Eq(c.z, zero));
 }
 
-HWY_INLINE uint32_t bits_of(LaneMask mask) {
-  uint8_t bytes[8] = {};
-  hn::StoreMaskBits(kLaneTag, mask, bytes);
-  return bytes[0];
-}
+HWY_INLINE uint32_t bits_of(LaneMask mask) { return bits_of(kLaneTag, mask); }
 HWY_INLINE LaneMask mask_of(uint32_t bits) {
   const uint8_t bytes[8] = {static_cast<uint8_t>(bits)};
   return hn::LoadMaskBits(kLaneTag, bytes);
@@ -123,8 +121,9 @@ inline HWY_NOINLINE void normalize_each(Stored3& v) {
 }
 HWY_INLINE Lanes3 normalize(const Lanes3& v) {
   const Lanes squared = dot(v, v);
-  const auto usual = hn::And(hn::Gt(squared, all(1e-280)), hn::Lt(squared, all(1e280)));
-  if (!hn::AllTrue(kLaneTag, usual)) [[unlikely]] {
+  const auto is_safe =
+      hn::And(hn::Gt(squared, all(kLeastSafeSquare)), hn::Lt(squared, all(kMostSafeSquare)));
+  if (!hn::AllTrue(kLaneTag, is_safe)) [[unlikely]] {
     Stored3 each(v);
     normalize_each(each);
     return each.load();
@@ -163,7 +162,7 @@ HWY_INLINE LanesSum fast_two_sum(Lanes a, Lanes b) {
   return {s, hn::Sub(b, hn::Sub(s, a))};
 }
 HWY_INLINE LanesSum two_product(Lanes a, Lanes b) {
-  const Lanes split = all(134217729);
+  const Lanes split = all(kSplit);
   const Lanes p = hn::Mul(a, b), ta = hn::Mul(a, split), tb = hn::Mul(b, split);
   const Lanes ah = hn::Sub(ta, hn::Sub(ta, a)), bh = hn::Sub(tb, hn::Sub(tb, b));
   const Lanes al = hn::Sub(a, ah), bl = hn::Sub(b, bh);
@@ -186,21 +185,22 @@ inline HWY_NOINLINE Lanes atan2_each(Lanes y, Lanes x, uint32_t which, Lanes ang
 /// portable::atan2() to the last bit: its quick way, and where that is not sure the function
 /// itself.
 HWY_INLINE Lanes atan2(Lanes of_y, Lanes x) {
+  using Arc = portable::QuickArc;
   const auto term = [](Lanes z, double a, double b)
                         HWY_ATTR { return hn::Add(hn::Mul(z, all(a)), all(b)); };
   const Lanes zero = hn::Zero(kLaneTag), y = hn::Abs(of_y), ax = hn::Abs(x);
   const auto left = hn::Lt(x, zero), steep = hn::Gt(y, ax);
   Lanes large = hn::IfThenElse(steep, y, ax), small = hn::IfThenElse(steep, ax, y);
-  const auto in_range = hn::And(hn::And(hn::Lt(large, all(1e100)), hn::Gt(large, all(1e-100))),
-                                hn::Gt(small, hn::Mul(large, all(1e-30))));
+  const auto in_range =
+      hn::And(hn::And(hn::Lt(large, all(Arc::kMost)), hn::Gt(large, all(Arc::kLeast))),
+              hn::Gt(small, hn::Mul(large, all(Arc::kLeastRatio))));
   large = hn::IfThenElse(in_range, large, all(1));
   small = hn::IfThenElse(in_range, small, all(1));
-  const Lanes n = hn::Trunc(term(hn::Div(small, large), 8, 0.4999));
+  const Lanes n = hn::Trunc(term(hn::Div(small, large), 8, Arc::kNearlyHalf));
   const Lanes c = hn::Mul(n, all(0.125));
   const auto leading = [](Lanes v) HWY_ATTR {
     const hn::RebindToUnsigned<LaneTag> bits;
-    return hn::BitCast(kLaneTag,
-                       hn::And(hn::BitCast(bits, v), hn::Set(bits, ~uint64_t{0x7ffffff})));
+    return hn::BitCast(kLaneTag, hn::And(hn::BitCast(bits, v), hn::Set(bits, ~Arc::kLastBits)));
   };
   const Lanes large_high = leading(large), small_high = leading(small);
   const Lanes across =
@@ -214,10 +214,10 @@ HWY_INLINE Lanes atan2(Lanes of_y, Lanes x) {
   const Lanes t_low = hn::Mul(
       hn::Sub(hn::Sub(hn::Sub(across, back.high), back.low), hn::Mul(t, along_low)), inverse);
   const Lanes z = hn::Mul(t, t), zz = hn::Mul(z, z);
-  const Lanes last = hn::Sub(term(z, 1.0 / 13, -1.0 / 11), hn::Div(zz, all(15)));
+  const Lanes last = hn::Sub(term(z, Arc::k13, Arc::k11), hn::Div(zz, all(Arc::kBy15)));
   const Lanes p =
-      hn::Mul(z, hn::Add(term(z, 1.0 / 5, -1.0 / 3),
-                         hn::Mul(zz, hn::Add(term(z, 1.0 / 9, -1.0 / 7), hn::Mul(zz, last)))));
+      hn::Mul(z, hn::Add(term(z, Arc::k5, Arc::k3),
+                         hn::Mul(zz, hn::Add(term(z, Arc::k9, Arc::k7), hn::Mul(zz, last)))));
   const auto forward = hn::Or(hn::And(left, steep), hn::Not(hn::Or(left, steep)));
   const Lanes sign = hn::IfThenElse(forward, all(1), all(-1));
   const auto axis = [&](double of_steep, double of_left) HWY_ATTR {
@@ -238,7 +238,7 @@ HWY_INLINE Lanes atan2(Lanes of_y, Lanes x) {
   const Lanes from_axis = hn::Add(axis(portable::kPi2.low, portable::kPiDd.low), rest);
   const Lanes low = hn::Add(hn::Add(sum.low, hn::Add(begin.low, from_axis)), hn::Mul(sign, tail));
   const Lanes doubt =
-      hn::Add(hn::Mul(hn::Abs(tail), all(0x1p-48)), hn::Mul(sum.high, all(0x1p-100)));
+      hn::Add(hn::Mul(hn::Abs(tail), all(Arc::kTailDoubt)), hn::Mul(sum.high, all(Arc::kSumDoubt)));
   const auto is_sure = hn::And(in_range, hn::Eq(hn::Add(sum.high, hn::Sub(low, doubt)),
                                                 hn::Add(sum.high, hn::Add(low, doubt))));
   const Lanes angle = hn::CopySign(hn::Add(sum.high, low), of_y);

@@ -57,9 +57,11 @@ inline DoubleDouble fast_two_sum(double a, double b) {
   const double s = a + b;
   return {s, b - (s - a)};
 }
+/// 2^27 + 1: what Veltkamp multiplies a double with to cut it into halves of 26 bits, whose
+/// products are exact.
+inline constexpr double kSplit = 134217729;
 /// a * b exactly (Veltkamp, Dekker), for |a|, |b| < 2^970 and a product above 2^-960.
 inline DoubleDouble two_product(double a, double b) {
-  constexpr double kSplit = 134217729;  // 2^27 + 1
   const double p = a * b;
   const double ta = a * kSplit, tb = b * kSplit;
   const double ah = ta - (ta - a), bh = tb - (tb - b);

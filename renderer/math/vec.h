@@ -64,17 +64,22 @@ inline Vec3 cross(const Vec3& a, const Vec3& b) {
 inline double length_squared(const Vec3& v) { return dot(v, v); }
 inline double length(const Vec3& v) { return std::sqrt(dot(v, v)); }
 inline double distance(const Point3& a, const Point3& b) { return length(a - b); }
-/// normalize() where the square of the length leaves the range of double.
+/// Between these the square of a length is as exact as any: what underflows of its parts' squares
+/// is too small to matter, and nothing overflows.
+inline constexpr double kLeastSafeSquare = 1e-280, kMostSafeSquare = 1e280;
+/// normalize() where the square of the length is not between them.
 Vec3 normalize_extreme(const Vec3& v);
 /// Unit vector along `v`, which must not be zero; safe from overflow and underflow.
 inline Vec3 normalize(const Vec3& v) {
   const double squared = dot(v, v);
-  if (!(squared > 1e-280 && squared < 1e280)) [[unlikely]]
+  if (!(squared > kLeastSafeSquare && squared < kMostSafeSquare)) [[unlikely]]
     return normalize_extreme(v);
   return v / std::sqrt(squared);
 }
 inline Normal3 normalize(const Normal3& n) { return to_normal(normalize(static_cast<Vec3>(n))); }
 inline Vec3 abs(const Vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
+/// The sum of the parts' sizes: what rounding moves a place by goes with it. Added up from x on.
+inline double l1_norm(const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 inline double max_component(const Vec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
 inline bool is_finite(const Vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);

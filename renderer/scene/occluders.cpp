@@ -72,7 +72,7 @@ Occluders make_occluders(std::span<const Instance> instances, const std::vector<
   if (looks_up) result.few = dynamic_cast<const FewInstances*>(result.opaque.get());
   if (result.few && !result.few->is_all_in_boxes()) result.few = nullptr;
   for (size_t i = 0; result.few && i < lights.size(); ++i)
-    result.buffers.push_back(buffer_of(lights[i], result.few->row()));
+    result.buffers.push_back(buffer_of(lights[i], result.few->boxes()));
   return result;
 }
 

@@ -26,7 +26,7 @@ struct Occluders {
 
   /// For the rays that leave a surface; null where those are to be traced.
   const LightBuffer* buffers_at(const SurfaceInteraction& from) const {
-    return few && LightBuffer::has_answers(few->row(), from) ? buffers.data() : nullptr;
+    return few && LightBuffer::has_answers(few->boxes(), from) ? buffers.data() : nullptr;
   }
 };
 

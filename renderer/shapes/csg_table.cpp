@@ -94,8 +94,7 @@ CsgTable::CsgTable(const CsgGates& gates) {
 /// of these points.
 CsgTable::Answer CsgTable::by_ends(const CsgGates& gates, const Ray& ray, const SolidSpan& span,
                                    bool any, Hit& hit) const {
-  const auto sum = [](const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
-  const double from = sum(ray.origin - Point3{}), along = sum(ray.direction);
+  const double from = l1_norm(ray.origin - Point3{}), along = l1_norm(ray.direction);
   const auto& leaves = gates.leaves();
   bool are_outside[2] = {true, true};
   for (uint32_t number = 1; number < leaves.size(); ++number) {

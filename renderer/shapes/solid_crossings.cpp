@@ -10,13 +10,13 @@ bool Sphere::span(const Ray& ray, const RayError& error, SolidSpan& span) const 
   double t[2];
   const Vec3 f = ray.origin - center_;
   if (surely_missed_by_line(ray.direction, f) || !roots(ray.direction, f, t[0], t[1])) return false;
-  const auto sum = [](const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
-  const double places = sum(center_ - Point3{}) + sum(ray.origin - Point3{}) + sum(f) + radius_;
+  const double places =
+      l1_norm(center_ - Point3{}) + l1_norm(ray.origin - Point3{}) + l1_norm(f) + radius_;
   for (int i = 0; i < 2; ++i) {
     // For positive v the product |n| . v is at most the largest part of n times the sum of v's.
     const Vec3 n = ray.at(t[i]) - center_;
-    const double depth = max_component(abs(n)) * (gamma(8) * places + sum(error.origin) +
-                                                  std::abs(t[i]) * sum(error.direction));
+    const double depth = max_component(abs(n)) * (gamma(8) * places + l1_norm(error.origin) +
+                                                  std::abs(t[i]) * l1_norm(error.direction));
     double reach = depth / std::abs(dot(n, ray.direction));
     // A tangent line is inside for no longer than the chord at the depth that is in doubt.
     if (!(reach * reach * dot(ray.direction, ray.direction) < depth)) {

@@ -25,6 +25,9 @@ class Sphere final : public ConvexSolid {
   }
 
   static constexpr double kMargin = 0x1p-44;  ///< hundreds of times the rounding of the squares
+  /// The least product of the squares of direction and distance that rounding alone tells the error
+  /// of: below it what underflows may be more than kMargin.
+  static constexpr double kLeastProduct = 1e-280;
   /// Where `ray` first meets the sides that `cull` leaves, if it does at t <= `limit`; ray.cull
   /// does not count.
   bool intersect(const Ray& ray, Cull cull, double limit, double& t) const {
@@ -47,14 +50,14 @@ class Sphere final : public ConvexSolid {
   bool surely_missed(const Ray& ray, const Vec3& f) const {
     const double a = dot(ray.direction, ray.direction), ff = dot(f, f), b = dot(f, ray.direction);
     const double rr = radius_ * radius_, all = a * ff;
-    if (!(all > 1e-280)) return false;
+    if (!(all > kLeastProduct)) return false;
     if (b > 0 && ray.t_min >= 0 && ff - rr > kMargin * ff) return true;  // it lies behind
     return all - b * b - a * rr > kMargin * all;
   }
   /// The same for the whole line.
   bool surely_missed_by_line(const Vec3& d, const Vec3& f) const {
     const double a = dot(d, d), b = dot(f, d), all = a * dot(f, f);
-    return all > 1e-280 && all - b * b - a * (radius_ * radius_) > kMargin * all;
+    return all > kLeastProduct && all - b * b - a * (radius_ * radius_) > kMargin * all;
   }
   /// Roots in ascending order; false where the line misses.
   bool roots(const Vec3& direction, const Vec3& f, double& t0, double& t1) const;

@@ -109,6 +109,9 @@ bool sharpen_edges(ShearedTriangle& s);
 bool settle_uncertain_t(const TriangleRay& ray, const ShearedTriangle& s,
                         const std::array<Point3, 3>& corners, double error, double& t);
 
+/// Of t, the largest error that leaves it as it is; more is settled by another way.
+inline constexpr double kMostErrorOfT = 0x1p-30;
+
 /// The rest of the test, for the few triangles whose edge functions do not differ in sign.
 /// `corners()` gives the three vertices, where they are needed.
 template <typename Corners>
@@ -123,7 +126,7 @@ inline bool finish_triangle(const TriangleRay& ray, ShearedTriangle& s, Corners&
   const double inverse_det = 1 / det;
   double t = (s.u * s.az + s.v * s.bz + s.w * s.cz) * inverse_det;
   const double error = t_error(ray, s, inverse_det);
-  if (!(error <= t * 0x1p-30)) [[unlikely]] {
+  if (!(error <= t * kMostErrorOfT)) [[unlikely]] {
     if (!settle_uncertain_t(ray, s, corners(), error, t)) return false;
   }
   if (!(t > ray.t_min && t < ray.t_max)) return false;

@@ -221,7 +221,7 @@ MUTATIONS = [
              "renderer/shapes/triangle.cpp", "t = clamp_to_box(ray.ray, corners, t);",
              "(void)clamp_to_box(ray.ray, corners, t);", "numerics_test",
              "N20.*:Seed/N04.*:Seed/N2*"),
-    Mutation("boxes without a margin", "renderer/accel/box_ray.h", "kMargin = 0x1p-19",
+    Mutation("boxes without a margin", "renderer/accel/box_ray.h", "kMargin = BoxMargin::kUsual",
              "kMargin = 0x1p-60", "numerics_test", "Offset/N02.*/0:Offset/N02.*/3:N15.*"),
     Mutation("boxes a thousandth too small", "renderer/accel/wide_tree.cpp",
              "low{float_down(b.min.x)", "low{float_up(b.min.x + 1e-3 * std::abs(b.min.x))",

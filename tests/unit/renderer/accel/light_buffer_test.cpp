@@ -54,7 +54,7 @@ TEST(LightBuffer, LeavesOutNothingThatIsInTheWayOfAPlace) {
     const FewInstances few(some_instances(numbers));
     // Now and then inside of something, or in line with it.
     const Point3 place = Point3{} + vector(numbers, scene % 2 == 0 ? 4 : 40);
-    const LightBuffer buffer = LightBuffer::of_place(few.row(), place);
+    const LightBuffer buffer = LightBuffer::of_place(few.boxes(), place);
     for (int i = 0; i < 2000; ++i) {
       const Point3 from = Point3{} + vector(numbers, 5);
       const Vec3 way = place - from;
@@ -71,7 +71,7 @@ TEST(LightBuffer, LeavesOutNothingThatIsInTheWayOfADirection) {
   for (int scene = 0; scene < 40; ++scene) {
     const FewInstances few(some_instances(numbers));
     const Vec3 wi = normalize(vector(numbers, 1) + Vec3{1e-9, 0, 0});
-    const LightBuffer buffer = LightBuffer::of_direction(few.row(), -wi);
+    const LightBuffer buffer = LightBuffer::of_direction(few.boxes(), -wi);
     for (int i = 0; i < 2000; ++i) {
       ++rays;
       looked_at +=
@@ -85,25 +85,25 @@ TEST(LightBuffer, AnswersNotWhereRaysStartFarOff) {
   const FewInstances few({{std::make_shared<Sphere>(Point3{}, 1)}});
   SurfaceInteraction surface;
   surface.point = {1, 2, 0};
-  EXPECT_TRUE(LightBuffer::has_answers(few.row(), surface));
+  EXPECT_TRUE(LightBuffer::has_answers(few.boxes(), surface));
   surface.point_error = {0, 1e-5, 0};
-  EXPECT_FALSE(LightBuffer::has_answers(few.row(), surface));
+  EXPECT_FALSE(LightBuffer::has_answers(few.boxes(), surface));
   surface.point_error = {};
   surface.smooth_shift = {0, 0, -0.1};
-  EXPECT_FALSE(LightBuffer::has_answers(few.row(), surface));
+  EXPECT_FALSE(LightBuffer::has_answers(few.boxes(), surface));
   surface.smooth_shift = {};
   surface.point = {100, 0, 0};
-  EXPECT_FALSE(LightBuffer::has_answers(few.row(), surface));
+  EXPECT_FALSE(LightBuffer::has_answers(few.boxes(), surface));
   surface.point.x = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(LightBuffer::has_answers(few.row(), surface));
+  EXPECT_FALSE(LightBuffer::has_answers(few.boxes(), surface));
 }
 
 TEST(LightBuffer, LooksAtAllFromTheLightItself) {
   const FewInstances few({{std::make_shared<Sphere>(Point3{}, 1)}});
-  const LightBuffer buffer = LightBuffer::of_place(few.row(), {5, 0, 0});
-  EXPECT_EQ(buffer.boxes_met({5, 0, 0}, {0, 1, 0}, 0), few.row().all);
+  const LightBuffer buffer = LightBuffer::of_place(few.boxes(), {5, 0, 0});
+  EXPECT_EQ(buffer.boxes_met({5, 0, 0}, {0, 1, 0}, 0), few.boxes().all);
   EXPECT_EQ(buffer.boxes_met({9, 0, 0}, {-1, 0, 0}, 4), 0u);
-  EXPECT_EQ(buffer.boxes_met({-9, 0, 0}, {1, 0, 0}, 14), few.row().all);
+  EXPECT_EQ(buffer.boxes_met({-9, 0, 0}, {1, 0, 0}, 14), few.boxes().all);
 }
 
 }  // namespace

@@ -9,9 +9,9 @@
 #include "renderer/accel/bvh_kernels.h"
 #include "renderer/math/elementary.h"
 #include "renderer/math/rounding.h"
+#include "renderer/math/targets.h"
 #include "tests/uniform_numbers.h"
 
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tests/unit/renderer/math/lanes_test.cpp"
 #include <hwy/foreach_target.h>
@@ -53,12 +53,8 @@ struct Code {
   Function atan2, next;
 };
 Code code_of(std::string_view name) {
-#if HWY_ARCH_X86
-  if (name == "AVX3") return {N_AVX3::atan2_of_all, N_AVX3::next_of_all};
-  if (name == "AVX2") return {N_AVX2::atan2_of_all, N_AVX2::next_of_all};
-  if (name == "SSE4") return {N_SSE4::atan2_of_all, N_SSE4::next_of_all};
-#endif
-  return {HWY_STATIC_DISPATCH(atan2_of_all), HWY_STATIC_DISPATCH(next_of_all)};
+  return {code_of_target(TESSERA_EACH_TARGET(atan2_of_all), name),
+          code_of_target(TESSERA_EACH_TARGET(next_of_all), name)};
 }
 
 /// Of equal bits, so that zeros differ; any number that is none will do.

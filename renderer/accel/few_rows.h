@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "renderer/accel/box_row.h"
+#include "renderer/accel/plane_row.h"
+#include "renderer/accel/ray_row.h"
+#include "renderer/accel/sphere_row.h"
+#include "renderer/shapes/carved_box.h"
+
+namespace tessera {
+
+/// A few instances, in rows.
+struct FewRows {
+  PlaneRow planes;
+  std::array<uint32_t, PlaneRow::kMost> plane_instances{};  ///< ascending
+  BoxRow boxes;
+  SphereRow spheres;          ///< in some of the boxes
+  uint32_t carved_boxes = 0;  ///< a bit for each of the boxes that holds one, seen from both sides
+  std::array<CarvedBox, BoxRow::kMost> carved;  ///< by box
+};
+
+/// What each ray of a row meets first of a few planes and spheres, and what else it may, by
+/// BvhKernels::row_met.
+struct RayRowMet {
+  alignas(64) double t[RayRow::kMost];         ///< infinite where nothing is met
+  alignas(64) double instance[RayRow::kMost];  ///< of equal ones the smallest
+  /// A bit for each box of other things that is entered before that, or BoxRow::kUnusual too: there
+  /// the rest says nothing.
+  alignas(64) int64_t boxes[RayRow::kMost];
+  alignas(64) double entered[BoxRow::kMost][RayRow::kMost];  ///< lower bounds of t in those boxes
+  uint64_t tests = 0;                                        ///< of planes and spheres
+};
+
+}  // namespace tessera
