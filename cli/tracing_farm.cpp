@@ -145,7 +145,11 @@ class InProcessFarm : public TracingFarm {
         kBetweenObservations);
   }
   ~InProcessFarm() override {
-    dismiss();
+    try {
+      dismiss();
+    } catch (const std::bad_alloc&) {
+      stop_ = true;
+    }
     worker_.join();
   }
 
