@@ -258,7 +258,7 @@ class Compare(TesseraTest):
 
     def test_missing(self):
         self.write("a.ppm", b"P6\n1 1\n255\n\0\0\0")
-        self.assert_error(self.run_program("compare", "a.ppm", "aa.ppm"), 1,
+        self.assert_error(self.run_program("compare", "a.ppm", "aa.ppm"), 2,
                           "aa.ppm: no such file; did you mean 'a.ppm'?")
 
 
