@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -40,10 +41,6 @@ bool is_plain_plane(const Instance& instance) {
   return instance.shape->kind() == ShapeKind::plane && instance.world_from_object.is_identity();
 }
 
-const Rectangle& rectangle_of(const Instance& instance) {
-  return static_cast<const Rectangle&>(*instance.shape);
-}
-
 /// As closest_hit_of() where the ray is known to be inside the rectangle's edges.
 bool closest_hit_inside_of(const Rectangle& rectangle, uint32_t number, const Ray& ray, Hit& hit,
                            TraversalCounters& counters) {
@@ -68,16 +65,20 @@ FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& co
       planes_met_(code.planes_met),
       row_met_(code.row_met) {
   std::vector<Bounds3> boxes;
+  rectangles_.resize(instances_.size());
   for (uint32_t i = 0; i < instances_.size(); ++i) {
     const Instance& instance = instances_[i];
     const Bounds3 box = bounds_of(instance);
     if (box.empty()) continue;
     bounds_.extend(box);
-    if (const Rectangle* rectangle = plain_rectangle(instance)) {
-      const auto place = static_cast<uint32_t>(rectangles_.count);
-      if (instance.cull == Cull::none) two_sided_ |= 1u << place;
-      held_[place] = i;
-      rectangles_.add(*rectangle);
+    if (const Rectangle* const rectangle = plain_rectangle(instance)) {
+      rectangles_[i] = rectangle;
+      const size_t place = rows_.rectangles.count;
+      const Cull cull = seen_cull(instance);
+      if (cull != Cull::front) rows_.seen_from_front |= 1u << place;
+      if (cull != Cull::back) rows_.seen_from_behind |= 1u << place;
+      held_[place] = rows_.rectangle_instances[place] = i;
+      rows_.rectangles.add(*rectangle);
     } else if (can_be_held(instance, box)) {
       held_[kBoxes + boxes.size()] = i;
       boxes.push_back(box);
@@ -85,7 +86,7 @@ FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& co
       endless_.push_back(i);
     }
   }
-  rectangles_.finish();
+  rows_.rectangles.finish();
   rows_.boxes = BoxRow(boxes);
   take_rows();
 }
@@ -128,16 +129,17 @@ void FewInstances::take_rows() {
 }
 
 void FewInstances::find_rectangles(const Ray& ray, double t_max, Candidates& candidates) const {
-  if (rectangles_.count == 0) return;
-  const RectanglesMet met = rectangles_met_(rectangles_, ray, t_max, candidates.entered);
-  candidates.left = met.maybe & rectangles_.all;
-  candidates.inside = ray.cull == Cull::none ? met.inside & two_sided_ : 0;
+  if (is_all_in_boxes()) return;
+  const RectanglesMet met = rectangles_met_(rows_.rectangles, ray, t_max, candidates.entered);
+  const uint32_t two_sided = rows_.seen_from_front & rows_.seen_from_behind;
+  candidates.left = met.maybe;
+  candidates.inside = ray.cull == Cull::none ? met.inside & two_sided : 0;
   candidates.is_unusual = (met.maybe & RectangleRow::kUnusual) != 0;
 }
 
 void FewInstances::find_boxes(const Ray& ray, double t_max, Candidates& candidates) const {
   if (rows_.boxes.count == 0) {
-    candidates.is_unusual |= rectangles_.count == 0;
+    candidates.is_unusual |= is_all_in_boxes();
     return;
   }
   const uint32_t in = boxes_entered_(rows_.boxes, ray, t_max, candidates.entered + kBoxes);
@@ -196,7 +198,7 @@ bool FewInstances::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& coun
     if (candidates.entered[nearest] > hit.t) break;
     const uint32_t i = held_[nearest];
     found |= (candidates.inside >> nearest & 1) != 0
-                 ? closest_hit_inside_of(rectangle_of(instances_[i]), i, ray, hit, counters)
+                 ? closest_hit_inside_of(*rectangles_[i], i, ray, hit, counters)
                  : closest_hit_of(instances_[i], i, ray, hit, counters);
   }
   return found;
@@ -204,10 +206,6 @@ bool FewInstances::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& coun
 
 void FewInstances::closest_hits(const RayRow& rays, std::span<Hit> hits,
                                 TraversalCounters& counters) const {
-  if (rectangles_.count > 0) {
-    Accelerator::closest_hits(rays, hits, counters);
-    return;
-  }
   RayRowMet met;
   row_met_(rows_, rays, met);
   counters.primitive_tests += met.tests;
@@ -216,13 +214,15 @@ void FewInstances::closest_hits(const RayRow& rays, std::span<Hit> hits,
     hit = {};
     auto boxes = static_cast<uint32_t>(met.boxes[i]);
     if ((boxes & BoxRow::kUnusual) != 0) [[unlikely]] {
-      counters.primitive_tests -= rows_.planes.count;
+      counters.primitive_tests -= rows_.tests_of_each();
       closest_hit(rays.ray(i), hit, counters);
       continue;
     }
+    const auto nearest = static_cast<uint32_t>(met.instance[i]);
+    const bool on_rectangle = std::isfinite(met.t[i]) && rectangles_[nearest];
     hit.t = met.t[i];
-    hit.instance = static_cast<uint32_t>(met.instance[i]);
-    if (boxes == 0 && row_endless_.empty()) continue;
+    hit.instance = nearest;
+    if (boxes == 0 && row_endless_.empty() && !on_rectangle) continue;
     const Ray ray = rays.ray(i);
     for (const uint32_t of : row_endless_) closest_hit_of(instances_[of], of, ray, hit, counters);
     double entered[BoxRow::kMost];
@@ -237,6 +237,7 @@ void FewInstances::closest_hits(const RayRow& rays, std::span<Hit> hits,
       if (met.entered[box][i] > hit.t) break;
       closest_hit_of(instances_[held_[kBoxes + box]], held_[kBoxes + box], ray, hit, counters);
     }
+    if (on_rectangle && hit.instance == nearest) hit = rectangles_[nearest]->hit_at(ray, hit.t, hit);
   }
 }
 
@@ -244,8 +245,8 @@ bool FewInstances::any_hit(const Ray& ray, TraversalCounters& counters) const {
   Candidates candidates;
   find_rectangles(ray, ray.t_max, candidates);
   for (uint32_t inside = candidates.left & candidates.inside; inside != 0;) {
-    const Instance& instance = instances_[held_[take_lowest(inside)]];
-    if (instance.casts_shadow && rectangle_of(instance).any_hit_inside(ray, counters)) return true;
+    const uint32_t i = held_[take_lowest(inside)];
+    if (instances_[i].casts_shadow && rectangles_[i]->any_hit_inside(ray, counters)) return true;
   }
   candidates.left &= ~candidates.inside;
   find_boxes(ray, ray.t_max, candidates);
@@ -268,7 +269,8 @@ bool FewInstances::any_hit_among(uint32_t boxes, const Ray& ray,
 AcceleratorStatistics FewInstances::statistics() const {
   return {.primitives = instances_.size(),
           .references = instances_.size(),
-          .bytes = sizeof(FewInstances) + instances_.size() * sizeof(Instance) +
+          .bytes = sizeof(FewInstances) +
+                   instances_.size() * (sizeof(Instance) + sizeof(const Rectangle*)) +
                    (row_endless_.size() + endless_.size()) * sizeof(uint32_t)};
 }
 

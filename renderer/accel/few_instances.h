@@ -32,7 +32,7 @@ class FewInstances final : public Accelerator {
   const BoxRow& boxes() const { return rows_.boxes; }
   const FewRows& rows() const { return rows_; }
   /// Whether nothing is held as a rectangle, so that what is in no box is always tested.
-  bool is_all_in_boxes() const { return rectangles_.count == 0; }
+  bool is_all_in_boxes() const { return rows_.rectangles.count == 0; }
   /// any_hit() of a ray that may hit what is in `boxes`, as BvhKernels::boxes_entered tells, where
   /// all are in boxes.
   bool any_hit_among(uint32_t boxes, const Ray& ray, TraversalCounters& counters) const;
@@ -63,7 +63,8 @@ class FewInstances final : public Accelerator {
   bool closest_plane(const Ray& ray, Hit& hit, TraversalCounters& counters) const;
 
   std::vector<Instance> instances_;
-  FewRows rows_;  ///< for many rays at once only where nothing is held as a rectangle
+  std::vector<const Rectangle*> rectangles_;  ///< by instance; null: it is not held as one
+  FewRows rows_;
   /// Of rows_.planes those that a single ray is held against at once: all or, if they are fewer
   /// than PlaneRow::kLeast, none.
   size_t planes_at_once_ = 0;
@@ -73,8 +74,6 @@ class FewInstances final : public Accelerator {
   std::vector<uint32_t> row_endless_, endless_;
   /// By candidate: those of the row of rectangles, and from kBoxes on those of the row of boxes.
   std::array<uint32_t, 2 * BoxRow::kMost> held_{};
-  RectangleRow rectangles_;
-  uint32_t two_sided_ = 0;  ///< rectangles that all rays see from either side
   Bounds3 bounds_;
   decltype(BvhKernels::boxes_entered) boxes_entered_;
   decltype(BvhKernels::rectangles_met) rectangles_met_;

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 
 #include "renderer/accel/box_row.h"
 #include "renderer/accel/plane_row.h"
 #include "renderer/accel/ray_row.h"
+#include "renderer/accel/rectangle_row.h"
 #include "renderer/accel/sphere_row.h"
 #include "renderer/shapes/carved_box.h"
 
@@ -13,16 +15,25 @@ namespace tessera {
 
 /// A few instances, in rows.
 struct FewRows {
+  RectangleRow rectangles;
+  std::array<uint32_t, RectangleRow::kMost> rectangle_instances{};  ///< ascending
+  /// Rectangles that rays see from there, a bit each.
+  uint32_t seen_from_front = 0, seen_from_behind = 0;
   PlaneRow planes;
   std::array<uint32_t, PlaneRow::kMost> plane_instances{};  ///< ascending
   BoxRow boxes;
   SphereRow spheres;          ///< in some of the boxes
   uint32_t carved_boxes = 0;  ///< a bit for each of the boxes that holds one, seen from both sides
   std::array<CarvedBox, BoxRow::kMost> carved;  ///< by box
+
+  /// Of every ray, whatever boxes it enters.
+  size_t tests_of_each() const {
+    return planes.count + static_cast<size_t>(std::popcount(rectangles.all));
+  }
 };
 
-/// What each ray of a row meets first of a few planes and spheres, and what else it may, by
-/// BvhKernels::row_met.
+/// What each ray of a row meets first of a few planes, rectangles and spheres, and what else it may,
+/// by BvhKernels::row_met.
 struct RayRowMet {
   alignas(64) double t[RayRow::kMost];         ///< infinite where nothing is met
   alignas(64) double instance[RayRow::kMost];  ///< of equal ones the smallest
@@ -30,7 +41,7 @@ struct RayRowMet {
   /// the rest says nothing.
   alignas(64) int64_t boxes[RayRow::kMost];
   alignas(64) double entered[BoxRow::kMost][RayRow::kMost];  ///< lower bounds of t in those boxes
-  uint64_t tests = 0;                                        ///< of planes and spheres
+  uint64_t tests = 0;  ///< of planes, rectangles and spheres
 };
 
 }  // namespace tessera

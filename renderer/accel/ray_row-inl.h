@@ -62,17 +62,91 @@ HWY_INLINE void meet_planes(const FewRows& few, const Lanes3& origin, const Lane
   }
 }
 
+/// accurate_dot()
+HWY_INLINE Lanes accurate_dot(const Lanes3& a, const Lanes3& b) {
+  const Lanes parts[3][2] = {{a.x, b.x}, {a.y, b.y}, {a.z, b.z}};
+  LanesSum sum = two_product(a.x, b.x);
+  for (int i = 1; i < 3; ++i) {
+    const LanesSum product = two_product(parts[i][0], parts[i][1]);
+    const LanesSum next = two_sum(sum.high, product.high);
+    sum = {next.high, hn::Add(sum.low, hn::Add(next.low, product.low))};
+  }
+  return hn::Add(sum.high, sum.low);
+}
+
+/// Rectangle::closest_hit() with each, line by line; in the lanes that are returned one may be hit
+/// of which that cannot be told here. Of rays as RectangleRow knows them.
+HWY_INLINE LaneMask meet_rectangles(const FewRows& few, const Lanes3& origin,
+                                    const Lanes3& direction, Lanes first, Lanes last,
+                                    Nearest& nearest) {
+  const RectangleRow& row = few.rectangles;
+  const Lanes zero = hn::Zero(kLaneTag), half = all(0.5);
+  const Lanes steep = sum(abs(direction));
+  const Lanes slack = hn::Div(all(2 * RectangleRow::kMargin * row.extent), steep);
+  auto in_doubt = hn::Lt(steep, zero);  // none
+  for (size_t i = 0; (row.all >> i & 1) != 0; ++i) {
+    const auto of = [&](const double(&parts)[3][RectangleRow::kMost])
+                        HWY_ATTR { return Lanes3{all(parts[0][i]), all(parts[1][i]), all(parts[2][i])}; };
+    const Lanes3 from = subtract(origin, of(row.corner)), normal = of(row.normal);
+    Lanes height, approach, reach;
+    if (row.axis[i] < 0) {
+      height = accurate_dot(normal, from);
+      approach = accurate_dot(normal, direction);
+      reach = dot(abs(normal), abs(from));
+    } else {
+      const auto along = [&](const Lanes3& v) HWY_ATTR {
+        return row.axis[i] == 0 ? v.x : row.axis[i] == 1 ? v.y : v.z;
+      };
+      height = hn::Mul(along(normal), along(from));
+      approach = hn::Mul(along(normal), along(direction));
+      reach = hn::Abs(height);
+    }
+    const Lanes t = hn::Div(hn::Neg(height), approach);
+    const Lanes3 p = add(multiply(direction, t), from);
+    const Lanes u = hn::Abs(hn::Sub(dot(of(row.share_u), p), half));
+    const Lanes v = hn::Abs(hn::Sub(dot(of(row.share_v), p), half));
+    const auto told = hn::Gt(hn::Abs(approach), hn::Mul(all(row.grazing[i]), steep));
+    const auto outside = hn::Or(hn::Gt(u, all(row.out_u[i])), hn::Gt(v, all(row.out_v[i])));
+    const auto elsewhere =
+        hn::Or(hn::Lt(hn::Add(t, slack), first), hn::Gt(t, hn::Add(last, slack)));
+    const auto inside = hn::And(hn::Lt(u, all(row.in_u[i])), hn::Lt(v, all(row.in_v[i])));
+    const auto maybe = hn::Not(hn::And(told, hn::Or(outside, elsewhere)));
+    const auto sure = hn::And(told, inside);
+    in_doubt = hn::Or(in_doubt, hn::AndNot(sure, maybe));
+    auto met = hn::And(sure, hn::Gt(hn::Abs(height), hn::Mul(all(gamma(2)), reach)));
+    met = hn::And(met, hn::And(hn::Gt(t, first), hn::Lt(t, last)));
+    const auto in_front = hn::Lt(approach, zero);
+    if ((few.seen_from_front >> i & 1) == 0) met = hn::AndNot(in_front, met);
+    if ((few.seen_from_behind >> i & 1) == 0) met = hn::And(in_front, met);
+    nearest.take(met, t, few.rectangle_instances[i]);
+  }
+  return in_doubt;
+}
+/// Whether rectangles_met() would tell of each.
+HWY_INLINE LaneMask are_usual(const RectangleRow& row, const Lanes3& origin,
+                              const Lanes3& direction, double t_min) {
+  const Lanes steep = sum(abs(direction));
+  const auto is_steep = hn::And(hn::Ge(steep, all(1e-100)), hn::Le(steep, all(1e100)));
+  const double farthest = t_min >= 0 ? row.farthest : -1;
+  return hn::And(is_steep, hn::Le(sum(abs(origin)), all(farthest)));
+}
+
 /// BvhKernels::row_met.
 void row_met(const FewRows& few, const RayRow& rays, RayRowMet& met) {
   const Lanes first = all(rays.t_min), last = all(rays.t_max);
-  met.tests = few.planes.count * rays.count;
+  met.tests = few.tests_of_each() * rays.count;
   // What is behind the last ray counts for nothing.
   for (size_t at = 0; at < rays.count; at += kLanes) {
     const Lanes3 origin = load(rays.origin, at), direction = load(rays.direction, at);
     Nearest nearest;
     meet_planes(few, origin, direction, first, last, nearest);
     const SlabLanes slabs(origin, direction);
-    const auto usual = slabs.are_usual(few.boxes);
+    auto usual = slabs.are_usual(few.boxes);
+    if (few.rectangles.all != 0) {
+      usual = hn::And(usual, are_usual(few.rectangles, origin, direction, rays.t_min));
+      const auto in_doubt = meet_rectangles(few, origin, direction, first, last, nearest);
+      usual = hn::AndNot(in_doubt, usual);
+    }
     const uint32_t rays_here = bits_of(usual) & ((1u << std::min(kLanes, rays.count - at)) - 1);
     auto bits = hn::IfThenElse(hn::RebindMask(kIndexTag, usual), hn::Zero(kIndexTag),
                                hn::Set(kIndexTag, int64_t{BoxRow::kUnusual}));

@@ -26,6 +26,7 @@ void RectangleRow::add(const Rectangle& rectangle) {
     extent = std::max(
         {extent, std::abs(rectangle.bounds().min[a]), std::abs(rectangle.bounds().max[a])});
   }
+  axis[count] = rectangle.axis();
   grazing[count] = kGrazing * length(n);
   out_u[count] = length(by_u);
   out_v[count] = length(by_v);

@@ -33,7 +33,8 @@ struct RectangleRow {
   alignas(32) double grazing[kMost] = {};  ///< by the normal's length
   /// From the middle, as shares: inside for sure below the first, outside above the other.
   alignas(32) double in_u[kMost] = {}, in_v[kMost] = {}, out_u[kMost] = {}, out_v[kMost] = {};
-  size_t count = 0;     ///< rounded up to a whole number of vectors
+  int axis[kMost] = {};  ///< along which the normal is; -1: along none
+  size_t count = 0;      ///< rounded up to a whole number of vectors
   uint32_t all = 0;     ///< a bit for each rectangle
   double extent = 0;    ///< greatest coordinate
   double farthest = 0;  ///< of an origin, the parts added up: beyond it all are tested

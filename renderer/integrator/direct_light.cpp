@@ -134,8 +134,7 @@ Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins
   // The stretch ends before the light's own surface, as it begins after that of the point.
   const Vec3 back = point.surface.point - there.point;
   const Vec3 side = dot(back, there.normal) < 0 ? -there.normal : there.normal;
-  constexpr double kRoundings = 0x1p-48;
-  const double lift = dot(abs(side), there.point_error) + kRoundings * l1_norm(back);
+  const double lift = dot(abs(side), there.point_error) + kLiftRoundings * l1_norm(back);
   Ray ray = origins.spawn(-back);
   ray.direction = there.point + side * lift - ray.origin;
   ray.t_max = 1;

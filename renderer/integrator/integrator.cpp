@@ -1,5 +1,7 @@
 #include "renderer/integrator/integrator.h"
 
+#include "base/unmade.h"
+#include "renderer/accel/ray_row.h"
 #include "renderer/integrator/path_tracer.h"
 #include "renderer/integrator/views.h"
 #include "renderer/integrator/whitted.h"
@@ -28,6 +30,15 @@ void TraceCounters::add_to(CounterMap& map) const {
   add_if_any("roulette_ends", roulette_ends);
   add_if_any("paths_cut", paths_cut);
   map["nan_samples"] += nan_samples;
+}
+
+void Integrator::radiances(const Camera& camera, std::span<const Sampler::RasterSample> rasters,
+                           std::span<const SampleKey> keys, std::span<Color> found,
+                           TraceState& state) const {
+  Unmade<Ray, RayRow::kMost> rays;
+  for (size_t i = 0; i < rasters.size(); ++i)
+    rays[i] = camera.ray(rasters[i].point.x, rasters[i].point.y);
+  radiances({rays.data(), rasters.size()}, keys, found, state);
 }
 
 std::unique_ptr<const Integrator> make_integrator(std::shared_ptr<const Scene> scene) {

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <optional>
 
-#include "renderer/integrator/direct_light.h"
-#include "renderer/integrator/light_sampling.h"
+#include "renderer/integrator/path_light.h"
+#include "renderer/integrator/path_numbers.h"
+#include "renderer/integrator/path_rows.h"
 #include "renderer/integrator/surface_point.h"
 #include "renderer/math/elementary.h"
 #include "renderer/shading/bsdf.h"
@@ -14,64 +15,13 @@ namespace tessera {
 
 namespace {
 
-/// Bounces that no roulette ends.
-constexpr uint32_t kSafeDepth = 3;
-
-/// The numbers that one vertex of a path draws; what it does not ask for is not worked out.
-class VertexNumbers {
- public:
-  VertexNumbers(const SampleStream& stream, uint32_t vertex, bool skips, uint64_t& skipped)
-      : stream_(stream), first_(kFirst + kPairs * vertex), skips_(skips), skipped_(skipped) {}
-  ~VertexNumbers() {
-    if (skips_) {
-      skipped_ += kPairs - ((read_ & 1) + (read_ >> 1 & 1) + (read_ >> 2 & 1) + (read_ >> 3));
-    } else {
-      read_others();
-    }
-  }
-  VertexNumbers(const VertexNumbers&) = delete;
-  VertexNumbers& operator=(const VertexNumbers&) = delete;
-
-  /// The direction's, which nearly every vertex asks for: hashed while the way to the vertex is
-  /// traced, it keeps nobody waiting.
-  void draw_ahead() const { direction_ = pair(1); }
-  Vec2 on_light() const {
-    if (!direction_) draw_ahead();  // side by side
-    return pair(0);
-  }
-  Vec2 direction() const { return direction_ ? *direction_ : pair(1); }
-  /// x: which way to scatter, y: whether to go on.
-  Vec2 choice() const { return pair(2); }
-  /// x: which light, y: whether the surface is passed.
-  Vec2 pick() const { return pair(3); }
-
- private:
-  static constexpr uint32_t kFirst = 1u << 20, kPairs = 4;
-  Vec2 pair(uint32_t use) const {
-    read_ |= 1u << use;
-    return stream_.pair(static_cast<SampleUse>(first_ + use));
-  }
-  [[gnu::cold, gnu::noinline]] void read_others() const {
-    for (uint32_t use = 0; use < kPairs; ++use) {
-      if ((read_ >> use & 1) != 0) continue;
-      keep_result(pair(use));
-    }
-  }
-
-  const SampleStream& stream_;
-  uint32_t first_;
-  bool skips_;
-  uint64_t& skipped_;  ///< counts pairs that were not asked for
-  mutable uint32_t read_ = 0;
-  mutable std::optional<Vec2> direction_;
-};
-
 /// kRich: materials may have textures. kPasses: something may let a ray through unbent, or absorb.
 template <typename Scatter, bool kRich, bool kPasses>
 class PathTracer final : public Integrator {
  public:
   explicit PathTracer(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {
     if (kPasses) at_camera_ = media_at_camera(*scene_);
+    if (PathRows::can_follow(*scene_)) rows_.emplace(*scene_);
   }
 
   Color background(const Ray& ray) const override {
@@ -85,6 +35,14 @@ class PathTracer final : public Integrator {
     while (follow(path, stream, state)) {
     }
     return path.sum;
+  }
+  size_t rays_at_once() const override { return rows_ ? PathRows::kMost : 1; }
+  void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
+                 TraceState& state) const override {
+    if (rows_)
+      rows_->radiances(rays, keys, found, state);
+    else
+      Integrator::radiances(rays, keys, found, state);
   }
 
  private:
@@ -171,24 +129,15 @@ class PathTracer final : public Integrator {
   }
 
   void add_background(Path& path) const {
-    const Color shine = background(path.ray);
-    double weight = 1;
-    if (path.density > 0 && scene_->environment) {
-      weight = power_heuristic(path.density, environment_share(*scene_) *
-                                                 scene_->environment->density(path.ray.direction));
-    }
-    path.sum += path.throughput * shine * weight;
+    path.sum += path.throughput * background(path.ray) *
+                background_weight(*scene_, path.density, path.ray.direction);
   }
 
   void add_emission(Path& path, const SurfacePoint& point) const {
     const Color shine = emission(point);
     if (is_black(shine)) return;
-    double weight = 1;
-    if (path.density > 0) {
-      const double other = light_density(*scene_, point, path.from, path.from_normal);
-      weight = power_heuristic(path.density, other);
-    }
-    path.sum += path.throughput * shine * weight;
+    path.sum += path.throughput * shine *
+                emission_weight(*scene_, point, path.density, path.from, path.from_normal);
   }
 
   void add_direct_light(Path& path, const SurfacePoint& point, const Scatter& scatter,
@@ -204,7 +153,8 @@ class PathTracer final : public Integrator {
       if (u < to_sky) {
         EnvironmentSampler::Sample there = scene_->environment->sample(numbers.on_light());
         there.density *= to_sky;
-        sum += from_environment(there, point, scatter, origins, path, width, state);
+        sum += light_from_environment<kRich>(*scene_, there, point, scatter, origins, path.media,
+                                             width, state);
       } else {
         u = (u - to_sky) / (1 - to_sky);
         const LightTree::Pick pick =
@@ -222,53 +172,9 @@ class PathTracer final : public Integrator {
         }
       }
     }
-    const auto add_light = [&](uint32_t index) {
-      const Light& light = scene_->lights[index];
-      LightSample sample;
-      const auto leave_out = [&](bool skips) {
-        if (skips) {
-          ++state.counters.shadow_rays_skipped;
-        } else {
-          trace_for_nothing<kRich>(*scene_, point, path.media, light, sample, width, state);
-        }
-      };
-      if (!sample_light(light, point.surface.point, path.path_length, sample)) {
-        leave_out(scene_->skips.unreached_lights);
-        return;
-      }
-      const Color share = scatter.evaluate(sample.wi).share * (portable::kPi * sample.factor);
-      const Color arriving = light.intensity * share;
-      if (is_black(arriving)) {
-        leave_out(scene_->skips.dark_shadow_rays);
-        return;
-      }
-      Color visible = kWhite;
-      if (light.casts_shadow) {
-        visible = light_visibility<kRich>(*scene_, point, origins, path.media, light, sample, width,
-                                          state);
-      }
-      sum += arriving * visible;
-    };
-    state.counters.lights_culled +=
-        scene_->for_each_light(point.surface.instance, point.surface.point, add_light);
+    add_lights<kRich>(*scene_, point, scatter, origins, path.media, path.path_length, width, state,
+                      sum);
     path.sum += path.throughput * sum;
-  }
-
-  Color from_environment(const EnvironmentSampler::Sample& there, const SurfacePoint& point,
-                         const Scatter& scatter, RayOrigins& origins, const Path& path,
-                         double width, TraceState& state) const {
-    if (!(there.density > 0)) return kBlack;
-    const BsdfValue value = scatter.evaluate(there.wi);
-    const bool is_dark = is_black(value.share);
-    if (is_dark && scene_->skips.dark_shadow_rays) {
-      ++state.counters.shadow_rays_skipped;
-      return kBlack;
-    }
-    const Ray ray = origins.spawn(there.wi);
-    const Color visible = ray_visibility<kRich>(*scene_, point, ray, path.media, width, state);
-    if (is_black(visible) || is_dark) return kBlack;
-    return background(ray) * value.share * visible *
-           (power_heuristic(there.density, value.density) / there.density);
   }
 
   Color from_area_light(const AreaLight& light, const SurfaceSample& there, double density,
@@ -310,7 +216,7 @@ class PathTracer final : public Integrator {
     const double worth = max_component(path.throughput) / path.radiance_scale;
     if (!(worth > 0)) return false;
     if (may_end) {
-      const double survival = std::min(std::sqrt(worth), 0.95);
+      const double survival = std::min(std::sqrt(worth), kMostSurvival);
       if (choice.y >= survival) {
         ++state.counters.roulette_ends;
         return false;
@@ -333,6 +239,7 @@ class PathTracer final : public Integrator {
 
   std::shared_ptr<const Scene> scene_;
   Media at_camera_;
+  std::optional<PathRows> rows_;
 };
 
 }  // namespace

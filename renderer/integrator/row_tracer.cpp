@@ -30,6 +30,7 @@
 #include "renderer/accel/slab_lanes-inl.h"
 #include "renderer/accel/sphere_lanes-inl.h"
 #include "renderer/integrator/lane_light-inl.h"
+#include "renderer/integrator/lane_row-inl.h"
 #include "renderer/integrator/lane_surface-inl.h"
 #include "renderer/math/lanes-inl.h"
 
@@ -55,30 +56,6 @@ struct Bundle {
   Lanes3 throughput;
 };
 
-HWY_INLINE Lanes gather(const double* values, LaneIndices places) {
-  return hn::GatherIndex(kLaneTag, values, places);
-}
-HWY_INLINE Lanes3 gather(const double (&parts)[3][RayRow::kRoom], LaneIndices places) {
-  return {gather(parts[0], places), gather(parts[1], places), gather(parts[2], places)};
-}
-constexpr uint32_t kAllLanes = (1u << kLanes) - 1;
-/// The lanes of `bits`, one after the other; what is behind them may be overwritten. Not by
-/// hn::Compress(), for which GCC 12 copies a table of 512 bytes each time.
-HWY_INLINE void append(Lanes values, uint32_t bits, double* at) {
-  if (bits == kAllLanes) {
-    hn::StoreU(values, kLaneTag, at);
-    return;
-  }
-  alignas(64) double each[kLanes];
-  hn::Store(values, kLaneTag, each);
-  while (bits != 0) *at++ = each[take_lowest_lane(bits)];
-}
-HWY_INLINE void append(const Lanes3& values, uint32_t bits, size_t at,
-                       double (&parts)[3][RayRow::kRoom]) {
-  append(values.x, bits, parts[0] + at);
-  append(values.y, bits, parts[1] + at);
-  append(values.z, bits, parts[2] + at);
-}
 class RowFollower {
  public:
   RowFollower(const RowTracer& tracer, std::span<Color> found, TraceState& state)
@@ -220,11 +197,6 @@ class RowFollower {
   }
 
   static_assert(sizeof(Hit) == 4 * sizeof(double));
-  static LaneIndices indices_of(const uint32_t* places) {
-    const hn::Rebind<uint32_t, LaneTag> narrow;
-    return hn::BitCast(kIndexTag,
-                       hn::PromoteTo(hn::RebindToUnsigned<LaneTag>(), hn::LoadU(narrow, places)));
-  }
 
   // ----------------------------------------------------------------------------------- surfaces
 

@@ -4,7 +4,6 @@
 #include <optional>
 #include <span>
 
-#include "base/unmade.h"
 #include "renderer/integrator/direct_light.h"
 #include "renderer/integrator/row_tracer.h"
 #include "renderer/integrator/surface_point.h"
@@ -226,25 +225,21 @@ class MirrorIntegrator final : public WhittedIntegrator<kShadows, true, false>,
     return follow_to_end({.ray = ray}, state);
   }
   size_t rays_at_once() const override { return rows_ ? RowTracer::kMost : 1; }
-  void radiances(std::span<const Ray> rays, std::span<Color> found,
+  void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
                  TraceState& state) const override {
     if (rows_)
       rows_->radiances(rays, found, state);
     else
-      Base::radiances(rays, found, state);
+      Base::radiances(rays, keys, found, state);
   }
   void radiances(const Camera& camera, std::span<const Sampler::RasterSample> rasters,
-                 std::span<Color> found, TraceState& state) const override {
-    if (!rows_) {
-      Base::radiances(camera, rasters, found, state);
-    } else if (const auto pinhole = camera.pinhole()) {
+                 std::span<const SampleKey> keys, std::span<Color> found,
+                 TraceState& state) const override {
+    const auto pinhole = camera.pinhole();
+    if (rows_ && pinhole)
       rows_->radiances(*pinhole, rasters, found, state);
-    } else {
-      Unmade<Ray, RowTracer::kMost> rays;
-      for (size_t i = 0; i < rasters.size(); ++i)
-        rays[i] = camera.ray(rasters[i].point.x, rasters[i].point.y);
-      rows_->radiances({rays.data(), rasters.size()}, found, state);
-    }
+    else
+      Base::radiances(camera, rasters, keys, found, state);
   }
 
  private:

@@ -114,6 +114,10 @@ struct Stored3 {
   Point3 point(size_t lane) const { return {x[lane], y[lane], z[lane]}; }
   Color color(size_t lane) const { return {x[lane], y[lane], z[lane]}; }
   void put(size_t lane, const Vec3& v) { x[lane] = v.x, y[lane] = v.y, z[lane] = v.z; }
+  /// The lanes from `count` on, of one or more, as the first.
+  void fill_from(size_t count) {
+    for (size_t lane = count; lane < kLanes; ++lane) put(lane, vec(0));
+  }
 };
 
 inline HWY_NOINLINE void normalize_each(Stored3& v) {

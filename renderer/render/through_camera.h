@@ -47,10 +47,11 @@ void through_camera(const Scene& scene, const Integrator& integrator,
   const Camera& camera = *scene.camera;
   const uint32_t lens_samples = camera.lens_samples();
   if (lens_samples == 0) {
-    integrator.radiances(camera, rasters, found, state);
+    integrator.radiances(camera, rasters, keys, found, state);
     return;
   }
   Unmade<Ray, kMost> rays;
+  Unmade<SampleKey, kMost> of_rays;
   Unmade<Color, kMost> colors;
   for (size_t i = 0; i < keys.size(); ++i) {
     const auto& [x, y, sample] = keys[i];
@@ -60,9 +61,11 @@ void through_camera(const Scene& scene, const Integrator& integrator,
       count = std::min(lens_samples - begin, uint32_t{kMost});
       for (uint32_t ray = 0; ray < count; ++ray) {
         const uint32_t own = sample * lens_samples + begin + ray;
+        of_rays[ray] = {x, y, own};
         rays[ray] = camera.lens_ray(at.x, at.y, scene.sampler->pair(x, y, own, SampleUse::lens));
       }
-      integrator.radiances({rays.data(), count}, {colors.data(), count}, state);
+      integrator.radiances({rays.data(), count}, {of_rays.data(), count}, {colors.data(), count},
+                           state);
       for (uint32_t ray = 0; ray < count; ++ray) sum += colors[ray];
     }
     found[i] = sum * (1.0 / lens_samples);

@@ -155,18 +155,15 @@ class SceneTileRenderer final : public TileRenderer {
   bool render_pixels(const RenderTask& task, TileProgress& progress, TileState& state,
                      const Output& output) const {
     uint64_t unseen_pixels = 0;
-    const bool is_lone = shows_one_sample(task), in_blocks = is_lone && in_rows_;
+    const bool is_lone = shows_one_sample(task);
     state.cone = scene_->cones.of(task.first_sample);
-    LonePixels waiting;
-    for (const PixelRect& part : parts_of(task.rect, in_blocks)) {
+    WaitingPixels waiting(empty_sum());
+    for (const PixelRect& part : parts_of(task.rect, is_lone && in_rows_)) {
       for (int y = part.y0; y < part.y1; ++y) {
         for (int x = part.x0; x < part.x1; ++x) {
           const bool seen = is_seen(x, y);
-          if (in_blocks && seen) {
-            waiting.keys[waiting.count++] = {x, y, task.first_sample};
-            // A lens fills rows by one pixel, and may take long for it.
-            if (scene_->camera->lens_samples() > 0 && !put_waiting(waiting, task, state, output))
-              return false;
+          if (in_rows_ && seen) {
+            if (!wait_for(x, y, task, waiting, state, output)) return false;
             continue;
           }
           if (!seen) ++unseen_pixels;
@@ -182,7 +179,7 @@ class SceneTileRenderer final : public TileRenderer {
           if (!progress.go_on()) return false;
         }
       }
-      if (!put_waiting(waiting, task, state, output)) return false;
+      if (!put_waiting(task, waiting, state, output)) return false;
     }
     output.tile.counters["rays_background_skipped"] = unseen_pixels * task.sample_count;
     return true;
@@ -200,23 +197,79 @@ class SceneTileRenderer final : public TileRenderer {
     return parts;
   }
 
-  /// Pixels of one sample that are to be traced together.
-  struct LonePixels {
+  /// Samples that are to be traced together.
+  struct WaitingSamples {
     Unmade<SampleKey, kRowSamples> keys;
+    Unmade<uint32_t, kRowSamples> pixels;  ///< the number of each one's pixel among those that wait
     size_t count = 0;
-  };
-  /// Leaves none waiting. Whether it was not cancelled.
-  bool put_waiting(LonePixels& waiting, const RenderTask& task, TraceState& state,
-                   const Output& output) const {
-    if (waiting.count == 0) return true;
-    const std::span keys(waiting.keys.data(), std::exchange(waiting.count, 0));
-    const SamplesTogether found(*this, keys, state);
-    state.counters.samples_skipped += keys.size() * (task.sample_count - 1);
-    for (size_t i = 0; i < keys.size(); ++i) {
-      const Color color = finite(found[i], state).color;
-      put_color(kBlack + color, value_at(keys[i].x, keys[i].y, output.tile));  // no -0
+
+    void add(const SampleKey& key, uint32_t pixel) {
+      keys[count] = key;
+      pixels[count++] = pixel;
     }
-    return output.progress.go_on(keys.size());
+  };
+  /// Whether more samples of this scene can wait. A lens fills rows by one sample, and may take
+  /// long for it.
+  bool has_room(const WaitingSamples& waiting) const {
+    return waiting.count < (scene_->camera->lens_samples() > 0 ? 1 : kRowSamples);
+  }
+  /// Calls take(place, sample) with what each sample that waits finds, in their order, and leaves
+  /// none waiting.
+  template <typename Take>
+  void trace_waiting(WaitingSamples& waiting, TraceState& state, const Take& take) const {
+    if (waiting.count == 0) return;
+    const std::span keys(waiting.keys.data(), std::exchange(waiting.count, 0));
+    Unmade<Sampler::RasterSample, kRowSamples> rasters;
+    Unmade<Color, kRowSamples> colors;
+    for (size_t i = 0; i < keys.size(); ++i)
+      rasters[i] = scene_->sampler->raster_sample(keys[i].x, keys[i].y, keys[i].sample);
+    through_camera<kRowSamples>(*scene_, *integrator_, keys, {rasters.data(), keys.size()},
+                                {colors.data(), keys.size()}, state);
+    for (size_t i = 0; i < keys.size(); ++i)
+      take(i, finite({colors[i], rasters[i].negative}, state));
+  }
+
+  /// Pixels whose samples are to be traced together.
+  struct WaitingPixels {
+    explicit WaitingPixels(const SampleSum& empty) : sum(empty) {}
+    WaitingSamples samples;
+    SampleSum sum;  ///< of the first of them, as far as it is traced
+  };
+  /// Whether it was not cancelled.
+  bool wait_for(int x, int y, const RenderTask& task, WaitingPixels& waiting, TraceState& state,
+                const Output& output) const {
+    const uint32_t traced = traced_of(task);
+    state.counters.samples_skipped += task.sample_count - traced;
+    for (uint32_t i = 0; i < traced; ++i) {
+      waiting.samples.add({x, y, task.first_sample + i}, i);
+      if (!has_room(waiting.samples) && !put_waiting(task, waiting, state, output)) return false;
+    }
+    return true;
+  }
+  bool put_waiting(const RenderTask& task, WaitingPixels& waiting, TraceState& state,
+                   const Output& output) const {
+    if (waiting.samples.count == 0) return true;
+    const uint32_t last = traced_of(task) - 1;
+    const bool is_lone = shows_one_sample(task);
+    WaitingSamples& samples = waiting.samples;
+    uint64_t done = 0;
+    trace_waiting(samples, state, [&](size_t i, const Sample& sample) {
+      const auto& [x, y, number] = samples.keys[i];
+      done += number - task.first_sample == last;
+      if (is_lone) {
+        put_color(kBlack + sample.color, value_at(x, y, output.tile));  // no -0
+        return;
+      }
+      waiting.sum.add(sample);
+      if (number - task.first_sample != last) return;
+      put(waiting.sum, x, y, true, output);
+      waiting.sum = empty_sum();
+    });
+    return output.progress.go_on(std::max(done, uint64_t{1}));
+  }
+  /// Samples that are all alike are traced once.
+  uint32_t traced_of(const RenderTask& task) const {
+    return samples_coincide_ ? 1 : task.sample_count;
   }
 
   // ------------------------------------------------------------------------ adaptive sampling
@@ -270,19 +323,36 @@ class SceneTileRenderer final : public TileRenderer {
     bool converged = count == 0;
     while (!converged && done < task.sample_count) {
       const uint32_t next = std::min(done == 0 ? first_look : 2 * done, task.sample_count);
-      for (size_t i = 0; i < count; ++i) {
+      WaitingSamples waiting;
+      for (uint32_t i = 0; i < count; ++i) {
         BlockPixel& pixel = pixels[i];
         TraceState& counted = pixel.wanted ? state : beside;
-        for (uint32_t begin = done, end = 0; begin < next; begin = end) {
-          end = begin + std::min(next - begin, samples_at_once_);
-          for (uint32_t sample = begin; sample < end; ++sample) {
-            const Sample found = finite_sample({pixel.x, pixel.y, task.first_sample + sample},
-                                               counted, way_of(pixel.seen));
-            pixel.sum.add(found);
-            estimate.add(static_cast<int>(i), found.color);
+        const auto take = [&](uint32_t of, const Sample& found) {
+          pixels[of].sum.add(found);
+          estimate.add(static_cast<int>(of), found.color);
+        };
+        const auto take_waiting = [&](size_t place, const Sample& found) {
+          take(waiting.pixels[place], found);
+        };
+        const bool in_row = in_rows_ && pixel.seen;
+        for (uint32_t sample = done; sample < next; ++sample) {
+          const SampleKey key{pixel.x, pixel.y, task.first_sample + sample};
+          if (in_row) {
+            waiting.add(key, i);
+            if (has_room(waiting)) continue;
+            trace_waiting(waiting, counted, take_waiting);
+            if (!progress.go_on()) return false;
+          } else {
+            take(i, finite_sample(key, counted, way_of(pixel.seen)));
+            const bool tells = (sample + 1 - done) % samples_at_once_ == 0 || sample + 1 == next;
+            if (tells && !progress.go_on()) return false;
           }
-          if (!progress.go_on()) return false;
         }
+        // What is counted apart is traced apart.
+        const bool is_last = i + 1 == count || pixels[i + 1].wanted != pixel.wanted;
+        if (!is_last || waiting.count == 0) continue;
+        trace_waiting(waiting, counted, take_waiting);
+        if (!progress.go_on()) return false;
       }
       done = next;
       if (done < first_look || !std::has_single_bit(done)) continue;
@@ -415,51 +485,18 @@ class SceneTileRenderer final : public TileRenderer {
     }
     return sample;
   }
-  /// What trace() finds of each key, at most kRowSamples, where rays are followed in rows.
-  class SamplesTogether {
-   public:
-    SamplesTogether(const SceneTileRenderer& renderer, std::span<const SampleKey> keys,
-                    TraceState& state) {
-      const Scene& scene = *renderer.scene_;
-      for (size_t i = 0; i < keys.size(); ++i)
-        rasters_[i] = scene.sampler->raster_sample(keys[i].x, keys[i].y, keys[i].sample);
-      through_camera<kRowSamples>(scene, *renderer.integrator_, keys,
-                                  {rasters_.data(), keys.size()}, {colors_.data(), keys.size()},
-                                  state);
-    }
-    Sample operator[](size_t i) const { return {colors_[i], rasters_[i].negative}; }
-
-   private:
-    Unmade<Sampler::RasterSample, kRowSamples> rasters_;
-    Unmade<Color, kRowSamples> colors_;
-  };
-
   /// The task's samples, added in the order of their numbers. Whether it was not cancelled.
   bool add_samples(SampleSum& sum, int x, int y, const RenderTask& task, TraceState& state,
                    SampleFunction sample_function, TileProgress& progress) const {
-    // Samples that are all alike are traced once.
-    const uint32_t traced = samples_coincide_ ? 1 : task.sample_count;
+    const uint32_t traced = traced_of(task);
     state.counters.samples_skipped += task.sample_count - traced;
     for (uint32_t begin = 0, end = 0;; begin = end) {
       end = begin + std::min(traced - begin, samples_at_once_);
-      if (in_rows_ && sample_function == &SceneTileRenderer::trace) {
-        end = begin + std::min(end - begin, uint32_t{kRowSamples});
-        add_row(sum, {x, y, task.first_sample + begin}, end - begin, state);
-      } else {
-        for (uint32_t i = begin; i < end; ++i)
-          sum.add(finite_sample({x, y, task.first_sample + i}, state, sample_function));
-      }
+      for (uint32_t i = begin; i < end; ++i)
+        sum.add(finite_sample({x, y, task.first_sample + i}, state, sample_function));
       if (end == traced) return true;
       if (!progress.go_on()) return false;
     }
-  }
-
-  /// The next `count` samples of a pixel, traced together.
-  void add_row(SampleSum& sum, const SampleKey& first, uint32_t count, TraceState& state) const {
-    Unmade<SampleKey, kRowSamples> keys;
-    for (uint32_t i = 0; i < count; ++i) keys[i] = {first.x, first.y, first.sample + i};
-    const SamplesTogether found(*this, {keys.data(), count}, state);
-    for (uint32_t i = 0; i < count; ++i) sum.add(finite(found[i], state));
   }
 
   /// Whether a pixel is nothing but what its only sample finds.

@@ -2,11 +2,11 @@
 
 #include <cmath>
 
+#include "renderer/sampler/scramble.h"
+
 namespace tessera {
 
 namespace {
-
-constexpr double kTwoToMinus32 = 0x1p-32;
 
 uint32_t reverse_bits(uint32_t v) {
   v = __builtin_bswap32(v);
@@ -22,22 +22,21 @@ uint64_t reverse_bits(uint64_t v) {
   return ((v & 0xaaaaaaaaaaaaaaaau) >> 1) | ((v & 0x5555555555555555u) << 1);
 }
 
-/// The finalizer of SplitMix64 (Steele, Lea, Flood 2014).
 uint64_t mix(uint64_t v) {
-  v += 0x9e3779b97f4a7c15u;
-  v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
-  v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
+  v += scramble::kMixStep;
+  v = (v ^ (v >> 30)) * scramble::kMixFirst;
+  v = (v ^ (v >> 27)) * scramble::kMixLast;
   return v ^ (v >> 31);
 }
 
 /// Each bit of the result depends on `seed` and on the bits of `v` at and below it (Laine and
-/// Karras 2011, with the constants of Vegdahl 2021). On reversed bits this is an Owen scramble.
+/// Karras 2011). On reversed bits this is an Owen scramble.
 uint32_t scramble_upwards(uint32_t v, uint32_t seed) {
-  v ^= v * 0x3d20adeau;
+  v ^= v * scramble::kUpwardsFirst;
   v += seed;
   v *= (seed >> 16) | 1u;
-  v ^= v * 0x05526c56u;
-  v ^= v * 0x53a22864u;
+  v ^= v * scramble::kUpwardsNext;
+  v ^= v * scramble::kUpwardsLast;
   return v;
 }
 
@@ -63,14 +62,14 @@ Vec2 owen_sobol_pair(uint64_t key, uint32_t reversed) {
   const uint32_t u = scramble_upwards(index, low);
   const uint32_t v = scramble_upwards(sobol_second_reversed(index), high);
   const uint64_t both = reverse_bits(uint64_t{u} << 32 | v);
-  return {static_cast<uint32_t>(both) * kTwoToMinus32,
-          static_cast<uint32_t>(both >> 32) * kTwoToMinus32};
+  return {static_cast<uint32_t>(both) * scramble::kUnit,
+          static_cast<uint32_t>(both >> 32) * scramble::kUnit};
 }
 
 Vec2 independent_pair(uint64_t key, uint32_t sample) {
   const uint64_t bits = mix(key ^ mix(sample));
-  return {static_cast<uint32_t>(bits) * kTwoToMinus32,
-          static_cast<uint32_t>(bits >> 32) * kTwoToMinus32};
+  return {static_cast<uint32_t>(bits) * scramble::kUnit,
+          static_cast<uint32_t>(bits >> 32) * scramble::kUnit};
 }
 
 /// The bits of both numbers in turns, of `x` first.

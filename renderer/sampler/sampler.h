@@ -33,10 +33,14 @@ class SampleStream {
  public:
   Vec2 pair(SampleUse use) const;
 
+  uint64_t key() const { return key_; }        ///< of seed and pixel
+  uint32_t sample() const { return sample_; }  ///< its number; bits reversed unless is_independent()
+  bool is_independent() const { return independent_; }
+
  private:
   friend class Sampler;
-  uint64_t key_ = 0;     ///< of seed and pixel
-  uint32_t sample_ = 0;  ///< its number; but for `independent` with its bits reversed
+  uint64_t key_ = 0;
+  uint32_t sample_ = 0;
   bool independent_ = false;
 };
 

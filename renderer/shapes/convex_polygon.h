@@ -46,6 +46,7 @@ class Rectangle final : public Shape {
   const Vec3& normal() const { return normal_; }    ///< edge_u x edge_v
   const Vec3& share_u() const { return share_u_; }  ///< its product with edge_u is 1, with edge_v 0
   const Vec3& share_v() const { return share_v_; }  ///< the other way round
+  int axis() const { return axis_; }                ///< along which the normal is; -1: along none
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
@@ -53,14 +54,15 @@ class Rectangle final : public Shape {
   /// The same for a ray that is known to be inside the edges where it meets the plane.
   bool closest_hit_inside(const Ray& ray, Hit& hit, TraversalCounters& counters) const;
   bool any_hit_inside(const Ray& ray, TraversalCounters& counters) const;
+  /// What is hit at `t`, of the instance of `hit`.
+  Hit hit_at(const Ray& ray, double t, const Hit& hit) const;
 
  private:
   bool crosses(const Ray& ray, const Hit& hit, double& t) const;
-  Hit hit_at(const Ray& ray, double t, const Hit& hit) const;
 
   Point3 corner_;
   Vec3 edge_u_, edge_v_, normal_, unit_normal_, share_u_, share_v_;
-  int axis_ = -1;  ///< along which the normal is; -1: along none
+  int axis_ = -1;
 };
 
 }  // namespace tessera

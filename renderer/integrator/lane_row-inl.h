@@ -1,0 +1,57 @@
+// Compiled once for each instruction set: some of a row's rays, a lane each, out of it and into the
+// next one.
+#if defined(TESSERA_LANE_ROW_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_LANE_ROW_INL_H
+#undef TESSERA_LANE_ROW_INL_H
+#else
+#define TESSERA_LANE_ROW_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <cstdint>
+
+#include "renderer/accel/ray_row.h"
+#include "renderer/math/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+HWY_INLINE Lanes gather(const double* values, LaneIndices places) {
+  return hn::GatherIndex(kLaneTag, values, places);
+}
+HWY_INLINE Lanes3 gather(const double (&parts)[3][RayRow::kRoom], LaneIndices places) {
+  return {gather(parts[0], places), gather(parts[1], places), gather(parts[2], places)};
+}
+/// Of kLanes places.
+HWY_INLINE LaneIndices indices_of(const uint32_t* places) {
+  const hn::Rebind<uint32_t, LaneTag> narrow;
+  return hn::BitCast(kIndexTag,
+                     hn::PromoteTo(hn::RebindToUnsigned<LaneTag>(), hn::LoadU(narrow, places)));
+}
+
+constexpr uint32_t kAllLanes = (1u << kLanes) - 1;
+/// The lanes of `bits`, one after the other; what is behind them may be overwritten. Not by
+/// hn::Compress(), for which GCC 12 copies a table of 512 bytes each time.
+HWY_INLINE void append(Lanes values, uint32_t bits, double* at) {
+  if (bits == kAllLanes) {
+    hn::StoreU(values, kLaneTag, at);
+    return;
+  }
+  alignas(64) double each[kLanes];
+  hn::Store(values, kLaneTag, each);
+  while (bits != 0) *at++ = each[take_lowest_lane(bits)];
+}
+HWY_INLINE void append(const Lanes3& values, uint32_t bits, size_t at,
+                       double (&parts)[3][RayRow::kRoom]) {
+  append(values.x, bits, parts[0] + at);
+  append(values.y, bits, parts[1] + at);
+  append(values.z, bits, parts[2] + at);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#endif
