@@ -62,6 +62,12 @@ class Accelerator {
       closest_hit(rays.ray(i), hits[i], counters);
     }
   }
+  /// any_hit for the rays of a row, a bit each.
+  virtual uint64_t any_hits(const RayRow& rays, TraversalCounters& counters) const {
+    uint64_t hit = 0;
+    for (size_t i = 0; i < rays.count; ++i) hit |= uint64_t{any_hit(rays.ray(i), counters)} << i;
+    return hit;
+  }
   virtual AcceleratorStatistics statistics() const = 0;
 };
 

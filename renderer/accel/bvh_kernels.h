@@ -73,7 +73,7 @@ struct BvhKernels {
   uint32_t (*planes_met)(const PlaneRow& row, const Ray& ray, double limit, double* t);
   /// What each of the rays meets of what can be held against many at once, and the boxes that it
   /// may hit something in before.
-  void (*row_met)(const FewRows& few, const RayRow& rays, RayRowMet& met);
+  void (*row_met)(const FewRows& few, const RayRow& rays, bool only_shading, RayRowMet& met);
   const char* name;
 };
 

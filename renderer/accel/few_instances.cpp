@@ -77,6 +77,7 @@ FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& co
       const Cull cull = seen_cull(instance);
       if (cull != Cull::front) rows_.seen_from_front |= 1u << place;
       if (cull != Cull::back) rows_.seen_from_behind |= 1u << place;
+      if (instance.casts_shadow) rows_.shading_rectangles |= 1u << place;
       held_[place] = rows_.rectangle_instances[place] = i;
       rows_.rectangles.add(*rectangle);
     } else if (can_be_held(instance, box)) {
@@ -103,7 +104,7 @@ void FewInstances::take_rows() {
       continue;
     }
     rows_.plane_instances[planes.count] = i;
-    if (instances_[i].casts_shadow) shading_planes_ |= 1u << planes.count;
+    if (instances_[i].casts_shadow) rows_.shading_planes |= 1u << planes.count;
     planes.add(static_cast<const Plane&>(*instances_[i].shape), seen_cull(instances_[i]));
   }
   if (planes.count >= PlaneRow::kLeast) {
@@ -176,7 +177,7 @@ inline bool FewInstances::any_endless(const Ray& ray, TraversalCounters& counter
   if (planes_at_once_ > 0 && ray.cull == Cull::none) {
     counters.primitive_tests += planes_at_once_;
     double t[PlaneRow::kMost];
-    if ((planes_met_(rows_.planes, ray, ray.t_max, t) & shading_planes_) != 0) return true;
+    if ((planes_met_(rows_.planes, ray, ray.t_max, t) & rows_.shading_planes) != 0) return true;
   } else {
     for (size_t i = 0; i < planes_at_once_; ++i)
       if (any_hit_of(instances_[rows_.plane_instances[i]], ray, counters)) return true;
@@ -207,7 +208,7 @@ bool FewInstances::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& coun
 void FewInstances::closest_hits(const RayRow& rays, std::span<Hit> hits,
                                 TraversalCounters& counters) const {
   RayRowMet met;
-  row_met_(rows_, rays, met);
+  row_met_(rows_, rays, false, met);
   counters.primitive_tests += met.tests;
   for (size_t i = 0; i < rays.count; ++i) {
     Hit& hit = hits[i];
@@ -239,6 +240,32 @@ void FewInstances::closest_hits(const RayRow& rays, std::span<Hit> hits,
     }
     if (on_rectangle && hit.instance == nearest) hit = rectangles_[nearest]->hit_at(ray, hit.t, hit);
   }
+}
+
+uint64_t FewInstances::any_hits(const RayRow& rays, TraversalCounters& counters) const {
+  RayRowMet met;
+  row_met_(rows_, rays, true, met);
+  counters.primitive_tests += met.tests;
+  uint64_t stopped = 0;
+  for (size_t i = 0; i < rays.count; ++i) {
+    const auto boxes = static_cast<uint32_t>(met.boxes[i]);
+    bool stops = false;
+    if ((boxes & BoxRow::kUnusual) != 0) [[unlikely]] {
+      counters.primitive_tests -= rows_.tests_of_each();
+      stops = any_hit(rays.ray(i), counters);
+    } else if (std::isfinite(met.t[i])) {
+      stops = true;
+    } else if (boxes != 0 || !row_endless_.empty()) {
+      const Ray ray = rays.ray(i);
+      stops = std::ranges::any_of(row_endless_, [&](uint32_t of) {
+        return any_hit_of(instances_[of], ray, counters);
+      });
+      for (uint32_t left = boxes; left != 0 && !stops;)
+        stops = any_hit_of(instances_[held_[kBoxes + take_lowest(left)]], ray, counters);
+    }
+    stopped |= uint64_t{stops} << i;
+  }
+  return stopped;
 }
 
 bool FewInstances::any_hit(const Ray& ray, TraversalCounters& counters) const {

@@ -26,6 +26,7 @@ class FewInstances final : public Accelerator {
   using Accelerator::closest_hits;
   void closest_hits(const RayRow& rays, std::span<Hit> hits,
                     TraversalCounters& counters) const override;
+  uint64_t any_hits(const RayRow& rays, TraversalCounters& counters) const override;
   AcceleratorStatistics statistics() const override;
 
   /// A bit of a mask stands for one of them.
@@ -68,7 +69,6 @@ class FewInstances final : public Accelerator {
   /// Of rows_.planes those that a single ray is held against at once: all or, if they are fewer
   /// than PlaneRow::kLeast, none.
   size_t planes_at_once_ = 0;
-  uint32_t shading_planes_ = 0;  ///< a bit for each of rows_.planes that casts shadows
   /// What is in no box and no rectangle, ascending, always tested: by many rays at once beside
   /// rows_.planes, by a single ray beside those that it is held against at once.
   std::vector<uint32_t> row_endless_, endless_;

@@ -19,6 +19,7 @@ struct FewRows {
   std::array<uint32_t, RectangleRow::kMost> rectangle_instances{};  ///< ascending
   /// Rectangles that rays see from there, a bit each.
   uint32_t seen_from_front = 0, seen_from_behind = 0;
+  uint32_t shading_rectangles = 0, shading_planes = 0;  ///< those that cast shadows, a bit each
   PlaneRow planes;
   std::array<uint32_t, PlaneRow::kMost> plane_instances{};  ///< ascending
   BoxRow boxes;
@@ -32,8 +33,8 @@ struct FewRows {
   }
 };
 
-/// What each ray of a row meets first of a few planes, rectangles and spheres, and what else it may,
-/// by BvhKernels::row_met.
+/// What each ray of a row meets first of a few planes, rectangles and spheres, or of those that cast
+/// shadows, and what else it may, by BvhKernels::row_met.
 struct RayRowMet {
   alignas(64) double t[RayRow::kMost];         ///< infinite where nothing is met
   alignas(64) double instance[RayRow::kMost];  ///< of equal ones the smallest

@@ -15,7 +15,7 @@ namespace {
 
 // Up to so many a scan in order costs no more than a tree, and nothing to build.
 constexpr size_t kFewTriangles = 2;
-constexpr size_t kFewScanned = 2;
+constexpr size_t kFewScanned = 1;
 
 OctreeKind octree_kind(AcceleratorKind kind) {
   return kind == AcceleratorKind::octree ? OctreeKind::uniform : OctreeKind::nonuniform;

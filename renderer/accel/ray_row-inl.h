@@ -42,11 +42,12 @@ struct Nearest {
 };
 
 /// Plane::intersect() with each, line by line, and no product fused with a sum.
-HWY_INLINE void meet_planes(const FewRows& few, const Lanes3& origin, const Lanes3& direction,
-                            Lanes first, Lanes last, Nearest& nearest) {
+HWY_INLINE void meet_planes(const FewRows& few, uint32_t asked, const Lanes3& origin,
+                            const Lanes3& direction, Lanes first, Lanes last, Nearest& nearest) {
   const PlaneRow& row = few.planes;
   const Lanes rounding = all(gamma(4)), zero = hn::Zero(kLaneTag);
   for (size_t i = 0; i < row.count; ++i) {
+    if ((asked >> i & 1) == 0) continue;
     const Lanes3 normal{all(row.normal[0][i]), all(row.normal[1][i]), all(row.normal[2][i])};
     const Lanes offset = all(row.offset[i]), approach = dot(normal, direction);
     const Lanes3 terms = multiply(normal, origin);
@@ -62,6 +63,12 @@ HWY_INLINE void meet_planes(const FewRows& few, const Lanes3& origin, const Lane
   }
 }
 
+HWY_INLINE Lanes along_axis(const Lanes3& v, int axis) {
+  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+HWY_INLINE Lanes3 part_of(const double (&parts)[3][RectangleRow::kMost], size_t i) {
+  return {all(parts[0][i]), all(parts[1][i]), all(parts[2][i])};
+}
 /// accurate_dot()
 HWY_INLINE Lanes accurate_dot(const Lanes3& a, const Lanes3& b) {
   const Lanes parts[3][2] = {{a.x, b.x}, {a.y, b.y}, {a.z, b.z}};
@@ -74,52 +81,83 @@ HWY_INLINE Lanes accurate_dot(const Lanes3& a, const Lanes3& b) {
   return hn::Add(sum.high, sum.low);
 }
 
-/// Rectangle::closest_hit() with each, line by line; in the lanes that are returned one may be hit
-/// of which that cannot be told here. Of rays as RectangleRow knows them.
-HWY_INLINE LaneMask meet_rectangles(const FewRows& few, const Lanes3& origin,
-                                    const Lanes3& direction, Lanes first, Lanes last,
-                                    Nearest& nearest) {
+/// Where rays cross the plane of a rectangle.
+struct RectangleCrossing {
+  Lanes3 from;  ///< the corner
+  /// Of the normal, what cross_plane() asks for.
+  Lanes height, approach, reach;
+};
+HWY_INLINE RectangleCrossing cross_rectangle(const RectangleRow& row, size_t i, const Lanes3& origin,
+                                             const Lanes3& direction) {
+  RectangleCrossing at;
+  at.from = subtract(origin, part_of(row.corner, i));
+  const Lanes3 normal = part_of(row.normal, i);
+  if (row.axis[i] < 0) {
+    at.height = accurate_dot(normal, at.from);
+    at.approach = accurate_dot(normal, direction);
+    at.reach = dot(abs(normal), abs(at.from));
+  } else {
+    const Lanes along = along_axis(normal, row.axis[i]);
+    at.height = hn::Mul(along, along_axis(at.from, row.axis[i]));
+    at.approach = hn::Mul(along, along_axis(direction, row.axis[i]));
+    at.reach = hn::Abs(at.height);
+  }
+  return at;
+}
+HWY_INLINE LaneMask are_close(Lanes t, Lanes other) {
+  constexpr double kFarAboveRounding = 0x1p-44;
+  return hn::Le(hn::Abs(hn::Sub(t, other)), hn::Mul(hn::Abs(t), all(kFarAboveRounding)));
+}
+
+/// Rectangle::closest_hit() with each, to its bits; in the lanes that are returned one of `asked`
+/// may be hit of which that cannot be told here. Of rays as RectangleRow knows them; `inverse` is
+/// one over the direction, about. By it t is told well enough to find the nearest; exactly, by a
+/// division, it is worked out of that one, and where a ray ends close to it.
+HWY_INLINE LaneMask meet_rectangles(const FewRows& few, uint32_t asked, const Lanes3& origin,
+                                    const Lanes3& direction, const Lanes3& inverse, Lanes first,
+                                    Lanes last, Nearest& nearest) {
   const RectangleRow& row = few.rectangles;
   const Lanes zero = hn::Zero(kLaneTag), half = all(0.5);
   const Lanes steep = sum(abs(direction));
   const Lanes slack = hn::Div(all(2 * RectangleRow::kMargin * row.extent), steep);
-  auto in_doubt = hn::Lt(steep, zero);  // none
-  for (size_t i = 0; (row.all >> i & 1) != 0; ++i) {
-    const auto of = [&](const double(&parts)[3][RectangleRow::kMost])
-                        HWY_ATTR { return Lanes3{all(parts[0][i]), all(parts[1][i]), all(parts[2][i])}; };
-    const Lanes3 from = subtract(origin, of(row.corner)), normal = of(row.normal);
-    Lanes height, approach, reach;
-    if (row.axis[i] < 0) {
-      height = accurate_dot(normal, from);
-      approach = accurate_dot(normal, direction);
-      reach = dot(abs(normal), abs(from));
-    } else {
-      const auto along = [&](const Lanes3& v) HWY_ATTR {
-        return row.axis[i] == 0 ? v.x : row.axis[i] == 1 ? v.y : v.z;
-      };
-      height = hn::Mul(along(normal), along(from));
-      approach = hn::Mul(along(normal), along(direction));
-      reach = hn::Abs(height);
-    }
-    const Lanes t = hn::Div(hn::Neg(height), approach);
-    const Lanes3 p = add(multiply(direction, t), from);
-    const Lanes u = hn::Abs(hn::Sub(dot(of(row.share_u), p), half));
-    const Lanes v = hn::Abs(hn::Sub(dot(of(row.share_v), p), half));
-    const auto told = hn::Gt(hn::Abs(approach), hn::Mul(all(row.grazing[i]), steep));
+  auto in_doubt = hn::Lt(steep, zero), is_rectangle = in_doubt;  // none
+  Lanes height = zero, approach = all(1);
+  while (asked != 0) {
+    const size_t i = take_lowest_lane(asked);
+    const RectangleCrossing at = cross_rectangle(row, i, origin, direction);
+    const auto exact = [&] HWY_ATTR { return hn::Div(hn::Neg(at.height), at.approach); };
+    const int axis = row.axis[i];
+    Lanes t = axis < 0 ? exact()
+                       : hn::Neg(hn::Mul(along_axis(at.from, axis), along_axis(inverse, axis)));
+    const auto told = hn::Gt(hn::Abs(at.approach), hn::Mul(all(row.grazing[i]), steep));
+    const auto too_far = hn::Gt(t, hn::Add(hn::Min(last, nearest.t), slack));
+    const auto elsewhere = hn::Or(hn::Lt(hn::Add(t, slack), first), too_far);
+    if (hn::AllTrue(kLaneTag, hn::And(told, elsewhere))) continue;
+    const Lanes3 p = add(multiply(direction, t), at.from);
+    const Lanes u = hn::Abs(hn::Sub(dot(part_of(row.share_u, i), p), half));
+    const Lanes v = hn::Abs(hn::Sub(dot(part_of(row.share_v, i), p), half));
     const auto outside = hn::Or(hn::Gt(u, all(row.out_u[i])), hn::Gt(v, all(row.out_v[i])));
-    const auto elsewhere =
-        hn::Or(hn::Lt(hn::Add(t, slack), first), hn::Gt(t, hn::Add(last, slack)));
+    const auto missed = hn::And(told, hn::Or(outside, elsewhere));
     const auto inside = hn::And(hn::Lt(u, all(row.in_u[i])), hn::Lt(v, all(row.in_v[i])));
-    const auto maybe = hn::Not(hn::And(told, hn::Or(outside, elsewhere)));
     const auto sure = hn::And(told, inside);
-    in_doubt = hn::Or(in_doubt, hn::AndNot(sure, maybe));
-    auto met = hn::And(sure, hn::Gt(hn::Abs(height), hn::Mul(all(gamma(2)), reach)));
-    met = hn::And(met, hn::And(hn::Gt(t, first), hn::Lt(t, last)));
-    const auto in_front = hn::Lt(approach, zero);
+    in_doubt = hn::Or(in_doubt, hn::Not(hn::Or(missed, sure)));
+    auto met = hn::AndNot(missed, sure);
+    const auto in_front = hn::Lt(at.approach, zero);
     if ((few.seen_from_front >> i & 1) == 0) met = hn::AndNot(in_front, met);
     if ((few.seen_from_behind >> i & 1) == 0) met = hn::And(in_front, met);
-    nearest.take(met, t, few.rectangle_instances[i]);
+    const auto at_end = hn::Or(are_close(t, first), are_close(t, last));
+    if (axis >= 0 && !hn::AllFalse(kLaneTag, hn::And(met, at_end))) t = exact();
+    met = hn::And(met, hn::Gt(hn::Abs(at.height), hn::Mul(all(gamma(2)), at.reach)));
+    met = hn::And(met, hn::And(hn::Gt(t, first), hn::Lt(t, last)));
+    in_doubt = hn::Or(in_doubt, hn::And(met, are_close(t, nearest.t)));
+    const auto taken = hn::And(met, hn::Lt(t, nearest.t));
+    nearest.t = hn::IfThenElse(taken, t, nearest.t);
+    nearest.instance = hn::IfThenElse(taken, all(few.rectangle_instances[i]), nearest.instance);
+    height = hn::IfThenElse(taken, at.height, height);
+    approach = hn::IfThenElse(taken, at.approach, approach);
+    is_rectangle = hn::Or(is_rectangle, taken);
   }
+  nearest.t = hn::IfThenElse(is_rectangle, hn::Div(hn::Neg(height), approach), nearest.t);
   return in_doubt;
 }
 /// Whether rectangles_met() would tell of each.
@@ -132,19 +170,23 @@ HWY_INLINE LaneMask are_usual(const RectangleRow& row, const Lanes3& origin,
 }
 
 /// BvhKernels::row_met.
-void row_met(const FewRows& few, const RayRow& rays, RayRowMet& met) {
+void row_met(const FewRows& few, const RayRow& rays, bool only_shading, RayRowMet& met) {
+  const uint32_t planes = only_shading ? few.shading_planes : ~0u;
+  const uint32_t rectangles = only_shading ? few.shading_rectangles : few.rectangles.all;
+  const uint32_t spheres = only_shading ? few.spheres.shading : few.spheres.boxes;
   const Lanes first = all(rays.t_min), last = all(rays.t_max);
   met.tests = few.tests_of_each() * rays.count;
   // What is behind the last ray counts for nothing.
   for (size_t at = 0; at < rays.count; at += kLanes) {
     const Lanes3 origin = load(rays.origin, at), direction = load(rays.direction, at);
     Nearest nearest;
-    meet_planes(few, origin, direction, first, last, nearest);
+    meet_planes(few, planes, origin, direction, first, last, nearest);
     const SlabLanes slabs(origin, direction);
     auto usual = slabs.are_usual(few.boxes);
     if (few.rectangles.all != 0) {
       usual = hn::And(usual, are_usual(few.rectangles, origin, direction, rays.t_min));
-      const auto in_doubt = meet_rectangles(few, origin, direction, first, last, nearest);
+      const auto in_doubt =
+          meet_rectangles(few, rectangles, origin, direction, slabs.inverse(), first, last, nearest);
       usual = hn::AndNot(in_doubt, usual);
     }
     const uint32_t rays_here = bits_of(usual) & ((1u << std::min(kLanes, rays.count - at)) - 1);
@@ -164,7 +206,7 @@ void row_met(const FewRows& few, const RayRow& rays, RayRowMet& met) {
         continue;
       }
       const uint32_t entering = bits_of(in) & rays_here;
-      if (entering == 0) continue;
+      if (entering == 0 || (spheres >> i & 1) == 0) continue;
       met.tests += static_cast<uint64_t>(std::popcount(entering));
       Lanes t = first;
       const auto is_met = meet_sphere(few.spheres, i, origin, direction, first, last, t);

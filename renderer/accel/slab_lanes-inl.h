@@ -57,6 +57,8 @@ class SlabLanes {
     return hn::Le(enter, leave);
   }
 
+  const Lanes3& inverse() const { return inverse_; }
+
  private:
   Lanes far_, steep_;
   Lanes3 inverse_, offset_;

@@ -11,6 +11,7 @@
 
 #include "renderer/math/lanes-inl.h"
 #include "renderer/math/rounding.h"
+#include "renderer/shapes/convex_polygon.h"
 #include "renderer/shapes/plane.h"
 #include "renderer/shapes/sphere.h"
 
@@ -22,6 +23,12 @@ namespace HWY_NAMESPACE {
 struct LaneSurface {
   Lanes3 point, error, front, shading;
 };
+template <size_t kRoom>
+HWY_INLINE void store_anywhere(const Lanes3& a, size_t at, double (&parts)[3][kRoom]) {
+  hn::StoreU(a.x, kLaneTag, parts[0] + at);
+  hn::StoreU(a.y, kLaneTag, parts[1] + at);
+  hn::StoreU(a.z, kLaneTag, parts[2] + at);
+}
 
 /// What take_to_world() makes of it under the identity, its normals apart.
 HWY_INLINE void place_in_world(Lanes3& point, Lanes3& error) {
@@ -62,6 +69,36 @@ HWY_INLINE LaneSurface surface_of(const Sphere& sphere, double facing, const Lan
   s.front = s.shading = multiply(s.front, all(facing));
   return s;
 }
+
+/// Rectangle::surface(), without its normals.
+HWY_INLINE LaneSurface surface_of(const Rectangle& rectangle, Lanes u, Lanes v) {
+  LaneSurface s;
+  const Lanes3 corner = all(rectangle.corner());
+  const Lanes3 along = multiply(all(rectangle.edge_u()), u);
+  const Lanes3 up = multiply(all(rectangle.edge_v()), v);
+  s.point = add(add(corner, along), up);
+  s.error = add(multiply(add(abs(along), abs(up)), all(gamma(8))),
+                multiply(add(abs(corner), abs(s.point)), all(gamma(3))));
+  return s;
+}
+
+/// Surfaces in memory.
+template <size_t kRoom>
+struct LaneSurfaces {
+  alignas(64) double point[3][kRoom], error[3][kRoom], front[3][kRoom], shading[3][kRoom];
+
+  HWY_INLINE LaneSurface load(size_t at) const {
+    using HWY_NAMESPACE::load;
+    return {load(point, at), load(error, at), load(front, at), load(shading, at)};
+  }
+  /// At any place, with room for a whole vector behind it.
+  HWY_INLINE void store(const LaneSurface& s, size_t at) {
+    store_anywhere(s.point, at, point);
+    store_anywhere(s.error, at, error);
+    store_anywhere(s.front, at, front);
+    store_anywhere(s.shading, at, shading);
+  }
+};
 
 /// RayOrigins::towards().
 HWY_INLINE Lanes3 origin_towards(const LaneSurface& s, const Lanes3& direction) {

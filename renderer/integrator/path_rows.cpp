@@ -6,12 +6,12 @@
 #include <array>
 #include <bit>
 #include <limits>
-#include <new>
 #include <numeric>
 #include <utility>
 
 #include "base/error.h"
 #include "base/unmade.h"
+#include "renderer/accel/mesh_shape.h"
 #include "renderer/integrator/path_light.h"
 #include "renderer/integrator/path_numbers.h"
 #include "renderer/math/targets.h"
@@ -25,6 +25,8 @@
 #include "renderer/integrator/lane_row-inl.h"
 #include "renderer/integrator/lane_scatter-inl.h"
 #include "renderer/integrator/lane_surface-inl.h"
+#include "renderer/integrator/lane_transform-inl.h"
+#include "renderer/integrator/lane_triangle-inl.h"
 #include "renderer/math/lanes-inl.h"
 #include "renderer/sampler/lane_sampler-inl.h"
 
@@ -43,45 +45,57 @@ struct PathFront {
   uint32_t number[PathRows::kMost];  ///< of the path
 };
 
-/// Some paths at their next surfaces, a lane each. What fills the vector up is one of them again.
-struct PathBundle {
-  const uint32_t* places;  ///< in the front
-  uint32_t bits;           ///< of lanes that are paths, the first ones
-  const LaneStream& stream;
-  Lanes2 way_on;                       ///< the numbers of VertexNumbers::direction()
-  std::array<uint8_t, kLanes> read{};  ///< pairs that each asked for, a bit each
-  Lanes3 direction, throughput;
-  LaneSurface surface;
-  Lanes3 facet;  ///< the geometric normal, towards the viewer
-
-  PathBundle(const uint32_t* front_places, uint32_t path_bits, const LaneStream& numbers)
-      : places(front_places), bits(path_bits), stream(numbers) {}
+/// What a front's paths meet, those of one instance side by side. All is worked out of all of them
+/// before what depends on it: to read as a vector what was just written one by one makes the
+/// processor wait.
+struct Met {
+  size_t count = 0;
+  uint32_t place[PathRows::kMost + kLanes];  ///< in the front
+  LaneSurfaces<RayRow::kRoom> surface;
+  alignas(64) double diffuse[3][RayRow::kRoom];
+  uint32_t triangle[PathRows::kMost + kLanes];  ///< and other primitives
+  uint8_t is_back[RayRow::kRoom / kLanes + 1];  ///< a bit for each lane
+  // Numbers, and which pairs each path asked for, a bit each.
+  alignas(64) double on_light[2][RayRow::kRoom], direction[2][RayRow::kRoom];
+  alignas(64) double pick[RayRow::kRoom], survival[RayRow::kRoom];
+  uint8_t read[RayRow::kRoom];
 };
 
-/// The points of a bundle, made one by one.
-class BundlePoints {
- public:
-  BundlePoints() {}   // NOLINT(modernize-use-equals-default): that would be deleted
-  ~BundlePoints() {}  // NOLINT(modernize-use-equals-default)
-  BundlePoints(const BundlePoints&) = delete;
-  BundlePoints& operator=(const BundlePoints&) = delete;
-  template <typename... Of>
-  SurfacePoint& make(size_t lane, const Of&... of) {
-    return *::new (static_cast<void*>(&points_[lane])) SurfacePoint(of...);
-  }
-  SurfacePoint& operator[](size_t lane) { return points_[lane]; }
-
- private:
-  static_assert(std::is_trivially_destructible_v<SurfacePoint>);
-  union {
-    SurfacePoint points_[kLanes];
-  };
+/// Of the paths that choose one, a point of an area light.
+struct LightPoints {
+  alignas(64) double point[3][RayRow::kRoom], error[3][RayRow::kRoom], normal[3][RayRow::kRoom];
+  alignas(64) double front[3][RayRow::kRoom], back[3][RayRow::kRoom];
+  alignas(64) double density[RayRow::kRoom];  ///< 0 where there is none
 };
+
+/// The stretches from surfaces to area lights, and what light they bring to each path.
+struct ShadowRows {
+  RayRow rays;
+  alignas(64) double light[3][RayRow::kRoom];
+  uint32_t number[PathRows::kMost];
+};
+
+template <size_t kRoom>
+Vec3 vec_at(const double (&parts)[3][kRoom], size_t at) {
+  return {parts[0][at], parts[1][at], parts[2][at]};
+}
+template <size_t kRoom>
+Color color_at(const double (&parts)[3][kRoom], size_t at) {
+  return {parts[0][at], parts[1][at], parts[2][at]};
+}
+template <size_t kRoom>
+void put(const Vec3& v, size_t at, double (&parts)[3][kRoom]) {
+  for (int axis = 0; axis < 3; ++axis) parts[axis][at] = v[axis];
+}
+template <size_t kRoom>
+void put(const Color& c, size_t at, double (&parts)[3][kRoom]) {
+  parts[0][at] = c.r, parts[1][at] = c.g, parts[2][at] = c.b;
+}
 
 class PathRowFollower {
  public:
-  PathRowFollower(const Scene& scene, std::span<Color> found, TraceState& state)
-      : scene_(scene), found_(found), state_(state) {}
+  PathRowFollower(const PathRows& rows, std::span<Color> found, TraceState& state)
+      : rows_(rows), scene_(rows.scene()), found_(found), state_(state) {}
 
   void follow(std::span<const Ray> rays, std::span<const SampleKey> keys) {
     RayRow& row = now_->rays;
@@ -89,11 +103,9 @@ class PathRowFollower {
     row.count = rays.size();
     for (size_t i = 0; i < rays.size(); ++i) {
       streams_[i] = scene_.sampler->stream(keys[i].x, keys[i].y, keys[i].sample);
-      for (int axis = 0; axis < 3; ++axis) {
-        row.origin[axis][i] = rays[i].origin[axis];
-        row.direction[axis][i] = rays[i].direction[axis];
-        now_->throughput[axis][i] = 1;
-      }
+      put(rays[i].origin - Point3{}, i, row.origin);
+      put(rays[i].direction, i, row.direction);
+      put(kWhite, i, now_->throughput);
       now_->path_length[i] = now_->density[i] = 0;
     }
     std::iota(now_->number, now_->number + rays.size(), 0u);
@@ -109,49 +121,214 @@ class PathRowFollower {
  private:
   /// Up to the next surfaces, and what is seen there.
   void step() {
+    meet();
+    count_unread((now_->rays.count - met_.count) *
+                 (VertexNumbers::kPairs - size_t{depth_ > 0}));  // the next direction is drawn ahead
+    if (met_.count == 0) return;
+    look_at_materials();
+    if (depth_ < scene_.settings.max_depth) {
+      draw_numbers();
+      shadows_.rays.begin(0, 1);
+      if (has_area_light()) choose_light_points();
+      for (size_t at = 0; at < met_.count; at += kLanes) scatter(at);
+      add_light_not_stopped();
+    } else {
+      std::fill_n(met_.read, met_.count, ahead());
+    }
+    size_t read = 0;
+    for (size_t i = 0; i < met_.count; ++i)
+      read += static_cast<size_t>(std::popcount(uint32_t{met_.read[i]}));
+    count_unread(met_.count * VertexNumbers::kPairs - read);
+  }
+
+  Color& sum_of(uint32_t place) { return found_[now_->number[place]]; }
+  void add_background(uint32_t place) {
+    const Ray ray = now_->rays.ray(place);
+    sum_of(place) += color_at(now_->throughput, place) *
+                     scene_.background.radiance(ray.origin, ray.direction, scene_.lights) *
+                     background_weight(scene_, now_->density[place], ray.direction);
+  }
+
+  // ------------------------------------------------------------------------------------- surfaces
+
+  void meet() {
     const size_t count = now_->rays.count;
     scene_.surfaces->closest_hits(now_->rays, {hits_.data(), count}, state_.counters.traversal);
-    uint32_t met[PathRows::kMost + kLanes];  // with room for what fills a vector up
+    uint32_t left[PathRows::kMost];
     size_t n = 0;
     for (uint32_t i = 0; i < count; ++i) {
-      met[n] = i;
+      left[n] = i;
       const bool is_hit = hits_[i].t < std::numeric_limits<double>::infinity();
       n += is_hit;
       if (!is_hit) add_background(i);
     }
     state_.counters.hits += n;
-    count_numbers_of_missed(count - n);
-    std::fill_n(met + n, kLanes, met[0]);
-    for (size_t i = 0; i < n; i += kLanes) shade(met + i, std::min(kLanes, n - i));
+    met_.count = n;
+    for (size_t begin = 0; n > 0;) {
+      const uint32_t instance = hits_[left[0]].instance;
+      size_t end = begin, others = 0;
+      for (size_t i = 0; i < n; ++i) {
+        const uint32_t place = left[i];
+        const bool is_it = hits_[place].instance == instance;
+        met_.place[end] = left[others] = place;
+        end += is_it;
+        others += !is_it;
+      }
+      std::fill_n(met_.place + end, kLanes, met_.place[begin]);
+      place_surfaces(instance, begin, end);
+      begin = end, n = others;
+    }
+    fill_up();
+  }
+  /// So that the last vector is whole.
+  void fill_up() {
+    const size_t from = met_.count, to = (from + kLanes - 1) / kLanes * kLanes;
+    for (size_t i = from; i < to; ++i) {
+      met_.place[i] = met_.place[0];
+      for (auto* const parts : {&met_.surface.point, &met_.surface.error, &met_.surface.front,
+                                &met_.surface.shading})
+        put(vec_at(*parts, 0), i, *parts);
+    }
   }
 
-  Color& sum_at(uint32_t place) { return found_[now_->number[place]]; }
-  static Color color_at(const double (&parts)[3][RayRow::kRoom], uint32_t place) {
-    return {parts[0][place], parts[1][place], parts[2][place]};
+  void place_surfaces(uint32_t instance, size_t begin, size_t end) {
+    const PathRows::Placed& placed = rows_.placed(instance);
+    if (placed.form == PathRows::Form::other) {
+      for (size_t i = begin; i < end; ++i) place_surface(i);
+      return;
+    }
+    for (size_t i = begin; i < end; ++i) met_.triangle[i] = hits_[met_.place[i]].primitive;
+    std::fill_n(met_.triangle + end, kLanes, met_.triangle[begin]);
+    for (size_t i = begin; i < end; i += kLanes) {
+      const LaneIndices at = hn::ShiftLeft<2>(indices_of(met_.place + i));
+      const Lanes u = gather(&hits_[0].u, at), v = gather(&hits_[0].v, at);
+      uint32_t bad = 0;
+      if (placed.form == PathRows::Form::rectangle) {
+        met_.surface.store(rectangle_surface(*placed.rectangle, placed.normal, u, v), i);
+      } else {
+        met_.surface.store(mesh_surface(placed, met_.triangle + i, u, v, bad), i);
+      }
+      for (bad &= (1u << std::min(kLanes, end - i)) - 1; bad != 0;)
+        place_surface(i + take_lowest_lane(bad));
+    }
   }
-  static Vec3 vec_at(const double (&parts)[3][RayRow::kRoom], uint32_t place) {
-    return {parts[0][place], parts[1][place], parts[2][place]};
+  static LaneSurface rectangle_surface(const Rectangle& rectangle, const Vec3& normal, Lanes u,
+                                       Lanes v) {
+    LaneSurface s = surface_of(rectangle, u, v);
+    place_in_world(s.point, s.error);
+    s.front = s.shading = all(normal);
+    return s;
   }
-  void add_background(uint32_t place) {
-    const Ray ray = now_->rays.ray(place);
-    Color& sum = sum_at(place);
-    sum += color_at(now_->throughput, place) *
-           scene_.background.radiance(ray.origin, ray.direction, scene_.lights) *
-           background_weight(scene_, now_->density[place], ray.direction);
+  static LaneSurface mesh_surface(const PathRows::Placed& placed, const uint32_t* triangles,
+                                  Lanes u, Lanes v, uint32_t& bad) {
+    LaneSurface s = surface_of(*placed.mesh, triangles, u, v, bad);
+    const Transform& to_world = placed.instance->world_from_object;
+    if (to_world.is_identity()) {
+      place_in_world(s.point, s.error);
+      s.front = unmoved_normal(s.front), s.shading = unmoved_normal(s.shading);
+    } else {
+      place_in_world(to_world, s.point, s.error);
+      s.front = normal_in_world(to_world, s.front);
+      s.shading = normal_in_world(to_world, s.shading);
+    }
+    if (placed.instance->flip_normals) s.front = negate(s.front), s.shading = negate(s.shading);
+    const auto is_behind = hn::Lt(dot(s.front, s.shading), hn::Zero(kLaneTag));
+    s.shading = choose(is_behind, negate(s.shading), s.shading);
+    return s;
+  }
+  void place_surface(size_t i) {
+    const uint32_t place = met_.place[i];
+    const SurfaceInteraction s =
+        surface_at(scene_.instances, now_->rays.ray(place), hits_[place]);
+    put(s.point - Point3{}, i, met_.surface.point);
+    put(s.point_error, i, met_.surface.error);
+    put(static_cast<Vec3>(s.geometric_normal), i, met_.surface.front);
+    put(static_cast<Vec3>(s.shading_normal), i, met_.surface.shading);
+  }
+
+  /// The points in full, for what is done one by one.
+  template <typename Do>
+  void at_point(size_t i, const Do& act) const {
+    const uint32_t place = met_.place[i];
+    const Hit& hit = hits_[place];
+    act(SurfacePoint(scene_, hit.instance, now_->rays.ray(place), hit));
+  }
+
+  /// Finds the colours, and adds what shines.
+  void look_at_materials() {
+    for (size_t at = 0; at < met_.count; at += kLanes) {
+      const Lanes3 direction = gather(now_->rays.direction, indices_of(met_.place + at));
+      const auto is_back =
+          hn::Gt(dot(load(met_.surface.front, at), direction), hn::Zero(kLaneTag));
+      met_.is_back[at / kLanes] = static_cast<uint8_t>(bits_of(is_back));
+    }
+    for (size_t i = 0; i < met_.count; ++i) {
+      const uint32_t place = met_.place[i];
+      now_->path_length[place] += hits_[place].t;
+      const PathRows::Placed& placed = rows_.placed(hits_[place].instance);
+      const bool is_back = (met_.is_back[i / kLanes] >> i % kLanes & 1) != 0;
+      const PathRows::Side* const side = is_back ? placed.back : placed.front;
+      if (side) {
+        put(side->diffuse, i, met_.diffuse);
+        if (!side->shines) continue;
+      }
+      at_point(i, [&](const SurfacePoint& point) { look_at_material(i, place, point); });
+    }
+    for (size_t i = met_.count; i % kLanes != 0; ++i) put(kWhite, i, met_.diffuse);
+  }
+  void look_at_material(size_t i, uint32_t place, const SurfacePoint& point) {
+    put(surface_diffuse(point), i, met_.diffuse);
+    if (point.material->flat)
+      put(static_cast<Vec3>(point.surface.geometric_normal), i, met_.surface.shading);
+    const Color shine = emission(point);
+    if (is_black(shine)) return;
+    const Point3 from = Point3{} + vec_at(now_->from, place);
+    sum_of(place) += color_at(now_->throughput, place) * shine *
+                     emission_weight(scene_, point, now_->density[place], from,
+                                     vec_at(now_->from_normal, place));
   }
 
   // -------------------------------------------------------------------------------------- numbers
 
-  /// Beyond the camera's rays each has drawn its next direction ahead.
-  void count_numbers_of_missed(size_t count) {
-    const size_t drawn = depth_ > 0 ? 1 : 0;
-    count_unread(count * (VertexNumbers::kPairs - drawn));
+  static constexpr uint8_t bit_of(VertexNumbers::Pair pair) {
+    return static_cast<uint8_t>(1u << pair);
   }
-  void count_numbers(const PathBundle& bundle) {
-    size_t read = 0, paths = 0;
-    for (uint32_t left = bundle.bits; left != 0; ++paths)
-      read += static_cast<size_t>(std::popcount(bundle.read[take_lowest_lane(left)]));
-    count_unread(paths * VertexNumbers::kPairs - read);
+  /// Beyond the camera's rays each path has drawn its next direction while that was traced.
+  uint8_t ahead() const { return depth_ > 0 ? bit_of(VertexNumbers::kDirection) : uint8_t{0}; }
+  bool has_area_light() const {
+    return environment_share(scene_) > 0 || !scene_.area_lights.empty();
+  }
+  /// Whether a number chooses between lights.
+  bool picks_light() const {
+    const double to_sky = environment_share(scene_);
+    return to_sky < 1 && (to_sky > 0 || scene_.area_lights.size() > 1);
+  }
+  bool may_end() const { return depth_ >= kSafeDepth; }
+
+  void draw_numbers() {
+    const bool on_light = has_area_light(), picks = on_light && picks_light();
+    uint8_t read = ahead();
+    if (picks) read |= bit_of(VertexNumbers::kPick);
+    if (may_end()) read |= bit_of(VertexNumbers::kChoice);
+    std::fill_n(met_.read, met_.count, read);
+    for (size_t at = 0; at < met_.count; at += kLanes) {
+      const SampleStream* streams[kLanes];
+      for (size_t lane = 0; lane < kLanes; ++lane)
+        streams[lane] = &streams_[now_->number[met_.place[at + lane]]];
+      const LaneStream stream(streams);
+      const auto draw = [&](VertexNumbers::Pair pair) HWY_ATTR {
+        return stream.pair(static_cast<SampleUse>(VertexNumbers::use_of(depth_, pair)));
+      };
+      const auto keep = [&](const Lanes2& pair, double(&parts)[2][RayRow::kRoom]) HWY_ATTR {
+        hn::Store(pair.x, kLaneTag, parts[0] + at);
+        hn::Store(pair.y, kLaneTag, parts[1] + at);
+      };
+      if (on_light) keep(draw(VertexNumbers::kOnLight), met_.on_light);
+      keep(draw(VertexNumbers::kDirection), met_.direction);
+      if (may_end())
+        hn::Store(draw(VertexNumbers::kChoice).y, kLaneTag, met_.survival + at);
+      if (picks) hn::Store(draw(VertexNumbers::kPick).x, kLaneTag, met_.pick + at);
+    }
   }
   void count_unread(size_t pairs) {
     if (scene_.skips.unread_numbers) {
@@ -161,227 +338,203 @@ class PathRowFollower {
     const auto use = static_cast<SampleUse>(VertexNumbers::use_of(depth_, 0));
     for (size_t i = 0; i < pairs; ++i) keep_result(streams_[0].pair(use));
   }
-  Lanes2 numbers(const PathBundle& bundle, uint32_t pair) const {
-    return bundle.stream.pair(static_cast<SampleUse>(VertexNumbers::use_of(depth_, pair)));
-  }
-  /// Notes that the paths in `lanes` asked for them.
-  Lanes2 numbers(PathBundle& bundle, uint32_t pair, uint32_t lanes) const {
-    while (lanes != 0) bundle.read[take_lowest_lane(lanes)] |= static_cast<uint8_t>(1u << pair);
-    return numbers(bundle, pair);
-  }
-  static void note_direction(PathBundle& bundle, uint32_t lanes) {
-    while (lanes != 0)
-      bundle.read[take_lowest_lane(lanes)] |= uint8_t{1} << VertexNumbers::kDirection;
-  }
-
-  // ------------------------------------------------------------------------------------- surfaces
-
-  void shade(const uint32_t* places, size_t count) {
-    const SampleStream* streams[kLanes];
-    for (size_t lane = 0; lane < kLanes; ++lane)
-      streams[lane] = &streams_[now_->number[places[lane]]];
-    const LaneStream stream(streams);
-    PathBundle bundle(places, (1u << count) - 1, stream);
-    const LaneIndices at = indices_of(places);
-    bundle.direction = gather(now_->rays.direction, at);
-    bundle.throughput = gather(now_->throughput, at);
-    bundle.way_on = numbers(bundle, VertexNumbers::kDirection);
-    if (depth_ > 0) note_direction(bundle, bundle.bits);
-    BundlePoints points;
-    Stored3 diffuse, shading;
-    make_points(bundle, points, diffuse, shading);
-    if (depth_ < scene_.settings.max_depth) {
-      const LaneLambert scatter(diffuse.load(), shading.load(), bundle.facet,
-                                negate(bundle.direction));
-      add_direct_light(bundle, points, scatter);
-      bounce(bundle, scatter);
-    }
-    count_numbers(bundle);
-  }
-
-  /// And adds what shines there.
-  void make_points(PathBundle& bundle, BundlePoints& points, Stored3& diffuse, Stored3& shading) {
-    Stored3 point, error, front, facet;
-    const auto count = static_cast<size_t>(std::popcount(bundle.bits));
-    size_t lane = 0;
-    do {
-      const uint32_t place = bundle.places[lane];
-      const Hit& hit = hits_[place];
-      const SurfacePoint& here =
-          points.make(lane, scene_, hit.instance, now_->rays.ray(place), hit);
-      now_->path_length[place] += hit.t;
-      const Color shine = emission(here);
-      if (!is_black(shine)) [[unlikely]] {
-        sum_at(place) += color_at(now_->throughput, place) * shine *
-                         emission_weight(scene_, here, now_->density[place],
-                                         Point3{} + vec_at(now_->from, place),
-                                         vec_at(now_->from_normal, place));
-      }
-      point.put(lane, here.surface.point - Point3{});
-      error.put(lane, here.surface.point_error);
-      front.put(lane, static_cast<Vec3>(here.surface.geometric_normal));
-      facet.put(lane, here.geometric_normal);
-      shading.put(lane, here.normal);
-      const Color color = surface_diffuse(here);
-      diffuse.put(lane, {color.r, color.g, color.b});
-    } while (++lane < count);
-    for (Stored3* const of : {&point, &error, &front, &facet, &diffuse, &shading})
-      of->fill_from(count);
-    bundle.surface = {point.load(), error.load(), front.load(), shading.load()};
-    bundle.facet = facet.load();
-  }
 
   // ---------------------------------------------------------------------------------------- light
 
-  /// A light's point, of each path that may see it.
-  struct LightPoints {
-    uint32_t bits = 0;
-    Stored3 point{}, error{}, normal{}, front{}, back{};
-    alignas(64) double density[kLanes] = {};
+  /// Of area lights, each path's point; light from the background is added at once.
+  void choose_light_points() {
+    const double to_sky = environment_share(scene_);
+    const bool picks = picks_light();
+    for (size_t i = 0; i < met_.count; ++i) {
+      const double which = picks ? met_.pick[i] : 0;
+      light_points_.density[i] = 0;
+      if (which < to_sky) {
+        read_on_light(i);
+        continue;
+      }
+      choose_light_point(i, (which - to_sky) / (1 - to_sky), 1 - to_sky);
+    }
+    const size_t whole = (met_.count + kLanes - 1) / kLanes * kLanes;
+    for (size_t i = met_.count; i < whole; ++i) light_points_.density[i] = 0;
+    for (size_t i = 0; i < whole; ++i) {
+      if (light_points_.density[i] > 0) continue;
+      // Some place that is not the point's own.
+      put(vec_at(met_.surface.point, i) + vec_at(met_.surface.front, i), i, light_points_.point);
+      for (auto* const parts : {&light_points_.error, &light_points_.normal, &light_points_.front,
+                                &light_points_.back})
+        put(Vec3{}, i, *parts);
+    }
+  }
+  Vec2 read_on_light(size_t i) {
+    met_.read[i] |= bit_of(VertexNumbers::kOnLight) | bit_of(VertexNumbers::kDirection);
+    return {met_.on_light[0][i], met_.on_light[1][i]};
+  }
+  void choose_light_point(size_t i, double u, double share) {
+    const AreaLights& lights = scene_.area_lights;
+    const Point3 from = Point3{} + vec_at(met_.surface.point, i);
+    const bool is_back = (met_.is_back[i / kLanes] >> i % kLanes & 1) != 0;
+    const Vec3 front = vec_at(met_.surface.front, i);
+    const LightTree::Pick pick = lights.tree().pick(from, is_back ? -front : front, u);
+    const AreaLight& light = lights[pick.index];
+    if (scene_.skips.dark_shadow_rays && light.is_dark_from(from)) {
+      ++state_.counters.shadow_rays_skipped;
+      return;
+    }
+    SurfaceSample sample;
+    const double density =
+        light.sampler->sample(from, read_on_light(i), sample) * pick.probability * share;
+    if (!(density > 0)) return;
+    light_points_.density[i] = density;
+    put(sample.point - Point3{}, i, light_points_.point);
+    put(sample.point_error, i, light_points_.error);
+    put(sample.normal, i, light_points_.normal);
+    put(light.front, i, light_points_.front);
+    put(light.back, i, light_points_.back);
+  }
+
+  /// Some paths where they are, a lane each. What fills the vector up is the front's first again.
+  struct Bundle {
+    size_t at;      ///< of the first
+    uint32_t bits;  ///< of lanes that are paths
+    LaneSurface surface;
+    Lanes3 facet;  ///< the geometric normal, towards the viewer
+    Lanes3 throughput;
   };
 
-  void add_direct_light(PathBundle& bundle, BundlePoints& points, const LaneLambert& scatter) {
-    const double to_sky = environment_share(scene_);
+  void scatter(size_t at) {
+    const LaneIndices places = indices_of(met_.place + at);
+    Bundle bundle{at, (1u << std::min(kLanes, met_.count - at)) - 1, met_.surface.load(at), {}, {}};
+    const LaneSurface& s = bundle.surface;
+    const auto is_back = mask_of(met_.is_back[at / kLanes]);
+    bundle.facet = choose(is_back, negate(s.front), s.front);
+    bundle.throughput = gather(now_->throughput, places);
+    const Lanes3 shading = choose(is_back, negate(s.shading), s.shading);
+    const Lanes3 wo = negate(gather(now_->rays.direction, places));
+    const LaneLambert lambert(load(met_.diffuse, at), shading, bundle.facet, wo);
+    add_direct_light(bundle, lambert);
+    bounce(bundle, lambert);
+  }
+
+  void add_direct_light(const Bundle& bundle, const LaneLambert& lambert) {
+    // Without lights of other kinds all that is left to know is what stops it.
+    const bool is_all = environment_share(scene_) == 0 && scene_.lights.empty();
     const Lanes zero = hn::Zero(kLaneTag);
     Lanes3 light{zero, zero, zero};
-    if (to_sky > 0 || !scene_.area_lights.empty()) {
-      LightPoints there;
-      Stored3 from_sky(light);
-      choose_lights(bundle, points, to_sky, there, from_sky);
-      light = from_sky.load();
-      if (there.bits != 0) light = add(light, from_area_lights(bundle, points, scatter, there));
-    }
-    if (!scene_.lights.empty()) light = with_lights(bundle, points, light);
-    const Stored3 each(multiply(bundle.throughput, light));
+    if (has_area_light()) light = from_area_lights(bundle, lambert, is_all);
+    if (is_all) return;
+    Stored3 sums(light);
     for (uint32_t left = bundle.bits; left != 0;) {
       const size_t lane = take_lowest_lane(left);
-      sum_at(bundle.places[lane]) += each.color(lane);
+      at_point(bundle.at + lane, [&](const SurfacePoint& point) {
+        add_light_from_others(bundle.at + lane, point, sums.color(lane));
+      });
     }
   }
-
-  LambertBsdf scatter_at(const PathBundle& bundle, size_t lane, const SurfacePoint& point) const {
-    return LambertBsdf({.material = *point.material,
-                        .diffuse = surface_diffuse(point),
-                        .normal = point.normal,
-                        .geometric_normal = point.geometric_normal,
-                        .wo = -vec_at(now_->rays.direction, bundle.places[lane]),
-                        .from_inside = point.is_back});
-  }
-
-  void choose_lights(PathBundle& bundle, BundlePoints& points, double to_sky, LightPoints& there,
-                     Stored3& from_sky) {
-    const AreaLights& lights = scene_.area_lights;
-    const bool picks = to_sky < 1 && (to_sky > 0 || lights.size() > 1);
-    alignas(64) double which[kLanes] = {}, x[kLanes], y[kLanes];
-    if (picks) hn::Store(numbers(bundle, VertexNumbers::kPick, bundle.bits).x, kLaneTag, which);
-    const Lanes2 on_light = numbers(bundle, VertexNumbers::kOnLight);
-    hn::Store(on_light.x, kLaneTag, x);
-    hn::Store(on_light.y, kLaneTag, y);
-    for (uint32_t left = bundle.bits; left != 0;) {
-      const size_t lane = take_lowest_lane(left);
-      const SurfacePoint& point = points[lane];
-      const auto chosen = [&] {
-        bundle.read[lane] |=
-            uint8_t{1} << VertexNumbers::kOnLight | uint8_t{1} << VertexNumbers::kDirection;
-        return Vec2{x[lane], y[lane]};
-      };
-      if (which[lane] < to_sky) {
-        EnvironmentSampler::Sample sky = scene_.environment->sample(chosen());
-        sky.density *= to_sky;
-        RayOrigins origins(point.surface);
-        const Color color = light_from_environment<false>(
-            scene_, sky, point, scatter_at(bundle, lane, point), origins, {}, 0, state_);
-        from_sky.put(lane, {color.r, color.g, color.b});
-        continue;
-      }
-      const double u = (which[lane] - to_sky) / (1 - to_sky);
-      const LightTree::Pick pick =
-          lights.tree().pick(point.surface.point, point.geometric_normal, u);
-      const AreaLight& light = lights[pick.index];
-      if (scene_.skips.dark_shadow_rays && light.is_dark_from(point.surface.point)) {
-        ++state_.counters.shadow_rays_skipped;
-        continue;
-      }
-      SurfaceSample sample;
-      const double density = light.sampler->sample(point.surface.point, chosen(), sample) *
-                             pick.probability * (1 - to_sky);
-      if (!(density > 0)) continue;
-      there.bits |= 1u << lane;
-      there.density[lane] = density;
-      there.point.put(lane, sample.point - Point3{});
-      there.error.put(lane, sample.point_error);
-      there.normal.put(lane, sample.normal);
-      there.front.put(lane, {light.front.r, light.front.g, light.front.b});
-      there.back.put(lane, {light.back.r, light.back.g, light.back.b});
+  /// `sum` is what comes from area lights.
+  void add_light_from_others(size_t i, const SurfacePoint& point, Color sum) {
+    const uint32_t place = met_.place[i];
+    const LambertBsdf lambert({.material = *point.material,
+                               .diffuse = surface_diffuse(point),
+                               .normal = point.normal,
+                               .geometric_normal = point.geometric_normal,
+                               .wo = -vec_at(now_->rays.direction, place),
+                               .from_inside = point.is_back});
+    RayOrigins origins(point.surface);
+    const double to_sky = environment_share(scene_);
+    if (to_sky > 0 && (!picks_light() || met_.pick[i] < to_sky)) {
+      EnvironmentSampler::Sample sky =
+          scene_.environment->sample({met_.on_light[0][i], met_.on_light[1][i]});
+      sky.density *= to_sky;
+      sum += light_from_environment<false>(scene_, sky, point, lambert, origins, {}, 0, state_);
     }
+    add_lights<false>(scene_, point, lambert, origins, {}, now_->path_length[place], 0, state_,
+                      sum);
+    sum_of(place) += color_at(now_->throughput, place) * sum;
   }
 
-  Lanes3 from_area_lights(const PathBundle& bundle, BundlePoints& points,
-                          const LaneLambert& scatter, const LightPoints& there) {
+  /// Black if it may be added later, of those that nothing stops.
+  Lanes3 from_area_lights(const Bundle& bundle, const LaneLambert& lambert, bool may_wait) {
     const Lanes zero = hn::Zero(kLaneTag);
-    const Lanes3 place = there.point.load(), normal = there.normal.load();
+    const Lanes3 none{zero, zero, zero};
+    const size_t at = bundle.at;
+    const Lanes density = hn::Load(kLaneTag, light_points_.density + at);
+    const uint32_t chosen = bits_of(hn::Gt(density, zero)) & bundle.bits;
+    if (chosen == 0) return none;
+    const Lanes3 place = load(light_points_.point, at), normal = load(light_points_.normal, at);
     const LaneSurface& here = bundle.surface;
-    const Lanes3 way = subtract(place, here.point), wi = normalize(way);
+    const Lanes3 wi = normalize(subtract(place, here.point));
     const auto in_front = hn::Lt(dot(wi, normal), zero);
-    const Lanes3 shine = choose(in_front, there.front.load(), there.back.load());
-    LaneValue value = scatter.evaluate(wi);
+    const Lanes3 shine =
+        choose(in_front, load(light_points_.front, at), load(light_points_.back, at));
+    LaneValue value = lambert.evaluate(wi);
     const auto shines_not = is_black(shine);
     value.density = hn::IfThenZeroElse(shines_not, value.density);
     const auto is_dark = hn::Or(shines_not, is_black(value.share));
-    const uint32_t dark = bits_of(is_dark) & there.bits;
-    uint32_t asked = there.bits;
+    uint32_t asked = chosen;
     if (scene_.skips.dark_shadow_rays) {
-      state_.counters.shadow_rays_skipped += static_cast<uint64_t>(std::popcount(dark));
-      asked &= ~dark;
+      asked &= ~bits_of(is_dark);
+      state_.counters.shadow_rays_skipped += static_cast<uint64_t>(std::popcount(chosen & ~asked));
     }
+    state_.counters.rays_shadow += static_cast<uint64_t>(std::popcount(asked));
     // As point_visibility() does: the stretch ends before the light's own surface.
     const Lanes3 back = subtract(here.point, place);
     const auto behind = hn::Lt(dot(back, normal), zero);
     const Lanes3 side = choose(behind, negate(normal), normal);
-    const Lanes lift = hn::Add(dot(abs(side), there.error.load()),
+    const Lanes lift = hn::Add(dot(abs(side), load(light_points_.error, at)),
                                hn::Mul(all(kLiftRoundings), sum(abs(back))));
     const Lanes3 origin = origin_towards(here, negate(back));
-    const Stored3 origins(origin),
-        ways(subtract(add(place, multiply(side, lift)), origin));
-    uint32_t seen = 0;
-    while (asked != 0) {
-      const size_t lane = take_lowest_lane(asked);
-      const Ray ray{origins.point(lane), ways.vec(lane), 0, 1};
-      const bool stops =
-          is_black(ray_visibility<false>(scene_, points[lane], ray, {}, 0, state_));
-      seen |= uint32_t{!stops} << lane;
-    }
-    const Lanes density = hn::Load(kLaneTag, there.density);
+    const Lanes3 stretch = subtract(add(place, multiply(side, lift)), origin);
     const Lanes weight = power_heuristic(density, value.density);
-    const Lanes3 brought =
-        multiply(multiply(shine, value.share), hn::Div(weight, density));
-    const Lanes3 none{zero, zero, zero};
-    return choose(mask_of(seen & ~dark), brought, none);
-  }
-
-  Lanes3 with_lights(PathBundle& bundle, BundlePoints& points, const Lanes3& so_far) {
-    Stored3 sums(so_far);
-    for (uint32_t left = bundle.bits; left != 0;) {
-      const size_t lane = take_lowest_lane(left);
-      const SurfacePoint& point = points[lane];
-      RayOrigins origins(point.surface);
-      Color sum = sums.color(lane);
-      add_lights<false>(scene_, point, scatter_at(bundle, lane, point), origins, {},
-                        now_->path_length[bundle.places[lane]], 0, state_, sum);
-      sums.put(lane, {sum.r, sum.g, sum.b});
+    const Lanes3 brought = choose(
+        is_dark, none, multiply(multiply(shine, value.share), hn::Div(weight, density)));
+    if (may_wait) {
+      append_shadow_rays(bundle, asked, origin, stretch, multiply(bundle.throughput, brought));
+      return none;
     }
-    return sums.load();
+    return choose(mask_of(asked & ~stopped(origin, stretch, asked)), brought, none);
+  }
+  /// Of stretches in the lanes of `asked` those that something stops.
+  uint32_t stopped(const Lanes3& origin, const Lanes3& stretch, uint32_t asked) {
+    const Accelerator* const opaque = scene_.path_occluders.opaque.get();
+    const Stored3 origins(origin), stretches(stretch);
+    uint32_t lanes = 0;
+    for (uint32_t left = opaque ? asked : 0; left != 0;) {
+      const size_t lane = take_lowest_lane(left);
+      const Ray ray{origins.point(lane), stretches.vec(lane), 0, 1};
+      lanes |= uint32_t{opaque->any_hit(ray, state_.counters.traversal)} << lane;
+    }
+    return lanes;
+  }
+  void append_shadow_rays(const Bundle& bundle, uint32_t asked, const Lanes3& origin,
+                          const Lanes3& stretch, const Lanes3& light) {
+    RayRow& rays = shadows_.rays;
+    append(origin, asked, rays.count, rays.origin);
+    append(stretch, asked, rays.count, rays.direction);
+    append(light, asked, rays.count, shadows_.light);
+    while (asked != 0) {
+      const uint32_t place = met_.place[bundle.at + take_lowest_lane(asked)];
+      shadows_.number[rays.count++] = now_->number[place];
+    }
+  }
+  void add_light_not_stopped() {
+    const Accelerator* const opaque = scene_.path_occluders.opaque.get();
+    const RayRow& rays = shadows_.rays;
+    if (rays.count == 0) return;
+    const uint64_t stopped = opaque ? opaque->any_hits(rays, state_.counters.traversal) : 0;
+    for (uint32_t i = 0; i < rays.count; ++i)
+      if ((stopped >> i & 1) == 0) found_[shadows_.number[i]] += color_at(shadows_.light, i);
   }
 
   // --------------------------------------------------------------------------------------- bounce
 
-  void bounce(PathBundle& bundle, const LaneLambert& scatter) {
+  void bounce(const Bundle& bundle, const LaneLambert& lambert) {
     const Lanes zero = hn::Zero(kLaneTag);
-    Lanes3 throughput = multiply(bundle.throughput, scatter.albedo());
+    const size_t at = bundle.at;
+    Lanes3 throughput = multiply(bundle.throughput, lambert.albedo());
     const Lanes worth = greatest(throughput);
     uint32_t onward = bundle.bits & bits_of(hn::Gt(worth, zero));
-    if (depth_ >= kSafeDepth) {
-      const Lanes chance = numbers(bundle, VertexNumbers::kChoice, bundle.bits).y;
+    if (may_end()) {
+      const Lanes chance = hn::Load(kLaneTag, met_.survival + at);
       const Lanes root = hn::Sqrt(worth), most = all(kMostSurvival);
       const Lanes survival = hn::IfThenElse(hn::Lt(most, root), most, root);
       const uint32_t ends = bits_of(hn::Ge(chance, survival)) & onward;
@@ -389,10 +542,13 @@ class PathRowFollower {
       onward &= ~ends;
       throughput = multiply(throughput, hn::Div(all(1), survival));
     }
-    note_direction(bundle, onward);
+    for (uint32_t left = onward; left != 0;)
+      met_.read[at + take_lowest_lane(left)] |= bit_of(VertexNumbers::kDirection);
     Lanes3 wi;
     Lanes density;
-    onward &= bits_of(scatter.sample(bundle.way_on, wi, density));
+    const Lanes2 u{hn::Load(kLaneTag, met_.direction[0] + at),
+                   hn::Load(kLaneTag, met_.direction[1] + at)};
+    onward &= bits_of(lambert.sample(u, wi, density));
     if (onward == 0) return;
     state_.counters.rays_reflection += static_cast<uint64_t>(std::popcount(onward));
     RayRow& rays = next_->rays;
@@ -403,26 +559,30 @@ class PathRowFollower {
     append(bundle.surface.point, onward, rays.count, next_->from);
     append(bundle.facet, onward, rays.count, next_->from_normal);
     while (onward != 0) {
-      const uint32_t place = bundle.places[take_lowest_lane(onward)];
+      const uint32_t place = met_.place[at + take_lowest_lane(onward)];
       next_->path_length[rays.count] = now_->path_length[place];
       next_->number[rays.count++] = now_->number[place];
     }
   }
 
+  const PathRows& rows_;
   const Scene& scene_;
   std::span<Color> found_;
   TraceState& state_;
   PathFront fronts_[2];
   PathFront *now_ = &fronts_[0], *next_ = &fronts_[1];
+  Met met_;
+  LightPoints light_points_;
+  ShadowRows shadows_;
   Unmade<Hit, PathRows::kMost> hits_;
   Unmade<SampleStream, PathRows::kMost> streams_;
   uint32_t depth_ = 0;
 };
 
 PathRows::Code path_row_code() {
-  return [](const Scene& scene, std::span<const Ray> rays, std::span<const SampleKey> keys,
+  return [](const PathRows& of, std::span<const Ray> rays, std::span<const SampleKey> keys,
             std::span<Color> found, TraceState& state)
-             HWY_ATTR { PathRowFollower(scene, found, state).follow(rays, keys); };
+             HWY_ATTR { PathRowFollower(of, found, state).follow(rays, keys); };
 }
 
 }  // namespace HWY_NAMESPACE
@@ -434,12 +594,43 @@ namespace tessera {
 
 bool PathRows::can_follow(const Scene& scene) {
   return scene.features.lambert && !scene.features.secondary && scene.surfaces &&
-         scene.fog.kind == FogKind::none;
+         !scene.path_occluders.clear && scene.fog.kind == FogKind::none;
 }
 
 PathRows::PathRows(const Scene& scene, std::string_view instructions)
-    : scene_(scene),
-      code_(code_of_target(TESSERA_EACH_TARGET(path_row_code), instructions)()) {}
+    : scene_(scene), code_(code_of_target(TESSERA_EACH_TARGET(path_row_code), instructions)()) {
+  for (const Material& material : scene.materials)
+    sides_.push_back({material.diffuse, !is_black(material.emission)});
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) placed_.push_back(place(i));
+}
+
+PathRows::Placed PathRows::place(uint32_t number) const {
+  const Instance& instance = scene_.instances[number];
+  Placed placed;
+  placed.instance = &instance;
+  if (const auto* const mesh = dynamic_cast<const MeshShape*>(instance.shape.get())) {
+    constexpr size_t kMostVertices = size_t{1} << 29;  // their parts are numbered by 31 bits
+    placed.mesh = &mesh->mesh();
+    if (placed.mesh->positions.size() <= kMostVertices) placed.form = Form::mesh;
+    if (!placed.mesh->face_materials.empty() || !placed.mesh->colors.empty()) return placed;
+  }
+  const auto* const rectangle = dynamic_cast<const Rectangle*>(instance.shape.get());
+  if (rectangle && instance.world_from_object.is_identity()) {
+    placed.form = Form::rectangle;
+    placed.rectangle = rectangle;
+    SurfaceInteraction surface = rectangle->surface({}, {});
+    take_to_world(instance.world_from_object, instance.flip_normals, number, surface);
+    placed.normal = static_cast<Vec3>(surface.geometric_normal);
+  }
+  const InstanceShading& shading = scene_.shading[number];
+  if (shading.material_count != 1) return placed;
+  const uint32_t front = scene_.material_slots[shading.first_material];
+  const Material& material = scene_.materials[front];
+  const uint32_t back = material.sides == Sides::two_sided ? front : material.back;
+  if (!material.flat) placed.front = &sides_[front];
+  if (!scene_.materials[back].flat) placed.back = &sides_[back];
+  return placed;
+}
 
 void PathRows::radiances(std::span<const Ray> rays, std::span<const SampleKey> keys,
                          std::span<Color> found, TraceState& state) const {
@@ -450,7 +641,7 @@ void PathRows::radiances(std::span<const Ray> rays, std::span<const SampleKey> k
   TESSERA_CHECK(first.t_min == last.t_min && first.t_max == last.t_max,
                 fmt::format("from {} to {}, from {} to {}", first.t_min, first.t_max, last.t_min,
                             last.t_max));
-  code_(scene_, rays, keys, found, state);
+  code_(*this, rays, keys, found, state);
 }
 
 }  // namespace tessera

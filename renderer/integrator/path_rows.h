@@ -3,12 +3,15 @@
 #include <cstddef>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "renderer/accel/bvh_kernels.h"
 #include "renderer/accel/ray_row.h"
 #include "renderer/integrator/integrator.h"
 #include "renderer/math/color.h"
 #include "renderer/scene/scene.h"
+#include "renderer/shapes/convex_polygon.h"
+#include "renderer/shapes/triangle_mesh.h"
 
 namespace tessera {
 
@@ -26,18 +29,42 @@ class PathRows {
   /// Of a scene that it can follow paths through, by the instructions of the set that BvhKernels of
   /// that name are of. `scene` must outlive it.
   explicit PathRows(const Scene& scene, std::string_view instructions = kernels().name);
+  PathRows(const PathRows&) = delete;
+  PathRows& operator=(const PathRows&) = delete;
   /// The radiance along each of 1 to kMost camera rays, which begin and end at the same t, into
   /// `found`; `keys` are those of the samples. Other numbers are refused by a check.
   void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
                  TraceState& state) const;
 
+  /// How the surface at a hit of an instance is worked out.
+  enum class Form : uint8_t { rectangle, mesh, other };
+  /// What is seen of a material without textures and vertex colours.
+  struct Side {
+    Color diffuse;
+    bool shines = false;
+  };
+  struct Placed {
+    Form form = Form::other;
+    const Instance* instance = nullptr;
+    const Rectangle* rectangle = nullptr;  ///< as it stands in the world
+    Vec3 normal;                           ///< of the rectangle's front
+    const TriangleMesh* mesh = nullptr;
+    const Side *front = nullptr, *back = nullptr;  ///< null: hits are to be asked one by one
+  };
+  const Scene& scene() const { return scene_; }
+  const Placed& placed(uint32_t instance) const { return placed_[instance]; }
+
   /// Of one instruction set.
-  using Code = void (*)(const Scene&, std::span<const Ray>, std::span<const SampleKey>,
+  using Code = void (*)(const PathRows&, std::span<const Ray>, std::span<const SampleKey>,
                         std::span<Color>, TraceState&);
 
  private:
+  Placed place(uint32_t number) const;
+
   const Scene& scene_;
   Code code_;
+  std::vector<Side> sides_;     ///< one a material
+  std::vector<Placed> placed_;  ///< one an instance
 };
 
 }  // namespace tessera

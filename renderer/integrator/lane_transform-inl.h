@@ -1,0 +1,72 @@
+// Part of path_rows.cpp, compiled once for each instruction set: points and normals of many hits of
+// one instance, a lane each, taken into the world as take_to_world() does.
+#if defined(TESSERA_LANE_TRANSFORM_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_LANE_TRANSFORM_INL_H
+#undef TESSERA_LANE_TRANSFORM_INL_H
+#else
+#define TESSERA_LANE_TRANSFORM_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include "renderer/integrator/lane_surface-inl.h"
+#include "renderer/math/lanes-inl.h"
+#include "renderer/math/rounding.h"
+#include "renderer/math/transform.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+using MatrixRow = std::array<double, 4>;
+
+/// |m[0]| v.x + |m[1]| v.y + |m[2]| v.z
+HWY_INLINE Lanes grown(const MatrixRow& m, const Lanes3& v) {
+  return sum({hn::Mul(all(std::abs(m[0])), v.x), hn::Mul(all(std::abs(m[1])), v.y),
+              hn::Mul(all(std::abs(m[2])), v.z)});
+}
+/// |m[0] p.x| + |m[1] p.y| + |m[2] p.z| + |m[3]|
+HWY_INLINE Lanes size_of(const MatrixRow& m, const Lanes3& p) {
+  return hn::Add(grown(m, abs(p)), all(std::abs(m[3])));
+}
+HWY_INLINE Lanes3 of_rows(const auto& of_row) { return {of_row(0), of_row(1), of_row(2)}; }
+
+/// The point and its error as place_moved() does.
+HWY_INLINE void place_in_world(const Transform& world_from_object, Lanes3& point, Lanes3& error) {
+  const auto& to = world_from_object.matrix().m;
+  const auto& from = world_from_object.inverse_matrix().m;
+  const Lanes3 local = point;
+  point = of_rows([&](size_t r) HWY_ATTR {
+    const MatrixRow& m = to[r];
+    return hn::Add(hn::Add(hn::Mul(all(m[0]), local.x), hn::Mul(all(m[1]), local.y)),
+                   hn::Add(hn::Mul(all(m[2]), local.z), all(m[3])));
+  });
+  const Lanes3 round_trip = of_rows(
+      [&](size_t r) HWY_ATTR { return hn::Mul(all(gamma(4)), size_of(from[r], point)); });
+  error = of_rows([&](size_t r) HWY_ATTR {
+    const Lanes given = hn::Mul(all(gamma(3) + 1), grown(to[r], error));
+    const Lanes rounding = hn::Mul(all(gamma(4)), size_of(to[r], local));
+    return hn::Add(hn::Add(given, rounding), grown(to[r], round_trip));
+  });
+}
+/// normalize(Transform::normal(n))
+HWY_INLINE Lanes3 normal_in_world(const Transform& world_from_object, const Lanes3& n) {
+  const auto& m = world_from_object.inverse_matrix().m;
+  return normalize(of_rows([&](size_t c) HWY_ATTR {
+    return sum({hn::Mul(all(m[0][c]), n.x), hn::Mul(all(m[1][c]), n.y),
+                hn::Mul(all(m[2][c]), n.z)});
+  }));
+}
+/// The same under the identity.
+HWY_INLINE Lanes3 unmoved_normal(const Lanes3& n) {
+  const Lanes zero = hn::Zero(kLaneTag);
+  const Lanes3 whole = add(n, {zero, zero, zero});  // no -0
+  const auto is_unit = hn::Eq(dot(whole, whole), all(1));
+  return choose(is_unit, whole, normalize(whole));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#endif
