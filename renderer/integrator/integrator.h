@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "renderer/math/color.h"
+#include "renderer/sampler/sampler.h"
 #include "renderer/scene/scene.h"
 #include "renderer/shading/media.h"
 #include "renderer/shapes/ray.h"
@@ -52,12 +53,6 @@ struct PathSegment {
   double view_distance = 0;  ///< metres back to the viewer or the last bend, for fog
   uint32_t depth = 0;        ///< reflections and refractions so far
   uint32_t passes = 0;       ///< surfaces passed unbent so far
-};
-
-/// The key of a sample's numbers.
-struct SampleKey {
-  int x = 0, y = 0;
-  uint32_t sample = 0;
 };
 
 /// The opaque instance that the last shadow ray to a light ended in: the next ray to it is likely

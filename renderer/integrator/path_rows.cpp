@@ -22,6 +22,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "renderer/integrator/lane_camera-inl.h"
 #include "renderer/integrator/lane_row-inl.h"
 #include "renderer/integrator/lane_scatter-inl.h"
 #include "renderer/integrator/lane_surface-inl.h"
@@ -98,19 +99,26 @@ class PathRowFollower {
       : rows_(rows), scene_(rows.scene()), found_(found), state_(state) {}
 
   void follow(std::span<const Ray> rays, std::span<const SampleKey> keys) {
-    RayRow& row = now_->rays;
-    row.begin(rays[0].t_min, rays[0].t_max);
-    row.count = rays.size();
-    for (size_t i = 0; i < rays.size(); ++i) {
+    set_rays(rays, now_->rays);
+    follow_all(keys);
+  }
+  /// Camera::ray() through each.
+  void follow(const Camera::Pinhole& camera, std::span<const Sampler::RasterSample> rasters,
+              std::span<const SampleKey> keys) {
+    set_rays(camera, rasters, now_->rays);
+    follow_all(keys);
+  }
+
+ private:
+  void follow_all(std::span<const SampleKey> keys) {
+    for (size_t i = 0; i < keys.size(); ++i)
       streams_[i] = scene_.sampler->stream(keys[i].x, keys[i].y, keys[i].sample);
-      put(rays[i].origin - Point3{}, i, row.origin);
-      put(rays[i].direction, i, row.direction);
-      put(kWhite, i, now_->throughput);
-      now_->path_length[i] = now_->density[i] = 0;
-    }
-    std::iota(now_->number, now_->number + rays.size(), 0u);
+    for (auto& channel : now_->throughput) std::fill_n(channel, keys.size(), 1.0);
+    std::fill_n(now_->path_length, keys.size(), 0.0);
+    std::fill_n(now_->density, keys.size(), 0.0);
+    std::iota(now_->number, now_->number + keys.size(), 0u);
     std::ranges::fill(found_, kBlack);
-    state_.counters.rays_primary += rays.size();
+    state_.counters.rays_primary += keys.size();
     for (; now_->rays.count > 0; ++depth_) {
       next_->rays.begin();
       step();
@@ -118,7 +126,6 @@ class PathRowFollower {
     }
   }
 
- private:
   /// Up to the next surfaces, and what is seen there.
   void step() {
     meet();
@@ -580,9 +587,13 @@ class PathRowFollower {
 };
 
 PathRows::Code path_row_code() {
-  return [](const PathRows& of, std::span<const Ray> rays, std::span<const SampleKey> keys,
-            std::span<Color> found, TraceState& state)
-             HWY_ATTR { PathRowFollower(of, found, state).follow(rays, keys); };
+  return {[](const PathRows& of, std::span<const Ray> rays, std::span<const SampleKey> keys,
+             std::span<Color> found, TraceState& state)
+              HWY_ATTR { PathRowFollower(of, found, state).follow(rays, keys); },
+          [](const PathRows& of, const Camera::Pinhole& camera,
+             std::span<const Sampler::RasterSample> rasters, std::span<const SampleKey> keys,
+             std::span<Color> found, TraceState& state)
+              HWY_ATTR { PathRowFollower(of, found, state).follow(camera, rasters, keys); }};
 }
 
 }  // namespace HWY_NAMESPACE
@@ -591,6 +602,15 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace tessera {
+
+namespace {
+
+void check_sizes(size_t rays, size_t keys, size_t found) {
+  TESSERA_CHECK(rays >= 1 && rays <= PathRows::kMost && keys == rays && found == rays,
+                fmt::format("{} rays, {} keys, {} found", rays, keys, found));
+}
+
+}  // namespace
 
 bool PathRows::can_follow(const Scene& scene) {
   return scene.features.lambert && !scene.features.secondary && scene.surfaces &&
@@ -634,14 +654,20 @@ PathRows::Placed PathRows::place(uint32_t number) const {
 
 void PathRows::radiances(std::span<const Ray> rays, std::span<const SampleKey> keys,
                          std::span<Color> found, TraceState& state) const {
-  TESSERA_CHECK(rays.size() >= 1 && rays.size() <= kMost && keys.size() == rays.size() &&
-                    found.size() == rays.size(),
-                fmt::format("{} rays, {} keys, {} found", rays.size(), keys.size(), found.size()));
+  check_sizes(rays.size(), keys.size(), found.size());
   const Ray &first = rays.front(), &last = rays.back();
   TESSERA_CHECK(first.t_min == last.t_min && first.t_max == last.t_max,
                 fmt::format("from {} to {}, from {} to {}", first.t_min, first.t_max, last.t_min,
                             last.t_max));
-  code_(*this, rays, keys, found, state);
+  code_.follow_rays(*this, rays, keys, found, state);
+}
+
+void PathRows::radiances(const Camera::Pinhole& camera,
+                         std::span<const Sampler::RasterSample> rasters,
+                         std::span<const SampleKey> keys, std::span<Color> found,
+                         TraceState& state) const {
+  check_sizes(rasters.size(), keys.size(), found.size());
+  code_.follow_rasters(*this, camera, rasters, keys, found, state);
 }
 
 }  // namespace tessera

@@ -35,6 +35,9 @@ class PathRows {
   /// `found`; `keys` are those of the samples. Other numbers are refused by a check.
   void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
                  TraceState& state) const;
+  /// The same of a pinhole's rays through raster points.
+  void radiances(const Camera::Pinhole& camera, std::span<const Sampler::RasterSample> rasters,
+                 std::span<const SampleKey> keys, std::span<Color> found, TraceState& state) const;
 
   /// How the surface at a hit of an instance is worked out.
   enum class Form : uint8_t { rectangle, mesh, other };
@@ -55,8 +58,13 @@ class PathRows {
   const Placed& placed(uint32_t instance) const { return placed_[instance]; }
 
   /// Of one instruction set.
-  using Code = void (*)(const PathRows&, std::span<const Ray>, std::span<const SampleKey>,
+  struct Code {
+    void (*follow_rays)(const PathRows&, std::span<const Ray>, std::span<const SampleKey>,
                         std::span<Color>, TraceState&);
+    void (*follow_rasters)(const PathRows&, const Camera::Pinhole&,
+                           std::span<const Sampler::RasterSample>, std::span<const SampleKey>,
+                           std::span<Color>, TraceState&);
+  };
 
  private:
   Placed place(uint32_t number) const;

@@ -44,6 +44,15 @@ class PathTracer final : public Integrator {
     else
       Integrator::radiances(rays, keys, found, state);
   }
+  void radiances(const Camera& camera, std::span<const Sampler::RasterSample> rasters,
+                 std::span<const SampleKey> keys, std::span<Color> found,
+                 TraceState& state) const override {
+    const auto pinhole = camera.pinhole();
+    if (rows_ && pinhole)
+      rows_->radiances(*pinhole, rasters, keys, found, state);
+    else
+      Integrator::radiances(camera, rasters, keys, found, state);
+  }
 
  private:
   struct Path {

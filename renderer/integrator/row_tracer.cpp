@@ -29,6 +29,7 @@
 #include "renderer/accel/carved_lanes-inl.h"
 #include "renderer/accel/slab_lanes-inl.h"
 #include "renderer/accel/sphere_lanes-inl.h"
+#include "renderer/integrator/lane_camera-inl.h"
 #include "renderer/integrator/lane_light-inl.h"
 #include "renderer/integrator/lane_row-inl.h"
 #include "renderer/integrator/lane_surface-inl.h"
@@ -62,41 +63,17 @@ class RowFollower {
       : tracer_(tracer), scene_(tracer.scene()), found_(found), state_(state) {}
 
   void follow(std::span<const Ray> rays) {
-    RayRow& row = now_->rays;
-    row.begin(rays[0].t_min, rays[0].t_max);
-    for (size_t i = 0; i < rays.size(); ++i) {
-      for (int axis = 0; axis < 3; ++axis) {
-        row.origin[axis][i] = rays[i].origin[axis];
-        row.direction[axis][i] = rays[i].direction[axis];
-      }
-    }
+    set_rays(rays, now_->rays);
     follow_all(rays.size());
   }
   /// Camera::ray() through each.
   void follow(const Camera::Pinhole& camera, std::span<const Sampler::RasterSample> rasters) {
-    RayRow& row = now_->rays;
-    row.begin(camera.near_distance, camera.far_distance);
-    const Lanes3 eye = all(camera.eye), view = all(camera.view);
-    const LaneIndices last = hn::Set(kIndexTag, static_cast<int64_t>(rasters.size() - 1));
-    const auto place = [](Lanes at, double offset, double scale)
-                           HWY_ATTR { return hn::Add(all(offset), hn::Mul(at, all(scale))); };
-    for (size_t i = 0; i < rasters.size(); i += kLanes) {
-      const LaneIndices number = hn::Min(hn::Iota(kIndexTag, static_cast<int64_t>(i)), last);
-      const LaneIndices at = hn::Add(hn::ShiftLeft<1>(number), number);
-      const Lanes u = place(gather(&rasters[0].point.x, at), camera.offset.x, camera.scale.x);
-      const Lanes v = place(gather(&rasters[0].point.y, at), camera.offset.y, camera.scale.y);
-      const Lanes3 right = multiply(all(camera.right), u), up = multiply(all(camera.up), v);
-      store(normalize(add(add(view, right), up)), i, row.direction);
-      store(eye, i, row.origin);
-    }
+    set_rays(camera, rasters, now_->rays);
     follow_all(rasters.size());
   }
 
  private:
-  static_assert(sizeof(Sampler::RasterSample) == 3 * sizeof(double));
-
   void follow_all(size_t count) {
-    now_->rays.count = count;
     for (auto& channel : now_->throughput) std::fill_n(channel, count, 1.0);
     std::fill_n(now_->path_length, count, 0.0);
     std::iota(now_->number, now_->number + count, 0u);

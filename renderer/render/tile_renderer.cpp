@@ -13,12 +13,14 @@
 
 #include "base/error.h"
 #include "base/unmade.h"
+#include "renderer/accel/bvh_kernels.h"
 #include "renderer/film/block.h"
 #include "renderer/integrator/integrator.h"
 #include "renderer/render/aov_tracer.h"
 #include "renderer/render/block_estimate.h"
 #include "renderer/render/sample_sum.h"
 #include "renderer/render/through_camera.h"
+#include "renderer/sampler/raster_row.h"
 #include "renderer/scene/scene_builder.h"
 
 namespace tessera {
@@ -221,8 +223,7 @@ class SceneTileRenderer final : public TileRenderer {
     const std::span keys(waiting.keys.data(), std::exchange(waiting.count, 0));
     Unmade<Sampler::RasterSample, kRowSamples> rasters;
     Unmade<Color, kRowSamples> colors;
-    for (size_t i = 0; i < keys.size(); ++i)
-      rasters[i] = scene_->sampler->raster_sample(keys[i].x, keys[i].y, keys[i].sample);
+    draw_rasters(*scene_->sampler, keys, {rasters.data(), keys.size()}, kernels().name);
     through_camera<kRowSamples>(*scene_, *integrator_, keys, {rasters.data(), keys.size()},
                                 {colors.data(), keys.size()}, state);
     for (size_t i = 0; i < keys.size(); ++i)

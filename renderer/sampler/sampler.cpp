@@ -96,8 +96,9 @@ Sampler::Sampler(const SamplerSettings& settings) : settings_(settings) {
   }
   const bool is_grid = settings_.pattern == SamplePattern::centered_grid ||
                        settings_.pattern == SamplePattern::corner_grid;
+  is_plain_box_ = settings_.filter == PixelFilter::box && settings_.filter_radius == 0.5;
   is_centered_ = (settings_.pattern == SamplePattern::center || (is_grid && grid_ == 1)) &&
-                 settings_.filter == PixelFilter::box && settings_.filter_radius == 0.5;
+                 is_plain_box_;
 }
 
 Vec2 Sampler::pixel_square(int x, int y, uint32_t sample) const {
@@ -120,7 +121,10 @@ Vec2 Sampler::pixel_square(int x, int y, uint32_t sample) const {
 }
 
 Sampler::RasterSample Sampler::drawn_raster_sample(int x, int y, uint32_t sample) const {
-  Vec2 u = pixel_square(x, y, sample);
+  return filtered(x, y, pixel_square(x, y, sample));
+}
+
+Sampler::RasterSample Sampler::widely_filtered(int x, int y, Vec2 u) const {
   bool negative = false;
   if (table_) {
     const FilterTable::Draw across = table_->draw(u.x), down = table_->draw(u.y);
@@ -128,7 +132,7 @@ Sampler::RasterSample Sampler::drawn_raster_sample(int x, int y, uint32_t sample
     negative = across.negative != down.negative;
   } else if (settings_.filter == PixelFilter::tent) {
     u = {0.5 + settings_.filter_radius * tent(u.x), 0.5 + settings_.filter_radius * tent(u.y)};
-  } else if (settings_.filter_radius != 0.5) {
+  } else {
     const double side = 2 * settings_.filter_radius;
     u = {0.5 + side * (u.x - 0.5), 0.5 + side * (u.y - 0.5)};
   }

@@ -24,6 +24,12 @@ struct SamplerSettings {
   double filter_radius = 0.5;  ///< pixels
 };
 
+/// The key of a sample's numbers.
+struct SampleKey {
+  int x = 0, y = 0;  ///< the pixel
+  uint32_t sample = 0;
+};
+
 /// What a sample's numbers are drawn for: pairs of Sobol dimensions, each scrambled by itself.
 enum class SampleUse : uint32_t { pixel = 0, lens = 1, grain = 2 };
 
@@ -70,6 +76,16 @@ class Sampler {
     if (is_centered_ && sample == 0) return {{x + 0.5, y + 0.5}, false};
     return drawn_raster_sample(x, y, sample);
   }
+  /// raster_sample() where the pixel pattern chose the point `u` of the unit square.
+  RasterSample filtered(int x, int y, Vec2 u) const {
+    return is_plain_box_ ? RasterSample{{x + u.x, y + u.y}, false} : widely_filtered(x, y, u);
+  }
+  /// Whether that point is pair(SampleUse::pixel).
+  bool draws_points() const {
+    return settings_.pattern == SamplePattern::owen_sobol ||
+           settings_.pattern == SamplePattern::independent ||
+           settings_.pattern == SamplePattern::blue_noise;
+  }
   /// raster_sample(x, y, sample).point
   Vec2 raster_point(int x, int y, uint32_t sample) const {
     return raster_sample(x, y, sample).point;
@@ -85,12 +101,14 @@ class Sampler {
 
  private:
   RasterSample drawn_raster_sample(int x, int y, uint32_t sample) const;
+  RasterSample widely_filtered(int x, int y, Vec2 u) const;
   Vec2 pixel_square(int x, int y, uint32_t sample) const;
   SampleStream picture_stream(uint32_t column, uint32_t row, uint32_t sample) const;
 
   SamplerSettings settings_;
   uint32_t grid_ = 1;                         ///< cells on a side, for the grids
   bool is_centered_ = false;                  ///< a pixel's first sample is in its centre
+  bool is_plain_box_ = false;                 ///< the filter is the pixel itself
   uint32_t sample_bits_ = 0;                  ///< that number a pixel's samples
   std::shared_ptr<const FilterTable> table_;  ///< null for box and tent, which have closed forms
 };

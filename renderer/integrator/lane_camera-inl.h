@@ -1,0 +1,60 @@
+// Compiled once for each instruction set: rays of a pinhole, a lane each.
+#if defined(TESSERA_LANE_CAMERA_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_LANE_CAMERA_INL_H
+#undef TESSERA_LANE_CAMERA_INL_H
+#else
+#define TESSERA_LANE_CAMERA_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <span>
+
+#include "renderer/accel/ray_row.h"
+#include "renderer/camera/camera.h"
+#include "renderer/integrator/lane_row-inl.h"
+#include "renderer/math/lanes-inl.h"
+#include "renderer/sampler/sampler.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+static_assert(sizeof(Sampler::RasterSample) == 3 * sizeof(double));
+
+/// Camera::ray() through each, at most RayRow::kMost.
+HWY_INLINE void set_rays(const Camera::Pinhole& camera,
+                         std::span<const Sampler::RasterSample> rasters, RayRow& row) {
+  row.begin(camera.near_distance, camera.far_distance);
+  row.count = rasters.size();
+  const Lanes3 eye = all(camera.eye), view = all(camera.view);
+  const LaneIndices last = hn::Set(kIndexTag, static_cast<int64_t>(rasters.size() - 1));
+  const auto place = [](Lanes at, double offset, double scale)
+                         HWY_ATTR { return hn::Add(all(offset), hn::Mul(at, all(scale))); };
+  for (size_t i = 0; i < rasters.size(); i += kLanes) {
+    const LaneIndices number = hn::Min(hn::Iota(kIndexTag, static_cast<int64_t>(i)), last);
+    const LaneIndices at = hn::Add(hn::ShiftLeft<1>(number), number);
+    const Lanes u = place(gather(&rasters[0].point.x, at), camera.offset.x, camera.scale.x);
+    const Lanes v = place(gather(&rasters[0].point.y, at), camera.offset.y, camera.scale.y);
+    const Lanes3 right = multiply(all(camera.right), u), up = multiply(all(camera.up), v);
+    store(normalize(add(add(view, right), up)), i, row.direction);
+    store(eye, i, row.origin);
+  }
+}
+/// Of rays that begin and end at the same t.
+HWY_INLINE void set_rays(std::span<const Ray> rays, RayRow& row) {
+  row.begin(rays[0].t_min, rays[0].t_max);
+  row.count = rays.size();
+  for (size_t i = 0; i < rays.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      row.origin[axis][i] = rays[i].origin[axis];
+      row.direction[axis][i] = rays[i].direction[axis];
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#endif
