@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "base/unmade.h"
 #include "renderer/accel/mesh_shape.h"
-#include "renderer/integrator/path_light.h"
+#include "renderer/integrator/path_vertex.h"
 #include "renderer/integrator/path_numbers.h"
 #include "renderer/math/targets.h"
 
@@ -51,6 +51,7 @@ struct PathFront {
 /// processor wait.
 struct Met {
   size_t count = 0;
+  size_t even = 0;  ///< the first so many surfaces scatter evenly
   uint32_t place[PathRows::kMost + kLanes];  ///< in the front
   LaneSurfaces<RayRow::kRoom> surface;
   alignas(64) double diffuse[3][RayRow::kRoom];
@@ -58,7 +59,7 @@ struct Met {
   uint8_t is_back[RayRow::kRoom / kLanes + 1];  ///< a bit for each lane
   // Numbers, and which pairs each path asked for, a bit each.
   alignas(64) double on_light[2][RayRow::kRoom], direction[2][RayRow::kRoom];
-  alignas(64) double pick[RayRow::kRoom], survival[RayRow::kRoom];
+  alignas(64) double choice[2][RayRow::kRoom], pick[RayRow::kRoom];
   uint8_t read[RayRow::kRoom];
 };
 
@@ -132,16 +133,18 @@ class PathRowFollower {
     count_unread((now_->rays.count - met_.count) *
                  (VertexNumbers::kPairs - size_t{depth_ > 0}));  // the next direction is drawn ahead
     if (met_.count == 0) return;
+    std::fill_n(met_.read, met_.count, ahead());
     look_at_materials();
-    if (depth_ < scene_.settings.max_depth) {
+    const bool goes_on = depth_ < scene_.settings.max_depth;
+    if (goes_on) {
       draw_numbers();
       shadows_.rays.begin(0, 1);
       if (has_area_light()) choose_light_points();
-      for (size_t at = 0; at < met_.count; at += kLanes) scatter(at);
+      for (size_t at = 0; at < met_.even; at += kLanes) scatter(at);
       add_light_not_stopped();
-    } else {
-      std::fill_n(met_.read, met_.count, ahead());
     }
+    for (size_t i = met_.even; i < met_.count; ++i)
+      at_point(i, [&](const SurfacePoint& point) { scatter_alone(i, point, goes_on); });
     size_t read = 0;
     for (size_t i = 0; i < met_.count; ++i)
       read += static_cast<size_t>(std::popcount(uint32_t{met_.read[i]}));
@@ -171,8 +174,11 @@ class PathRowFollower {
     }
     state_.counters.hits += n;
     met_.count = n;
-    for (size_t begin = 0; n > 0;) {
+    met_.even = 0;
+    size_t uneven = 0;
+    while (n > 0) {
       const uint32_t instance = hits_[left[0]].instance;
+      const size_t begin = met_.even;
       size_t end = begin, others = 0;
       for (size_t i = 0; i < n; ++i) {
         const uint32_t place = left[i];
@@ -181,17 +187,24 @@ class PathRowFollower {
         end += is_it;
         others += !is_it;
       }
+      n = others;
+      if (!rows_.placed(instance).is_even) {
+        std::copy(met_.place + begin, met_.place + end, uneven_ + uneven);
+        uneven += end - begin;
+        continue;
+      }
       std::fill_n(met_.place + end, kLanes, met_.place[begin]);
       place_surfaces(instance, begin, end);
-      begin = end, n = others;
+      met_.even = end;
     }
+    std::copy_n(uneven_, uneven, met_.place + met_.even);
     fill_up();
   }
-  /// So that the last vector is whole.
+  /// So that the last vectors are whole.
   void fill_up() {
-    const size_t from = met_.count, to = (from + kLanes - 1) / kLanes * kLanes;
-    for (size_t i = from; i < to; ++i) {
-      met_.place[i] = met_.place[0];
+    std::fill_n(met_.place + met_.count, kLanes, met_.place[0]);
+    if (met_.even == 0) return;
+    for (size_t i = met_.even; i % kLanes != 0; ++i) {
       for (auto* const parts : {&met_.surface.point, &met_.surface.error, &met_.surface.front,
                                 &met_.surface.shading})
         put(vec_at(*parts, 0), i, *parts);
@@ -263,13 +276,13 @@ class PathRowFollower {
 
   /// Finds the colours, and adds what shines.
   void look_at_materials() {
-    for (size_t at = 0; at < met_.count; at += kLanes) {
+    for (size_t at = 0; at < met_.even; at += kLanes) {
       const Lanes3 direction = gather(now_->rays.direction, indices_of(met_.place + at));
       const auto is_back =
           hn::Gt(dot(load(met_.surface.front, at), direction), hn::Zero(kLaneTag));
       met_.is_back[at / kLanes] = static_cast<uint8_t>(bits_of(is_back));
     }
-    for (size_t i = 0; i < met_.count; ++i) {
+    for (size_t i = 0; i < met_.even; ++i) {
       const uint32_t place = met_.place[i];
       now_->path_length[place] += hits_[place].t;
       const PathRows::Placed& placed = rows_.placed(hits_[place].instance);
@@ -281,12 +294,15 @@ class PathRowFollower {
       }
       at_point(i, [&](const SurfacePoint& point) { look_at_material(i, place, point); });
     }
-    for (size_t i = met_.count; i % kLanes != 0; ++i) put(kWhite, i, met_.diffuse);
+    for (size_t i = met_.even; i % kLanes != 0; ++i) put(kWhite, i, met_.diffuse);
   }
   void look_at_material(size_t i, uint32_t place, const SurfacePoint& point) {
     put(surface_diffuse(point), i, met_.diffuse);
     if (point.material->flat)
       put(static_cast<Vec3>(point.surface.geometric_normal), i, met_.surface.shading);
+    add_emission(place, point);
+  }
+  void add_emission(uint32_t place, const SurfacePoint& point) {
     const Color shine = emission(point);
     if (is_black(shine)) return;
     const Point3 from = Point3{} + vec_at(now_->from, place);
@@ -317,7 +333,8 @@ class PathRowFollower {
     uint8_t read = ahead();
     if (picks) read |= bit_of(VertexNumbers::kPick);
     if (may_end()) read |= bit_of(VertexNumbers::kChoice);
-    std::fill_n(met_.read, met_.count, read);
+    std::fill_n(met_.read, met_.even, read);
+    const bool some_choose = may_end() || met_.even < met_.count;
     for (size_t at = 0; at < met_.count; at += kLanes) {
       const SampleStream* streams[kLanes];
       for (size_t lane = 0; lane < kLanes; ++lane)
@@ -332,8 +349,7 @@ class PathRowFollower {
       };
       if (on_light) keep(draw(VertexNumbers::kOnLight), met_.on_light);
       keep(draw(VertexNumbers::kDirection), met_.direction);
-      if (may_end())
-        hn::Store(draw(VertexNumbers::kChoice).y, kLaneTag, met_.survival + at);
+      if (some_choose) keep(draw(VertexNumbers::kChoice), met_.choice);
       if (picks) hn::Store(draw(VertexNumbers::kPick).x, kLaneTag, met_.pick + at);
     }
   }
@@ -352,7 +368,7 @@ class PathRowFollower {
   void choose_light_points() {
     const double to_sky = environment_share(scene_);
     const bool picks = picks_light();
-    for (size_t i = 0; i < met_.count; ++i) {
+    for (size_t i = 0; i < met_.even; ++i) {
       const double which = picks ? met_.pick[i] : 0;
       light_points_.density[i] = 0;
       if (which < to_sky) {
@@ -361,8 +377,8 @@ class PathRowFollower {
       }
       choose_light_point(i, (which - to_sky) / (1 - to_sky), 1 - to_sky);
     }
-    const size_t whole = (met_.count + kLanes - 1) / kLanes * kLanes;
-    for (size_t i = met_.count; i < whole; ++i) light_points_.density[i] = 0;
+    const size_t whole = (met_.even + kLanes - 1) / kLanes * kLanes;
+    for (size_t i = met_.even; i < whole; ++i) light_points_.density[i] = 0;
     for (size_t i = 0; i < whole; ++i) {
       if (light_points_.density[i] > 0) continue;
       // Some place that is not the point's own.
@@ -410,7 +426,7 @@ class PathRowFollower {
 
   void scatter(size_t at) {
     const LaneIndices places = indices_of(met_.place + at);
-    Bundle bundle{at, (1u << std::min(kLanes, met_.count - at)) - 1, met_.surface.load(at), {}, {}};
+    Bundle bundle{at, (1u << std::min(kLanes, met_.even - at)) - 1, met_.surface.load(at), {}, {}};
     const LaneSurface& s = bundle.surface;
     const auto is_back = mask_of(met_.is_back[at / kLanes]);
     bundle.facet = choose(is_back, negate(s.front), s.front);
@@ -440,23 +456,23 @@ class PathRowFollower {
   /// `sum` is what comes from area lights.
   void add_light_from_others(size_t i, const SurfacePoint& point, Color sum) {
     const uint32_t place = met_.place[i];
-    const LambertBsdf lambert({.material = *point.material,
-                               .diffuse = surface_diffuse(point),
-                               .normal = point.normal,
-                               .geometric_normal = point.geometric_normal,
-                               .wo = -vec_at(now_->rays.direction, place),
-                               .from_inside = point.is_back});
+    const LambertBsdf lambert(bsdf_point(place, point));
     RayOrigins origins(point.surface);
+    const PathVertex<false, LambertBsdf> vertex{
+        scene_, point, lambert, origins, no_media_, now_->path_length[place], 0, state_};
     const double to_sky = environment_share(scene_);
-    if (to_sky > 0 && (!picks_light() || met_.pick[i] < to_sky)) {
-      EnvironmentSampler::Sample sky =
-          scene_.environment->sample({met_.on_light[0][i], met_.on_light[1][i]});
-      sky.density *= to_sky;
-      sum += light_from_environment<false>(scene_, sky, point, lambert, origins, {}, 0, state_);
-    }
-    add_lights<false>(scene_, point, lambert, origins, {}, now_->path_length[place], 0, state_,
-                      sum);
+    if (to_sky > 0 && (!picks_light() || met_.pick[i] < to_sky))
+      sum += vertex.from_environment(to_sky, {met_.on_light[0][i], met_.on_light[1][i]});
+    vertex.add_lights(sum);
     sum_of(place) += color_at(now_->throughput, place) * sum;
+  }
+  BsdfPoint bsdf_point(uint32_t place, const SurfacePoint& point) const {
+    return {.material = *point.material,
+            .diffuse = surface_diffuse(point),
+            .normal = point.normal,
+            .geometric_normal = point.geometric_normal,
+            .wo = -vec_at(now_->rays.direction, place),
+            .from_inside = point.is_back};
   }
 
   /// Black if it may be added later, of those that nothing stops.
@@ -541,7 +557,7 @@ class PathRowFollower {
     const Lanes worth = greatest(throughput);
     uint32_t onward = bundle.bits & bits_of(hn::Gt(worth, zero));
     if (may_end()) {
-      const Lanes chance = hn::Load(kLaneTag, met_.survival + at);
+      const Lanes chance = hn::Load(kLaneTag, met_.choice[1] + at);
       const Lanes root = hn::Sqrt(worth), most = all(kMostSurvival);
       const Lanes survival = hn::IfThenElse(hn::Lt(most, root), most, root);
       const uint32_t ends = bits_of(hn::Ge(chance, survival)) & onward;
@@ -572,6 +588,63 @@ class PathRowFollower {
     }
   }
 
+  // ----------------------------------------------------------------------- what scatters otherwise
+
+  /// As VertexNumbers, of those that are drawn.
+  class DrawnNumbers {
+   public:
+    DrawnNumbers(Met& met, size_t i) : met_(met), i_(i) {}
+    Vec2 on_light() const {
+      direction();
+      return read(VertexNumbers::kOnLight, met_.on_light);
+    }
+    Vec2 direction() const { return read(VertexNumbers::kDirection, met_.direction); }
+    Vec2 choice() const { return read(VertexNumbers::kChoice, met_.choice); }
+    Vec2 pick() const {
+      met_.read[i_] |= bit_of(VertexNumbers::kPick);
+      return {met_.pick[i_], 0};
+    }
+
+   private:
+    Vec2 read(VertexNumbers::Pair pair, const double (&of)[2][RayRow::kRoom]) const {
+      met_.read[i_] |= bit_of(pair);
+      return {of[0][i_], of[1][i_]};
+    }
+    Met& met_;
+    size_t i_;
+  };
+
+  void scatter_alone(size_t i, const SurfacePoint& point, bool goes_on) {
+    const uint32_t place = met_.place[i];
+    now_->path_length[place] += hits_[place].t;
+    if (scene_.features.rich) ++state_.counters.texture_points_skipped;
+    add_emission(place, point);
+    if (!goes_on || point.material->model == MaterialModel::unlit) return;
+    const Bsdf bsdf(bsdf_point(place, point));
+    RayOrigins origins(point.surface);
+    const DrawnNumbers numbers(met_, i);
+    Color throughput = color_at(now_->throughput, place);
+    if (bsdf.is_smooth()) {
+      const PathVertex<false, Bsdf> vertex{
+          scene_, point, bsdf, origins, no_media_, now_->path_length[place], 0, state_};
+      sum_of(place) += throughput * vertex.direct_light(numbers);
+    }
+    BsdfSample sample;
+    double radiance_scale = 1;
+    if (!choose_way(bsdf, depth_, numbers, throughput, radiance_scale, sample, state_.counters))
+      return;
+    RayRow& rays = next_->rays;
+    const size_t at = rays.count++;
+    put(origins.towards(sample.wi) - Point3{}, at, rays.origin);
+    put(sample.wi, at, rays.direction);
+    put(throughput, at, next_->throughput);
+    next_->density[at] = sample.is_mirror ? 0 : sample.density;
+    put(point.surface.point - Point3{}, at, next_->from);
+    put(point.geometric_normal, at, next_->from_normal);
+    next_->path_length[at] = now_->path_length[place];
+    next_->number[at] = now_->number[place];
+  }
+
   const PathRows& rows_;
   const Scene& scene_;
   std::span<Color> found_;
@@ -583,6 +656,8 @@ class PathRowFollower {
   ShadowRows shadows_;
   Unmade<Hit, PathRows::kMost> hits_;
   Unmade<SampleStream, PathRows::kMost> streams_;
+  uint32_t uneven_[PathRows::kMost];
+  Media no_media_;
   uint32_t depth_ = 0;
 };
 
@@ -610,11 +685,31 @@ void check_sizes(size_t rays, size_t keys, size_t found) {
                 fmt::format("{} rays, {} keys, {} found", rays, keys, found));
 }
 
+/// Whether all light that meets it stays on the viewer's side, and nothing of it is looked up.
+bool lets_nothing_through(const Material& material) {
+  return material.inputs == kNoMaterialInputs && material.is_opaque() &&
+         is_black(material.absorption) && material.sides != Sides::front_only &&
+         material.model != MaterialModel::dielectric;
+}
+
+bool is_even(const Material& material) {
+  return material.is_lambert() && material.model == MaterialModel::classic;
+}
+
 }  // namespace
 
 bool PathRows::can_follow(const Scene& scene) {
-  return scene.features.lambert && !scene.features.secondary && scene.surfaces &&
-         !scene.path_occluders.clear && scene.fog.kind == FogKind::none;
+  const bool skips_textures = !scene.features.rich || scene.skips.texture_points;
+  if (!scene.surfaces || scene.path_occluders.clear || scene.fog.kind != FogKind::none ||
+      !scene.skips.absent_features || !skips_textures)
+    return false;
+  if (scene.features.lambert && !scene.features.secondary) return true;
+  const auto has_colors = [](const Instance& instance) {
+    const auto* const mesh = dynamic_cast<const MeshShape*>(instance.shape.get());
+    return mesh && !mesh->mesh().colors.empty();
+  };
+  return std::ranges::all_of(scene.materials, lets_nothing_through) &&
+         std::ranges::none_of(scene.instances, has_colors);
 }
 
 PathRows::PathRows(const Scene& scene, std::string_view instructions)
@@ -632,7 +727,6 @@ PathRows::Placed PathRows::place(uint32_t number) const {
     constexpr size_t kMostVertices = size_t{1} << 29;  // their parts are numbered by 31 bits
     placed.mesh = &mesh->mesh();
     if (placed.mesh->positions.size() <= kMostVertices) placed.form = Form::mesh;
-    if (!placed.mesh->face_materials.empty() || !placed.mesh->colors.empty()) return placed;
   }
   const auto* const rectangle = dynamic_cast<const Rectangle*>(instance.shape.get());
   if (rectangle && instance.world_from_object.is_identity()) {
@@ -642,14 +736,26 @@ PathRows::Placed PathRows::place(uint32_t number) const {
     take_to_world(instance.world_from_object, instance.flip_normals, number, surface);
     placed.normal = static_cast<Vec3>(surface.geometric_normal);
   }
-  const InstanceShading& shading = scene_.shading[number];
-  if (shading.material_count != 1) return placed;
-  const uint32_t front = scene_.material_slots[shading.first_material];
-  const Material& material = scene_.materials[front];
-  const uint32_t back = material.sides == Sides::two_sided ? front : material.back;
-  if (!material.flat) placed.front = &sides_[front];
-  if (!scene_.materials[back].flat) placed.back = &sides_[back];
+  find_sides(number, placed);
   return placed;
+}
+
+void PathRows::find_sides(uint32_t number, Placed& placed) const {
+  const InstanceShading& shading = scene_.shading[number];
+  const auto back_of = [&](const Material& material) -> const Material& {
+    return material.sides == Sides::two_sided ? material : scene_.materials[material.back];
+  };
+  placed.is_even = true;
+  for (uint32_t i = 0; i < shading.material_count; ++i) {
+    const Material& material = scene_.material(number, i);
+    placed.is_even &= is_even(material) && is_even(back_of(material));
+  }
+  const bool has_colors = placed.mesh && !placed.mesh->colors.empty();
+  if (shading.material_count != 1 || has_colors) return;
+  const Material& front = scene_.material(number, 0);
+  const Material& back = back_of(front);
+  if (!front.flat) placed.front = &sides_[static_cast<size_t>(&front - scene_.materials.data())];
+  if (!back.flat) placed.back = &sides_[static_cast<size_t>(&back - scene_.materials.data())];
 }
 
 void PathRows::radiances(std::span<const Ray> rays, std::span<const SampleKey> keys,

@@ -15,16 +15,18 @@
 
 namespace tessera {
 
-/// Follows the paths of several samples bounce by bounce, through scenes whose surfaces scatter
-/// evenly: numbers, directions and weights are worked out of as many paths as a vector holds. It is
-/// the arithmetic of a path by itself line by line, no product fused with a sum, so that the bits
-/// and the counts are the same. Immutable; thread-safe, each thread with its state.
+/// Follows the paths of several samples bounce by bounce, through scenes whose surfaces let nothing
+/// through: numbers are drawn, rays traced and, where light is scattered evenly, directions and
+/// weights worked out of as many paths as a vector holds. It is the arithmetic of a path by itself
+/// line by line, no product fused with a sum, so that the bits are the same, and the counts but
+/// those of traversal and, where some surfaces scatter otherwise, of numbers and of roulette.
+/// Immutable; thread-safe, each thread with its state.
 class PathRows {
  public:
   /// Paths at a time.
   static constexpr size_t kMost = RayRow::kMost;
 
-  /// Whether it can: nothing but even scattering, without fog, and something to hit.
+  /// Whether it can: nothing transparent, no textures, no fog, and something to hit.
   static bool can_follow(const Scene& scene);
   /// Of a scene that it can follow paths through, by the instructions of the set that BvhKernels of
   /// that name are of. `scene` must outlive it.
@@ -52,6 +54,7 @@ class PathRows {
     const Rectangle* rectangle = nullptr;  ///< as it stands in the world
     Vec3 normal;                           ///< of the rectangle's front
     const TriangleMesh* mesh = nullptr;
+    bool is_even = false;                          ///< all its materials only scatter evenly
     const Side *front = nullptr, *back = nullptr;  ///< null: hits are to be asked one by one
   };
   const Scene& scene() const { return scene_; }
@@ -68,6 +71,7 @@ class PathRows {
 
  private:
   Placed place(uint32_t number) const;
+  void find_sides(uint32_t number, Placed& placed) const;
 
   const Scene& scene_;
   Code code_;

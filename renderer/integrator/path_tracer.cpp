@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "renderer/integrator/path_light.h"
+#include "renderer/integrator/path_vertex.h"
 #include "renderer/integrator/path_numbers.h"
 #include "renderer/integrator/path_rows.h"
 #include "renderer/integrator/surface_point.h"
@@ -112,8 +112,13 @@ class PathTracer final : public Integrator {
                            .wo = -path.ray.direction,
                            .from_inside = point.is_back});
     RayOrigins origins(point.surface);
-    if (scatter.is_smooth()) add_direct_light(path, point, scatter, origins, numbers, state);
-    return bounce(path, point, scatter, origins, numbers, state);
+    if (scatter.is_smooth()) {
+      const PathVertex<kRich, Scatter> vertex{
+          *scene_, point, scatter, origins, path.media, path.path_length,
+          cone_width(state.cone, path.path_length), state};
+      path.sum += path.throughput * vertex.direct_light(numbers);
+    }
+    return bounce(path, point, scatter, origins, numbers, state.counters);
   }
 
   /// Whether the path goes on through the surface as if it were not there, by the share that is
@@ -149,94 +154,15 @@ class PathTracer final : public Integrator {
                 emission_weight(*scene_, point, path.density, path.from, path.from_normal);
   }
 
-  void add_direct_light(Path& path, const SurfacePoint& point, const Scatter& scatter,
-                        RayOrigins& origins, const VertexNumbers& numbers,
-                        TraceState& state) const {
-    Color sum = kBlack;
-    const double width = cone_width(state.cone, path.path_length);
-    const double to_sky = environment_share(*scene_);
-    if (to_sky > 0 || !scene_->area_lights.empty()) {
-      // One number picks twice.
-      double u =
-          to_sky < 1 && (to_sky > 0 || scene_->area_lights.size() > 1) ? numbers.pick().x : 0;
-      if (u < to_sky) {
-        EnvironmentSampler::Sample there = scene_->environment->sample(numbers.on_light());
-        there.density *= to_sky;
-        sum += light_from_environment<kRich>(*scene_, there, point, scatter, origins, path.media,
-                                             width, state);
-      } else {
-        u = (u - to_sky) / (1 - to_sky);
-        const LightTree::Pick pick =
-            scene_->area_lights.tree().pick(point.surface.point, point.geometric_normal, u);
-        const AreaLight& light = scene_->area_lights[pick.index];
-        if (scene_->skips.dark_shadow_rays && light.is_dark_from(point.surface.point)) {
-          ++state.counters.shadow_rays_skipped;
-        } else {
-          SurfaceSample there;
-          const double density =
-              light.sampler->sample(point.surface.point, numbers.on_light(), there) *
-              pick.probability * (1 - to_sky);
-          sum +=
-              from_area_light(light, there, density, point, scatter, origins, path, width, state);
-        }
-      }
-    }
-    add_lights<kRich>(*scene_, point, scatter, origins, path.media, path.path_length, width, state,
-                      sum);
-    path.sum += path.throughput * sum;
-  }
-
-  Color from_area_light(const AreaLight& light, const SurfaceSample& there, double density,
-                        const SurfacePoint& point, const Scatter& scatter, RayOrigins& origins,
-                        const Path& path, double width, TraceState& state) const {
-    if (!(density > 0)) return kBlack;
-    const Vec3 way = there.point - point.surface.point;
-    const Vec3 wi = normalize(way);
-    const Color& shine = dot(wi, there.normal) < 0 ? light.front : light.back;
-    // Facing away, or nothing goes that way: no ray.
-    BsdfValue value;
-    if (!is_black(shine)) value = scatter.evaluate(wi);
-    const bool is_dark = is_black(value.share);
-    if (is_dark && scene_->skips.dark_shadow_rays) {
-      ++state.counters.shadow_rays_skipped;
-      return kBlack;
-    }
-    const Color visible =
-        point_visibility<kRich>(*scene_, point, origins, path.media, there, width, state);
-    if (is_black(visible) || is_dark) return kBlack;
-    const double weight = power_heuristic(density, value.density);
-    return shine * value.share * visible * (weight / density);
-  }
-
   bool bounce(Path& path, const SurfacePoint& point, const Scatter& scatter, RayOrigins& origins,
-              const VertexNumbers& numbers, TraceState& state) const {
-    const bool may_end = path.depth >= kSafeDepth;
-    const Vec2 choice = Scatter::kHasChoice || may_end ? numbers.choice() : Vec2{};
+              const VertexNumbers& numbers, TraceCounters& counters) const {
     BsdfSample sample;
-    // A weight that is the same whatever the direction tells early where the path ends.
-    if constexpr (Scatter::kIsEven) {
-      sample.weight = scatter.albedo();
-    } else if (!scatter.sample(choice.x, numbers.direction(), sample)) {
+    if (!choose_way(scatter, path.depth, numbers, path.throughput, path.radiance_scale, sample,
+                    counters))
       return false;
-    }
-    path.throughput = path.throughput * sample.weight;
-    path.radiance_scale *= sample.radiance_scale;
-    // What lies ahead is as bright whatever the medium makes of radiance.
-    const double worth = max_component(path.throughput) / path.radiance_scale;
-    if (!(worth > 0)) return false;
-    if (may_end) {
-      const double survival = std::min(std::sqrt(worth), kMostSurvival);
-      if (choice.y >= survival) {
-        ++state.counters.roulette_ends;
-        return false;
-      }
-      path.throughput = path.throughput * (1 / survival);
-    }
-    if (Scatter::kIsEven && !scatter.sample(choice.x, numbers.direction(), sample)) return false;
     if constexpr (kPasses) {
       if (sample.is_beyond) pass_into(path.media, point);
     }
-    ++(sample.is_beyond ? state.counters.rays_refraction : state.counters.rays_reflection);
     path.ray = origins.spawn(sample.wi);
     path.from = point.surface.point;
     path.from_normal = point.geometric_normal;

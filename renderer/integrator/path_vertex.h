@@ -1,0 +1,175 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderer/integrator/direct_light.h"
+#include "renderer/integrator/light_sampling.h"
+#include "renderer/integrator/path_numbers.h"
+#include "renderer/integrator/surface_point.h"
+#include "renderer/shading/bsdf.h"
+
+namespace tessera {
+
+// What light that a path finds by itself is weighed by; `density` is that of its last direction, 0
+// where there was no other way to go.
+
+/// Of the background along `direction`.
+inline double background_weight(const Scene& scene, double density, const Vec3& direction) {
+  if (!(density > 0) || !scene.environment) return 1;
+  return power_heuristic(density,
+                         environment_share(scene) * scene.environment->density(direction));
+}
+/// Of what shines at `point`, from where the path scattered last.
+inline double emission_weight(const Scene& scene, const SurfacePoint& point, double density,
+                              const Point3& from, const Vec3& from_normal) {
+  if (!(density > 0)) return 1;
+  return power_heuristic(density, light_density(scene, point, from, from_normal));
+}
+
+/// Where a path is scattered. Numbers are VertexNumbers, or what has its functions. Without kRich
+/// the scene must have no textures.
+template <bool kRich, typename Scatter>
+struct PathVertex {
+  const Scene& scene;
+  const SurfacePoint& point;
+  const Scatter& scatter;
+  RayOrigins& origins;
+  const Media& media;  ///< on the viewer's side
+  double path_length;  ///< metres from the camera
+  double width;        ///< cone_width()
+  TraceState& state;
+
+  /// What lights of all kinds bring, of those with an extent and the background by one sample.
+  template <typename Numbers>
+  Color direct_light(const Numbers& numbers) const {
+    Color sum = kBlack;
+    const double to_sky = environment_share(scene);
+    if (to_sky > 0 || !scene.area_lights.empty()) {
+      // One number picks twice.
+      double u = to_sky < 1 && (to_sky > 0 || scene.area_lights.size() > 1) ? numbers.pick().x : 0;
+      if (u < to_sky) {
+        sum += from_environment(to_sky, numbers.on_light());
+      } else {
+        u = (u - to_sky) / (1 - to_sky);
+        const LightTree::Pick pick =
+            scene.area_lights.tree().pick(point.surface.point, point.geometric_normal, u);
+        const AreaLight& light = scene.area_lights[pick.index];
+        if (scene.skips.dark_shadow_rays && light.is_dark_from(point.surface.point)) {
+          ++state.counters.shadow_rays_skipped;
+        } else {
+          SurfaceSample there;
+          const double density =
+              light.sampler->sample(point.surface.point, numbers.on_light(), there) *
+              pick.probability * (1 - to_sky);
+          sum += from_area_light(light, there, density);
+        }
+      }
+    }
+    add_lights(sum);
+    return sum;
+  }
+
+  /// Of the background, which is chosen by the share `to_sky`.
+  Color from_environment(double to_sky, const Vec2& on_light) const {
+    EnvironmentSampler::Sample there = scene.environment->sample(on_light);
+    there.density *= to_sky;
+    if (!(there.density > 0)) return kBlack;
+    const BsdfValue value = scatter.evaluate(there.wi);
+    const bool is_dark = is_black(value.share);
+    if (is_dark && scene.skips.dark_shadow_rays) {
+      ++state.counters.shadow_rays_skipped;
+      return kBlack;
+    }
+    const Ray ray = origins.spawn(there.wi);
+    const Color visible = ray_visibility<kRich>(scene, point, ray, media, width, state);
+    if (is_black(visible) || is_dark) return kBlack;
+    return scene.background.radiance(ray.origin, ray.direction, scene.lights) * value.share *
+           visible * (power_heuristic(there.density, value.density) / there.density);
+  }
+
+  /// Of a point of a light that was chosen with that density.
+  Color from_area_light(const AreaLight& light, const SurfaceSample& there, double density) const {
+    if (!(density > 0)) return kBlack;
+    const Vec3 wi = normalize(there.point - point.surface.point);
+    const Color& shine = dot(wi, there.normal) < 0 ? light.front : light.back;
+    // Facing away, or nothing goes that way: no ray.
+    BsdfValue value;
+    if (!is_black(shine)) value = scatter.evaluate(wi);
+    const bool is_dark = is_black(value.share);
+    if (is_dark && scene.skips.dark_shadow_rays) {
+      ++state.counters.shadow_rays_skipped;
+      return kBlack;
+    }
+    const Color visible = point_visibility<kRich>(scene, point, origins, media, there, width, state);
+    if (is_black(visible) || is_dark) return kBlack;
+    const double weight = power_heuristic(density, value.density);
+    return shine * value.share * visible * (weight / density);
+  }
+
+  /// Adds what the lights without an extent bring.
+  void add_lights(Color& sum) const {
+    const auto add_light = [&](uint32_t index) {
+      const Light& light = scene.lights[index];
+      LightSample sample;
+      const auto leave_out = [&](bool skips) {
+        if (skips) {
+          ++state.counters.shadow_rays_skipped;
+        } else {
+          trace_for_nothing<kRich>(scene, point, media, light, sample, width, state);
+        }
+      };
+      if (!sample_light(light, point.surface.point, path_length, sample)) {
+        leave_out(scene.skips.unreached_lights);
+        return;
+      }
+      const Color share = scatter.evaluate(sample.wi).share * (portable::kPi * sample.factor);
+      const Color arriving = light.intensity * share;
+      if (is_black(arriving)) {
+        leave_out(scene.skips.dark_shadow_rays);
+        return;
+      }
+      Color visible = kWhite;
+      if (light.casts_shadow) {
+        visible =
+            light_visibility<kRich>(scene, point, origins, media, light, sample, width, state);
+      }
+      sum += arriving * visible;
+    };
+    state.counters.lights_culled +=
+        scene.for_each_light(point.surface.instance, point.surface.point, add_light);
+  }
+};
+
+/// The way on of a path that was scattered `depth` times before; false where it ends. Multiplies
+/// `throughput`, and `radiance_scale`, what of it media of other density make.
+template <typename Scatter, typename Numbers>
+bool choose_way(const Scatter& scatter, uint32_t depth, const Numbers& numbers, Color& throughput,
+                double& radiance_scale, BsdfSample& sample, TraceCounters& counters) {
+  const bool may_end = depth >= kSafeDepth;
+  const Vec2 choice = Scatter::kHasChoice || may_end ? numbers.choice() : Vec2{};
+  // A weight that is the same whatever the direction tells early where the path ends.
+  if constexpr (Scatter::kIsEven) {
+    sample.weight = scatter.albedo();
+  } else if (!scatter.sample(choice.x, numbers.direction(), sample)) {
+    return false;
+  }
+  throughput = throughput * sample.weight;
+  radiance_scale *= sample.radiance_scale;
+  // What lies ahead is as bright whatever the medium makes of radiance.
+  const double worth = max_component(throughput) / radiance_scale;
+  if (!(worth > 0)) return false;
+  if (may_end) {
+    const double survival = std::min(std::sqrt(worth), kMostSurvival);
+    if (choice.y >= survival) {
+      ++counters.roulette_ends;
+      return false;
+    }
+    throughput = throughput * (1 / survival);
+  }
+  if (Scatter::kIsEven && !scatter.sample(choice.x, numbers.direction(), sample)) return false;
+  ++(sample.is_beyond ? counters.rays_refraction : counters.rays_reflection);
+  return true;
+}
+
+}  // namespace tessera
