@@ -31,8 +31,6 @@ void add_vertices(const TriangleMesh& mesh, std::vector<Point3>& points) {
     if (is_used[v]) points.push_back(mesh.vertex(v));
 }
 
-}  // namespace
-
 std::vector<Point3> box_corners(const Bounds3& box) {
   std::vector<Point3> corners;
   for (int i = 0; i < 8; ++i)
@@ -41,10 +39,18 @@ std::vector<Point3> box_corners(const Bounds3& box) {
   return corners;
 }
 
-std::vector<Point3> outline(const v1::Shape& description, const BuiltShape& built) {
+}  // namespace
+
+size_t outline_limit(const BuiltShape& built) {
+  constexpr size_t kOfTorus = size_t{2 * kSteps + 1} * 2 * kSteps;
+  return built.mesh ? built.mesh->positions.size() : kOfTorus;
+}
+
+std::vector<Point3> outline(const v1::Shape& description, const BuiltShape& built, bool closely) {
   if (!built.shape) return {};
   const Bounds3 box = built.shape->bounds();
   if (box.empty() || !is_finite(box.diagonal())) return {};
+  if (!closely) return box_corners(box);
   const Vec3 half = box.diagonal() * .5;
   std::vector<Point3> points;
   switch (description.kind_case()) {

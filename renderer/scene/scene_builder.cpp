@@ -127,18 +127,15 @@ class SceneBuilder {
   /// of the boxes of their shapes.
   std::vector<Point3> bounded_points() const {
     constexpr size_t kMostPoints = size_t{1} << 20;
+    size_t most = 0;
+    for (const uint32_t shape : instance_shapes_) most += outline_limit(shapes_[shape]);
     std::vector<std::vector<Point3>> outlines;
     for (size_t i = 0; i < shapes_.size(); ++i)
-      outlines.push_back(outline(*graph_.shapes[i].shape, shapes_[i]));
-    size_t count = 0;
-    for (const uint32_t shape : instance_shapes_) count += outlines[shape].size();
+      outlines.push_back(outline(*graph_.shapes[i].shape, shapes_[i], most <= kMostPoints));
     std::vector<Point3> points;
     for (size_t i = 0; i < scene_->instances.size(); ++i) {
-      const Instance& instance = scene_->instances[i];
-      auto& own = outlines[instance_shapes_[i]];
-      if (count > kMostPoints && own.size() > 8) own = box_corners(instance.shape->bounds());
-      for (const Point3& p : own) {
-        const Point3 at = instance.world_from_object.point(p);
+      for (const Point3& p : outlines[instance_shapes_[i]]) {
+        const Point3 at = scene_->instances[i].world_from_object.point(p);
         if (is_finite(at - Point3{})) points.push_back(at);
       }
     }
