@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -56,17 +57,26 @@ std::string hint(const std::string& name, const std::vector<std::string>& names)
   return nearest.empty() ? "." : nearest;
 }
 
-/// CLI11 would take an unknown command for a stray argument; its name is the better hint.
+/// CLI11 would take an unknown command, or kind of one, for a stray argument; its name is the
+/// better hint.
 void check_command_name(const CLI::App& app, int argc, const char* const* argv) {
   if (argc < 2) throw usage_error("no command; try 'tessera --help'");
   const std::string name = argv[1];
   if (name.starts_with("-")) return;
-  const std::vector<std::string> names = command_names(app);
-  for (const std::string& known : names) {
-    if (name == known) return;
+  const auto commands =
+      app.get_subcommands([&](const CLI::App* command) { return command->get_name() == name; });
+  if (commands.empty()) {
+    throw usage_error(fmt::format("'{}' is no command{} Try 'tessera --help'", name,
+                                  hint(name, command_names(app))));
   }
-  throw usage_error(
-      fmt::format("'{}' is no command{} Try 'tessera --help'", name, hint(name, names)));
+  const std::vector<std::string> kinds = command_names(*commands.front());
+  const std::string kind = argc > 2 ? argv[2] : "";
+  if (kinds.empty() || kind.starts_with("-")) return;
+  if (std::find(kinds.begin(), kinds.end(), kind) != kinds.end()) return;
+  throw usage_error(fmt::format("{}; expected one of {}{}",
+                                kind.empty() ? fmt::format("{}: nothing after it", name)
+                                             : fmt::format("{}: '{}'", name, kind),
+                                fmt::join(kinds, ", "), suggestion(kind, kinds)));
 }
 
 /// Breaks descriptions into lines that fit beside the names.
@@ -103,8 +113,12 @@ std::vector<const char*> with_help_as_option(int argc, const char* const* argv) 
 
 /// One clear line for what CLI11 found wrong.
 Error usage_error_from(const CLI::App& app, const CLI::ParseError& error) {
-  const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-  const std::string of_command = command == &app ? "" : command->get_name() + " ";
+  const CLI::App* command = &app;
+  std::string of_command;
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    of_command += command->get_name() + " ";
+  }
   const std::string help = fmt::format("; try 'tessera {}--help'", of_command);
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
     const std::vector<std::string> extras = command->remaining();

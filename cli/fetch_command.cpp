@@ -10,6 +10,7 @@
 #include "base/log.h"
 #include "base/plural.h"
 #include "base/process.h"
+#include "cli/all_failures.h"
 #include "cli/command_line.h"
 #include "cli/farm_connection.h"
 #include "cli/interrupt.h"
@@ -66,9 +67,13 @@ class Fetch {
     // The name of a job is text from elsewhere: no folder of it counts.
     const auto name = std::filesystem::path(printable(status.name())).filename().string();
     if (paths_.empty()) paths_ = {name + ".png"};
+    AllFailures unwritable;
     for (const auto& path : paths_) {
-      check_writable(status.animation() ? numbered_path(path, status.frame().number()) : path);
+      unwritable.attempt([&] {
+        check_writable(status.animation() ? numbered_path(path, status.frame().number()) : path);
+      });
     }
+    unwritable.throw_if_any();
     ProgressDisplay display(progress_style(stderr, options_.quiet || !options_.wait), stderr, "");
     uint32_t missing = 0;
     for (uint32_t frame = 0; frame < status.frames_total(); ++frame) {

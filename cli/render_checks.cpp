@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "cli/all_failures.h"
 #include "renderer/image/image_file.h"
 
 namespace tessera {
@@ -73,18 +74,22 @@ void check_outputs(const RenderOptions& options) {
   const auto first = [&options](const std::filesystem::path& path) {
     return options.frames ? numbered_path(path, options.frames->first) : path;
   };
-  for (const auto& path : picture_paths(options)) {
-    check_writable(first(path));
-    check_not_input(first(path), options.scene, "--output");
+  AllFailures failures;
+  for (const auto& path : paths) {
+    failures.attempt([&] {
+      check_writable(first(path));
+      check_not_input(first(path), options.scene, "--output");
+    });
   }
-  if (options.stats && !stats_to_standard_output(options)) {
-    check_output_file(first(*options.stats), "--stats");
-    check_not_input(first(*options.stats), options.scene, "--stats");
-  }
-  if (options.trace) {
-    check_output_file(first(*options.trace), "--trace");
-    check_not_input(first(*options.trace), options.scene, "--trace");
-  }
+  const auto check_report = [&](const std::filesystem::path& path, const char* option) {
+    failures.attempt([&] {
+      check_output_file(first(path), option);
+      check_not_input(first(path), options.scene, option);
+    });
+  };
+  if (options.stats && !stats_to_standard_output(options)) check_report(*options.stats, "--stats");
+  if (options.trace) check_report(*options.trace, "--trace");
+  failures.throw_if_any();
   check_distinct(options);
   // The scene has no say in these.
   const OutputSettings output = output_settings(options.scene, {}, options.output);

@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "base/plural.h"
 #include "base/process.h"
+#include "cli/all_failures.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
 #include "cli/load_frame.h"
@@ -133,6 +134,8 @@ class RenderRun {
     loaded_ = load_frame(options_, frame);
     parse_seconds_ = seconds_since(start);
     scene_digest_ = Digest::of(serialize_scene(loaded_.scene)).hex();
+    // A wrong option is told before all that may be said of the scene.
+    check_settings(options_.frames ? std::optional(frame) : std::nullopt);
     if (options_.quiet) return;
     for (const std::string& warning : loaded_.warnings) say_warning(warning);
     for (const auto& warnings :
@@ -147,7 +150,6 @@ class RenderRun {
     const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
     const OutputSettings output =
         output_settings(options_.scene, loaded_.scene.settings().output(), options_.output);
-    check_denoising(settings);
     pass_samples_ = 0;
     if (options_.progressive) write_passes(settings, output, frame);
     farm_->keep_tiles(store_);
@@ -167,7 +169,10 @@ class RenderRun {
     return ExitCode::done;
   }
 
-  void check_denoising(const v1::FrameSettings& settings) const {
+  /// Whether the options go with the scene.
+  void check_settings(std::optional<int> frame) const {
+    const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
+    crop_window(options_, settings);
     if (!options_.denoise || settings.samples_per_pixel() > 1) return;
     throw usage_error("--denoise: one sample tells nothing of its noise; expected --spp 2 or more");
   }
@@ -258,7 +263,7 @@ class RenderRun {
     for (const auto& path : picture_paths(options_)) prepare_to_write(path);
   }
 
-  /// The first failure: a disk that is full for one may have room for another.
+  /// What failed: a disk that is full for one may have room for another.
   std::optional<Error> write_pictures(const JobResult& result, const v1::FrameSettings& settings,
                                       const OutputSettings& output,
                                       std::optional<int> frame) const {
@@ -269,15 +274,11 @@ class RenderRun {
                                  .colors = colors_of(loaded_.scene.settings().output()),
                                  .frame_width = static_cast<int>(settings.width()),
                                  .frame_height = static_cast<int>(settings.height())};
-    std::optional<Error> failure;
+    AllFailures failures;
     for (const auto& path : picture_paths(options_)) {
-      try {
-        write_image(path_for(path, frame), result.film, output, metadata);
-      } catch (const Error& error) {
-        if (!failure) failure = error;
-      }
+      failures.attempt([&] { write_image(path_for(path, frame), result.film, output, metadata); });
     }
-    return failure;
+    return failures.error();
   }
 
   void write(const JobResult& result, const v1::FrameSettings& settings,

@@ -123,7 +123,7 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       ->group("Picture");
   command
       .add_flag("--frame-all", options.frame_all,
-                "Move the camera back along its view until everything is seen")
+                "Move the camera, without turning it, until everything just fits the picture")
       ->group("Picture");
   add("--aovs", "LIST",
       fmt::format("Channels beside light in pictures of the format EXR: some of {}, or all",
@@ -217,13 +217,17 @@ void add_report_options(CLI::App& command, RenderOptions& options) {
 
 void check_camera(const std::string& name, const v1::Scene& scene) {
   if (find_camera(scene, name)) return;
+  if (scene.cameras_size() == 0)
+    throw usage_error(
+        fmt::format("--camera: '{}'; expected none, as the scene has no camera", name));
+  // What each answers to: one without a name or description to its number.
   std::vector<std::string> names;
-  for (const v1::Camera& camera : scene.cameras()) {
-    if (!camera.name().empty()) names.push_back(camera.name());
-  }
-  throw usage_error(fmt::format("--camera: '{}' is not in the scene, which has {}{}{}", name,
-                                counted(scene.cameras_size(), "camera"),
-                                names.empty() ? "" : fmt::format(": {}", fmt::join(names, ", ")),
+  for (const v1::Camera& camera : scene.cameras())
+    names.push_back(!camera.name().empty()          ? camera.name()
+                    : !camera.description().empty() ? camera.description()
+                                                    : std::to_string(names.size() + 1));
+  throw usage_error(fmt::format("--camera: '{}' is not in the scene, which has {}: {}{}", name,
+                                counted(scene.cameras_size(), "camera"), fmt::join(names, ", "),
                                 suggestion(name, names)));
 }
 
@@ -314,10 +318,14 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
   asked.set_camera(options.camera.value_or(""));
   asked.set_time(frame_time(options, settings, frame));
   try {
-    return complete(std::move(asked), settings);
+    asked = complete(std::move(asked), settings);
   } catch (const Error& error) {
     throw located(options.scene, error.what());
   }
+  if (options.min_samples && asked.target_error() == 0) {
+    throw usage_error("--min-spp: is for --target-error; expected that beside it, above 0");
+  }
+  return asked;
 }
 
 PixelRect crop_window(const RenderOptions& options, const v1::FrameSettings& frame) {

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
+#include "renderer/math/bounds.h"
 #include "renderer/math/elementary.h"
 
 namespace tessera {
@@ -32,6 +35,34 @@ HalfSize perspective_window(const CameraSettings& settings, double width, double
   }
   const double half = portable::tan(settings.field_of_view / 2);
   return {half * width / side, half * height / side};
+}
+
+/// How far the eye may go towards points, whose z is that way, until they fill a window of that
+/// half width at a distance of 1 along one axis, wherever on this axis the eye is.
+double farthest_eye(std::span<const Vec3> points, int axis, double half) {
+  double low = -std::numeric_limits<double>::infinity(), high = low;
+  for (const Vec3& p : points) {
+    low = std::max(low, -p[axis] - half * p.z);
+    high = std::max(high, p[axis] - half * p.z);
+  }
+  return -(low + high) / (2 * half);
+}
+
+/// Where on an axis the eye at depth z, before all points, sees as much of them to either side.
+double middle_seen(std::span<const Vec3> points, int axis, double z) {
+  double middle = 0;
+  // What is outermost decides, and is found after a few times.
+  for (int i = 0; i < 16; ++i) {
+    const auto place = [&](const Vec3& p) { return (p[axis] - middle) / (p.z - z); };
+    const auto [low, high] =
+        std::minmax_element(points.begin(), points.end(),
+                            [&](const Vec3& a, const Vec3& b) { return place(a) < place(b); });
+    const double a = low->z - z, b = high->z - z;
+    const double next = ((*low)[axis] * b + (*high)[axis] * a) / (a + b);
+    if (next == middle) break;
+    middle = next;
+  }
+  return middle;
 }
 
 }  // namespace
@@ -97,45 +128,42 @@ Camera::PixelCone Camera::pixel_cone() const {
   return {0, side};
 }
 
-CameraSettings grown_view(const CameraSettings& settings, int frame_width, int frame_height,
-                          std::span<const Point3> corners) {
+CameraSettings framed_view(const CameraSettings& settings, int frame_width, int frame_height,
+                           std::span<const Point3> points) {
   CameraSettings out = settings;
-  const double width = frame_width, height = frame_height;
+  const bool is_perspective = settings.projection == Projection::perspective;
+  if (points.empty() || (!is_perspective && settings.projection != Projection::orthographic))
+    return out;
   const Camera camera(settings, frame_width, frame_height);
-  constexpr double kMargin = 1.02;
-  double back = 0;  // metres by which the eye moves
-  if (settings.projection == Projection::perspective) {
-    const HalfSize half = perspective_window(settings, width, height);
-    for (const Point3& corner : corners) {
-      const Vec3 offset = corner - camera.position();
-      const double depth = dot(offset, camera.view());
-      const double across = std::max(std::abs(dot(offset, camera.right())) / half.x,
-                                     std::abs(dot(offset, camera.up())) / half.y);
-      // What fits the frame exactly is inside it.
-      if (depth > 0 && across <= depth && depth >= settings.near_distance) continue;
-      back = std::max({back, across * kMargin - depth, settings.near_distance * kMargin - depth});
-    }
-  } else if (settings.projection == Projection::orthographic) {
-    Vec2 low{out.min_x, out.min_y}, high{out.max_x, out.max_y};
-    for (const Point3& corner : corners) {
-      const Vec3 offset = corner - camera.position();
-      const double u = dot(offset, camera.right()), v = dot(offset, camera.up());
-      low = {std::min(low.x, u), std::min(low.y, v)};
-      high = {std::max(high.x, u), std::max(high.y, v)};
-      back = std::max(back, settings.near_distance - dot(offset, camera.view()));
-    }
-    // A side that moves goes a little farther than needed.
-    const double pad_x = (high.x - low.x) * (kMargin - 1), pad_y = (high.y - low.y) * (kMargin - 1);
-    if (low.x < out.min_x) out.min_x = low.x - pad_x;
-    if (low.y < out.min_y) out.min_y = low.y - pad_y;
-    if (high.x > out.max_x) out.max_x = high.x + pad_x;
-    if (high.y > out.max_y) out.max_y = high.y + pad_y;
-    back *= kMargin;
+  std::vector<Vec3> seen;  // across, up and away from the eye
+  Bounds3 box;
+  for (const Point3& point : points) {
+    const Vec3 offset = point - camera.position();
+    seen.push_back(
+        {dot(offset, camera.right()), dot(offset, camera.up()), dot(offset, camera.view())});
+    box.extend(Point3{} + seen.back());
   }
-  const Vec3 move = camera.view() * -back;
-  for (size_t row = 0; row < 3; ++row) {
-    out.world_from_camera.m[row][3] += move[static_cast<int>(row)];
+  constexpr double kMargin = 1.04;  // of the picture's side over that of what is seen
+  const Vec3 size = box.diagonal();
+  const double before = std::max(settings.near_distance * kMargin, 1e-3 * size.z);
+  Vec3 move;
+  if (is_perspective) {
+    const HalfSize window = perspective_window(settings, frame_width, frame_height);
+    const double half[] = {window.x / kMargin, window.y / kMargin};
+    move.z = box.min.z - before;
+    for (int a = 0; a < 2; ++a) move.z = std::min(move.z, farthest_eye(seen, a, half[a]));
+    if (!(move.z < box.min.z)) move.z = box.min.z - 1;  // a point, of no size
+    for (int a = 0; a < 2; ++a) (a == 0 ? move.x : move.y) = middle_seen(seen, a, move.z);
+  } else {
+    move.z = std::min(0., box.min.z - before);
+    const Vec2 pad{size.x * (kMargin - 1) / 2, size.y * (kMargin - 1) / 2};
+    if (size.x > 0 || size.y > 0) {
+      out.min_x = box.min.x - pad.x, out.max_x = box.max.x + pad.x;
+      out.min_y = box.min.y - pad.y, out.max_y = box.max.y + pad.y;
+    }
   }
+  const Vec3 to = camera.right() * move.x + camera.up() * move.y + camera.view() * move.z;
+  for (size_t row = 0; row < 3; ++row) out.world_from_camera.m[row][3] += to[static_cast<int>(row)];
   return out;
 }
 

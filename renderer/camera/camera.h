@@ -28,11 +28,11 @@ struct CameraSettings {
   LensSettings lens{};
 };
 
-/// `settings` with the view grown until every one of `corners` is inside the frame: a
-/// perspective camera moves back along its view, a little farther than needed; an orthographic one
-/// widens its window too. Panoramas are left alone, and so is a view that has them all already.
-CameraSettings grown_view(const CameraSettings& settings, int frame_width, int frame_height,
-                          std::span<const Point3> corners);
+/// `settings` moved, and not turned, until `points` fill the frame but for a small margin, as much
+/// to the left as to the right and as far up as down; of an orthographic camera the window changes
+/// too. Panoramas are left alone.
+CameraSettings framed_view(const CameraSettings& settings, int frame_width, int frame_height,
+                           std::span<const Point3> points);
 
 /// From raster points of a whole frame to rays. A crop is a part of the same frame, so
 /// its rays have the same bits. Immutable; thread-safe.

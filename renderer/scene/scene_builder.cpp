@@ -8,9 +8,11 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/plural.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/scene/csg_plan.h"
 #include "renderer/scene/material_table.h"
+#include "renderer/scene/outline.h"
 #include "renderer/scene/plain_features.h"
 #include "renderer/scene/read_camera.h"
 #include "renderer/scene/read_shading.h"
@@ -105,7 +107,7 @@ class SceneBuilder {
     const RenderSettings& settings = scene_->settings;
     if (choice.frame_all) {
       choice.settings =
-          grown_view(choice.settings, settings.width, settings.height, bounded_corners());
+          framed_view(choice.settings, settings.width, settings.height, bounded_points());
     }
     scene_->camera.emplace(choice.settings, settings.width, settings.height);
     constexpr uint64_t kMostRays = uint64_t{1} << 32;  // each has a number of its own
@@ -121,18 +123,23 @@ class SceneBuilder {
                                               : SampleCones(cone, most);
   }
 
-  /// Of the boxes of all instances that end somewhere.
-  std::vector<Point3> bounded_corners() const {
-    std::vector<Point3> corners;
-    for (const Instance& instance : scene_->instances) {
-      const Bounds3 box = bounds_of(instance);
-      if (!is_finite(box.max - box.min)) continue;
-      for (int i = 0; i < 8; ++i) {
-        corners.push_back({i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y,
-                           i & 4 ? box.max.z : box.min.z});
+  /// Of all instances that end somewhere: of their outlines, as long as these are few enough, else
+  /// of the boxes of their shapes.
+  std::vector<Point3> bounded_points() const {
+    constexpr size_t kMostPoints = size_t{1} << 20;
+    size_t most = 0;
+    for (const uint32_t shape : instance_shapes_) most += outline_limit(shapes_[shape]);
+    std::vector<std::vector<Point3>> outlines;
+    for (size_t i = 0; i < shapes_.size(); ++i)
+      outlines.push_back(outline(*graph_.shapes[i].shape, shapes_[i], most <= kMostPoints));
+    std::vector<Point3> points;
+    for (size_t i = 0; i < scene_->instances.size(); ++i) {
+      for (const Point3& p : outlines[instance_shapes_[i]]) {
+        const Point3 at = scene_->instances[i].world_from_object.point(p);
+        if (is_finite(at - Point3{})) points.push_back(at);
       }
     }
-    return corners;
+    return points;
   }
 
   void add_lights(const CameraChoice& choice) {
@@ -377,9 +384,10 @@ class SceneBuilder {
     counters["instances_opaque"] =
         static_cast<uint64_t>(std::count(is_clear_.begin(), is_clear_.end(), false));
     if (graph_.flat_nodes > 0) {
-      spdlog::warn("{} nodes are scaled to nothing or out of range: left out", graph_.flat_nodes);
+      spdlog::warn("{} scaled to nothing or out of range: left out",
+                   counted(graph_.flat_nodes, "node"));
     }
-    if (dropped > 0) spdlog::warn("{} triangles without an area: left out", dropped);
+    if (dropped > 0) spdlog::warn("{} without an area: left out", counted(dropped, "triangle"));
   }
 
   const v1::Scene& description_;

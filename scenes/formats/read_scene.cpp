@@ -37,8 +37,9 @@ constexpr std::array<std::string_view, 5> kX3dToo{"gz", "x3dz", "x3dvz", "wrz", 
 /// Models: they may come without a camera and without light.
 constexpr std::array<std::string_view, 5> kModels{"obj", "ply", "stl", "gltf", "glb"};
 /// Formats that users may well try, so that the error can say that they were recognised.
-constexpr std::array<std::string_view, 12> kOthers{"fbx",  "dae",  "blend", "3ds",  "usd", "usda",
-                                                   "usdc", "usdz", "abc",   "pbrt", "mtl", "xml"};
+constexpr std::array<std::string_view, 20> kOthers{
+    "fbx", "dae", "blend", "3ds", "usd", "usda", "usdc", "usdz", "abc", "pbrt",
+    "mtl", "xml", "pov",   "rib", "3mf", "off",  "lwo",  "c4d",  "ma",  "mb"};
 
 std::string readable() {
   std::vector<std::string> endings = readable_endings();

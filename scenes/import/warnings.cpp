@@ -6,20 +6,25 @@
 
 namespace tessera {
 
-uint64_t& Warnings::entry(std::string_view what) {
+void Warnings::add(std::string_view what, const Where& where, uint64_t times) {
   const auto known = index_.find(what);
-  if (known != index_.end()) return entries_[known->second].second;
-  if (entries_.size() == kMostEntries) return dropped_;
-  index_.emplace(what, entries_.size());
-  return entries_.emplace_back(what, 0).second;
+  if (known != index_.end()) {
+    entries_[known->second].count += times;
+  } else if (entries_.size() == kMostEntries) {
+    dropped_ += times;
+  } else {
+    index_.emplace(what, entries_.size());
+    entries_.push_back({std::string(what), where ? where() : SourcePlace{}, times});
+  }
 }
 
-std::vector<std::string> Warnings::list(std::string_view file) const {
+std::vector<std::string> Warnings::list(const std::string& file) const {
   std::vector<std::string> lines;
-  for (const auto& [what, count] : entries_)
-    lines.push_back(escape_controls(count == 1
-                                        ? fmt::format("{}: {}", file, what)
-                                        : fmt::format("{}: {} ({} times)", file, what, count)));
+  for (const Entry& entry : entries_) {
+    const std::string place = entry.place.file.empty() ? file : entry.place.str();
+    const std::string times = entry.count == 1 ? "" : fmt::format(" ({} times)", entry.count);
+    lines.push_back(escape_controls(fmt::format("{}: {}{}", place, entry.what, times)));
+  }
   if (dropped_) lines.push_back(fmt::format("{}: and {} warnings of other kinds", file, dropped_));
   return lines;
 }

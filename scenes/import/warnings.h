@@ -1,29 +1,40 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/error.h"
+
 namespace tessera {
 
-/// Collects what an importer has to say, each thing once with the number of times it happened.
+/// Collects what an importer has to say, each thing once with the number of times it happened and,
+/// where that is known, the place where it first did.
 class Warnings {
  public:
   static constexpr size_t kMostEntries = 50;
+  /// Finds a place, which may take time; asked once for each thing.
+  using Where = std::function<SourcePlace()>;
 
   /// `what` is a phrase such as "map_Kd: textures are not read yet".
-  void add(std::string_view what) { ++entry(what); }
-  void add(std::string_view what, uint64_t times) { entry(what) += times; }
+  void add(std::string_view what, uint64_t times = 1) { add(what, nullptr, times); }
+  void add(std::string_view what, const Where& where, uint64_t times = 1);
 
-  /// "FILE: what (3 times)" for each, in the order of their first appearance, at most kMostEntries.
-  std::vector<std::string> list(std::string_view file) const;
+  /// "FILE:LINE:COLUMN: what (3 times)" for each, in the order of their first appearance, at most
+  /// kMostEntries; "FILE: what" where no place is known.
+  std::vector<std::string> list(const std::string& file) const;
 
  private:
-  uint64_t& entry(std::string_view what);
+  struct Entry {
+    std::string what;
+    SourcePlace place;  ///< of an empty file: not known
+    uint64_t count = 0;
+  };
 
-  std::vector<std::pair<std::string, uint64_t>> entries_;
+  std::vector<Entry> entries_;
   std::map<std::string, size_t, std::less<>> index_;
   uint64_t dropped_ = 0;
 };

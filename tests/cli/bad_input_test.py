@@ -33,6 +33,20 @@ class BadCommandLine(TesseraTest):
         self.refused("render", self.scene, "--integrator", "whited", says=["'whitted'"])
         self.refused("render", self.scene, "--camera", "fornt", says=["'fornt'", "'front'"])
         self.refused("render", self.scene, "-o", "x.pgn", says=["pgn", "png"])
+        self.refused("bench", "foo", says=["'foo'", "rays", "farm"])
+        self.refused("bench", "ray", says=["'ray'", "did you mean 'rays'?"])
+        self.refused("help", "bench", "ray", says=["did you mean 'rays'?"])
+        self.refused("bench", "farm", "--worker", "2", says=["'--workers'", "bench farm --help"])
+
+    def test_cameras_without_names_have_numbers(self):
+        self.write("scene.tessera", "cameras { } cameras { description: 'side' }")
+        # The scene is dark too, which is not what counts.
+        self.refused("render", self.scene, "--camera", "foo", says=["'foo'", "2 cameras: 1, side"])
+        self.write("scene.tessera", "nodes { shape { sphere { } } }")
+        self.refused("render", self.scene, "--camera", "foo", says=["'foo'", "no camera"])
+
+    def test_what_goes_with_nothing(self):
+        self.refused("render", self.scene, "--min-spp", "4", says=["--min-spp", "--target-error"])
 
     def test_sizes(self):
         for size in ["0x10", "10x0", "1000000000x1", "65537x1", "65536x65536", "-5x5", "8", "8x",
@@ -71,6 +85,13 @@ class BadCommandLine(TesseraTest):
             with self.subTest(place=place):
                 self.refused("render", self.scene, "-o", place, says=[place])
         self.refused("render", self.scene, "--stats", "nowhere/s.json", says=["nowhere"])
+        result = self.run_program("render", self.scene, "-o", "nowhere/a.png", "-o", "x.png", "-o",
+                                  "elsewhere/b.png", "--trace", "nowhere/t.json")
+        self.assertEqual(2, result.code)
+        lines = result.err.splitlines()
+        self.assertEqual(3, len(lines), "all that fail are told")
+        for place, line in zip(["nowhere/a.png", "elsewhere/b.png", "nowhere/t.json"], lines):
+            self.assertIn(f"'{place}' cannot be written", line)
         self.refused("convert", self.scene, "nowhere/s.json", says=["nowhere"])
         self.refused("convert", self.scene, "s.jsn", says=["s.jsn", ".json"])
 

@@ -91,12 +91,7 @@ double CrtAttributes::number(std::string_view name, CrtRange range,
 int32_t CrtAttributes::integer(std::string_view name, int32_t fallback) {
   const CrtAttribute* found = find(name);
   if (!found) return fallback;
-  if (holds<int32_t>(found->value)) return std::get<int32_t>(found->value);
-  // A whole float comes of computing with t or of functions.
-  if (holds<double>(found->value)) {
-    const double value = std::get<double>(found->value);
-    if (value == std::floor(value) && std::abs(value) < 1e9) return static_cast<int32_t>(value);
-  }
+  if (const auto whole = whole_number(found->value)) return *whole;
   wrong(*found, "an integer");
   return fallback;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/plural.h"
 #include "scenes/formats/crt/crt_evaluator.h"
 #include "scenes/formats/crt/crt_objects.h"
 
@@ -148,7 +149,7 @@ CrtValue CrtEvaluator::call(const CrtMacro& macro, std::vector<CrtValue> values,
   const std::vector<const CrtSyntax*>& parts = macro.syntax->children;
   const size_t parameters = parts.size() - 1;
   if (values.size() != parameters)
-    throw CrtError(where, fmt::format("a macro called with {} arguments", values.size()),
+    throw CrtError(where, fmt::format("a macro called with {}", counted(values.size(), "argument")),
                    fmt::format("{}", parameters));
   if (calls_ >= kMaxCalls)
     throw CrtLimitError(where, "macros call each other too deep",

@@ -175,10 +175,11 @@ CrtValue CrtEvaluator::logical(const CrtSyntax& node, const CrtValue& left) {
 CrtValue CrtEvaluator::index(const CrtSyntax& node, const CrtValue& left) {
   const CrtValue at = evaluate(*node.children[1]);
   if (holds<CrtFailed>(left) || holds<CrtFailed>(at)) return CrtFailed{};
-  if (!holds<int32_t>(at))
+  const std::optional<int32_t> whole = whole_number(at);
+  if (!whole)
     throw CrtError(node.children[1]->span, fmt::format("{} as an index", describe(at)),
                    "an integer");
-  const int32_t i = std::get<int32_t>(at);
+  const int32_t i = *whole;
   int32_t size = 3;
   if (holds<const CrtList*>(left))
     size = static_cast<int32_t>(std::get<const CrtList*>(left)->items.size());

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 
 namespace tessera {
@@ -49,14 +51,32 @@ double number_of(const CrtValue& value) {
   return holds<int32_t>(value) ? std::get<int32_t>(value) : std::get<double>(value);
 }
 
+std::optional<int32_t> whole_number(const CrtValue& value) {
+  if (holds<int32_t>(value)) return std::get<int32_t>(value);
+  if (!holds<double>(value)) return std::nullopt;
+  const double number = std::get<double>(value);
+  if (number != std::floor(number) || std::abs(number) >= 1e9) return std::nullopt;
+  return static_cast<int32_t>(number);
+}
+
 std::string number_text(const CrtValue& value) {
   if (holds<int32_t>(value)) return fmt::format("{}", std::get<int32_t>(value));
   const double number = std::get<double>(value);
   if (!std::isfinite(number))
     return std::isnan(number) ? "NaN" : number > 0 ? "Infinity" : "-Infinity";
-  std::string text = fmt::format("{}", number);
-  if (text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
+  // The fewest digits that tell it, with a point: with an exponent below 10^-3 and from 10^7 on.
+  const double size = std::abs(number);
+  const bool is_short = number == 0 || (size >= 1e-3 && size < 1e7);
+  std::array<char, 400> digits;
+  const auto written =
+      std::to_chars(digits.data(), digits.data() + digits.size(), number,
+                    is_short ? std::chars_format::fixed : std::chars_format::scientific);
+  const std::string_view all(digits.data(), written.ptr);
+  const size_t end = std::min(all.find('e'), all.size());
+  std::string text(all.substr(0, end));
+  if (text.find('.') == std::string::npos) text += ".0";
+  if (is_short) return text;
+  return fmt::format("{}E{}", text, std::stoi(std::string(all.substr(end + 1))));
 }
 
 }  // namespace tessera

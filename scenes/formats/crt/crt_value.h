@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -119,7 +120,9 @@ inline bool is_number(const CrtValue& value) {
 }
 /// Of an integer or a float.
 double number_of(const CrtValue& value);
-/// As Java writes it: 3, 0.5, 1.0.
+/// An integer, which a whole float stands for too: one comes of computing with t or of functions.
+std::optional<int32_t> whole_number(const CrtValue& value);
+/// As Java writes it: 3, 0.5, 1.0, 1.5E-4.
 std::string number_text(const CrtValue& value);
 
 }  // namespace tessera

@@ -67,9 +67,7 @@ std::string GltfTextures::picture(const GltfValue& image, size_t index) {
             : GltfFile::path_of_uri(uri);
   const std::string problem = check_ ? check_(name, bytes ? &*bytes : nullptr) : "";
   if (!problem.empty()) {
-    const int line = image.place().line;
-    warnings_.add(fmt::format("{}picture '{}' {}", line > 0 ? fmt::format("line {}: ", line) : "",
-                              name, problem));
+    warnings_.add(fmt::format("picture '{}' {}", name, problem), [&] { return image.place(); });
     return "";
   }
   if (bytes) out_.pictures[name] = std::move(*bytes);

@@ -97,9 +97,9 @@ class MapLine {
       if (i < 4) map_.channel = static_cast<v1::FloatInput::Channel>(i);
       if (name == "z")
         warnings_.add(
-            fmt::format("line {}: {} -imfchan z asks for depths, which no picture holds; "
-                        "luminance is taken",
-                        place_.line, keyword_));
+            fmt::format("{} -imfchan z asks for depths, which no picture holds; luminance is taken",
+                        keyword_),
+            [&] { return place_; });
       return true;
     }
     throw error(fmt::format("'{}'", to_utf8(name)), "a channel: r, g, b, m, l or z");

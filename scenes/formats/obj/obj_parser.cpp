@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "base/file.h"
+#include "base/plural.h"
 
 namespace tessera {
 namespace {
@@ -181,7 +182,7 @@ void ObjParser::face() {
   polygon_.clear();
   while (!in_.at_line_end() && in_.peek() != '#') polygon_.push_back(corner());
   if (polygon_.size() < 3)
-    throw in_.error(fmt::format("a face with {} corners", polygon_.size()), "at least 3");
+    throw in_.error("a face with " + counted(polygon_.size(), "corner"), "at least 3");
   // A face either brings all of its normals or gets them from its smoothing group.
   const bool complete = std::none_of(polygon_.begin(), polygon_.end(),
                                      [](const auto& c) { return c.normal == kNoIndex; });

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "proto/wire/scene_codec.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
 
@@ -9,9 +10,10 @@ namespace tessera {
 namespace {
 
 bool is_group(std::string_view type) {
-  constexpr std::array<std::string_view, 13> kGroups{
-      "Transform", "Group",  "StaticGroup",   "Collision",  "Anchor",       "Switch",   "LOD",
-      "Billboard", "Inline", "HAnimHumanoid", "HAnimJoint", "HAnimSegment", "HAnimSite"};
+  constexpr std::array<std::string_view, 14> kGroups{
+      "Transform",  "Group",        "StaticGroup", "Collision",     "Anchor",
+      "Switch",     "LOD",          "Billboard",   "Inline",        "HAnimHumanoid",
+      "HAnimJoint", "HAnimSegment", "HAnimSite",   "ViewpointGroup"};
   return std::find(kGroups.begin(), kGroups.end(), type) != kGroups.end();
 }
 
@@ -59,7 +61,8 @@ void X3dTranslator::add_all(const v1::Transform& path, double unit, Nodes& out) 
     add_children(document_.scene(), inner, *scaled.mutable_children());
   }
   list_ignored();
-  for (const std::string& remark : document_.remarks()) warnings_.add(remark);
+  for (const X3dDocument::Remark& remark : document_.remarks())
+    values_.warn(remark.offset, remark.text);
   for (std::string& line : warnings_.list(document_.name()))
     out_.warnings.push_back(std::move(line));
 }
@@ -70,10 +73,10 @@ void X3dTranslator::finish() {
   set_metadata();
 }
 
-void X3dTranslator::warn_unknown_field(const X3dNode& node, const X3dNodeType& type,
+void X3dTranslator::warn_unknown_field(size_t offset, const X3dNodeType& type,
                                        const std::string& name) {
-  warnings_.add(fmt::format("unknown field '{}' of {} is left out{}", name, node.type,
-                            suggestion(name, type.field_names())));
+  values_.warn(offset, fmt::format("unknown field '{}' of {} is left out{}", name, type.name,
+                                   suggestion(name, type.field_names())));
 }
 
 /// Says of every node and field that we do not know that it is left out.
@@ -89,20 +92,22 @@ void X3dTranslator::check_names() {
         warning = fmt::format("unknown node '{}' is left out{}", node.type,
                               listed ? suggestion(node.type, x3d_node_names()) : "");
       }
-      warnings_.add(warning);
+      values_.warn(node.offset, warning);
       continue;
     }
     if (!type) continue;
     for (const X3dField& field : node.fields) {
       const bool no_nodes = field.text.empty() && type->has_node_field(field.name);
-      if (!type->has_field(field.name) && !no_nodes) warn_unknown_field(node, *type, field.name);
+      if (!type->has_field(field.name) && !no_nodes)
+        warn_unknown_field(field.offset, *type, field.name);
     }
     std::set<std::string_view> single;
     for (const X3dNode::Child& child : node.children) {
-      if (!type->has_node_field(child.container)) warn_unknown_field(node, *type, child.container);
+      if (!type->has_node_field(child.container))
+        warn_unknown_field(child.node->offset, *type, child.container);
       if (holds_one_node(*type, child.container) && !single.insert(child.container).second)
-        warnings_.add(
-            fmt::format("{} of {} is given twice; the last one holds", child.container, node.type));
+        values_.warn(child.node->offset, fmt::format("{} of {} is given twice; the last one holds",
+                                                     child.container, node.type));
     }
   }
 }
@@ -165,7 +170,11 @@ v1::Camera X3dTranslator::first_view() {
 
 void X3dTranslator::add_node(const X3dNode& node, const v1::Transform& path, Nodes& out) {
   if (is_group(node.type) || node.type == "Shape") {
-    if (node.uses > 1) return add_instance(node, path, out);
+    // A scene's messages stand one inside the other up to kMaxSceneDepth; in an object they begin
+    // anew.
+    constexpr int kObjectLevels = kMaxSceneDepth / 2;
+    const bool is_deep = build_.depth % kObjectLevels == kObjectLevels - 1;
+    if (node.uses > 1 || is_deep) return add_instance(node, path, out);
     return fill_node(node, path, *out.Add());
   }
   if (is_light(node.type)) return add_light(node, out);
@@ -188,7 +197,9 @@ void X3dTranslator::add_instance(const X3dNode& node, const v1::Transform& path,
     known = objects_.emplace(&node, name).first;
     v1::Object object;
     object.set_name(name);
+    ++build_.depth;
     fill_node(node, path, *object.add_nodes());
+    --build_.depth;
     *out_.scene.add_objects() = std::move(object);
   }
   out.Add()->set_instance_of(known->second);

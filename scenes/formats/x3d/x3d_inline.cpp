@@ -99,8 +99,8 @@ void X3dTranslator::add_inline(const X3dNode& node, const v1::Transform& path, v
     throw document_.error(node.offset,
                           fmt::format("Inline of '{}': {}", X3dFiles::shown(urls[0]), reasons),
                           "a file that can be read");
-  warnings_.add(fmt::format("line {}: Inline of '{}' is left out: {}",
-                            document_.place(node.offset).line, X3dFiles::shown(urls[0]), reasons));
+  values_.warn(node.offset,
+               fmt::format("Inline of '{}' is left out: {}", X3dFiles::shown(urls[0]), reasons));
 }
 
 /// Why what the URL names is no part of the scene; empty where it is.

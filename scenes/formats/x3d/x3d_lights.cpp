@@ -60,7 +60,8 @@ void X3dTranslator::set_attenuation(const X3dNode& node, v1::Light& light) {
     factor.set_at_most_one(true);
   }
   if (attenuation.x < 0 || attenuation.y < 0 || attenuation.z < 0)
-    warnings_.add(fmt::format("attenuation of {} below 0 is read as 0", node.type));
+    values_.warn(node.field("attenuation")->offset,
+                 fmt::format("attenuation of {} below 0 is read as 0", node.type));
   const double radius = values_.amount(node, "radius", 100);
   if (radius == 0)
     light.set_off(true);

@@ -129,7 +129,8 @@ v1::Material X3dTranslator::make_classic(const Look& look, const X3dNode& node, 
     classic.mutable_shininess()->set_channel(v1::FloatInput::ALPHA);
   }
   for (const char* field : {"ambientTexture", "occlusionTexture"})
-    if (node.child(field)) warnings_.add(fmt::format("{} of Material is left out", field));
+    if (const X3dNode* map = node.child(field))
+      values_.warn(map->offset, fmt::format("{} of Material is left out", field));
   const double clear = transparency(look, node, name("transparency", "backTransparency"));
   if (clear > 0) {
     classic.mutable_transparency()->set_value(clear);

@@ -81,7 +81,8 @@ X3dPen X3dTranslator::pen(const X3dNode* line_properties, const v1::Transform& p
   if (line_properties && values_.boolean(*line_properties, "applied", true)) {
     width *= std::max(1., values_.number(*line_properties, "linewidthScaleFactor", 0));
     if (values_.integer(*line_properties, "linetype", 1) != 1)
-      warnings_.add("lines of any linetype are drawn solid");
+      values_.warn(line_properties->field("linetype")->offset,
+                   "lines of any linetype are drawn solid");
   }
   const v1::Camera& view = build_.view;
   const Affine world_from_camera = to_affine(view.world_from_camera());
@@ -118,7 +119,7 @@ bool X3dTranslator::set_geometry(const X3dNode& geometry, const MeshLook& look,
   if (is_x3d_mesh(type)) {
     const X3dMesh& made = mesh(geometry, look, path);
     if (made.empty) {
-      warnings_.add(fmt::format("{} without a face is left out", type));
+      values_.warn(geometry.offset, fmt::format("{} without a face is left out", type));
       return false;
     }
     *shape.mutable_mesh() = made.mesh;

@@ -12,16 +12,17 @@ namespace tessera {
 namespace {
 
 /// Angles in degrees, increasing and one fewer than the colours.
+template <typename Warn>
 std::vector<double> ring_angles(std::vector<double> radians, size_t colors, double most,
-                                Warnings& warnings) {
+                                const Warn& warn) {
   if (radians.size() + 1 != colors && !(radians.empty() && colors == 0)) {
-    warnings.add("a Background needs one angle fewer than colours; what is left over is left out");
+    warn("a Background needs one angle fewer than colours; what is left over is left out");
     radians.resize(std::min(radians.size(), colors == 0 ? 0 : colors - 1));
   }
   double last = 0;
   for (double& angle : radians) {
     const double degrees = std::min(degrees_from_radians(angle), most);
-    if (degrees < last) warnings.add("angles of a Background that fall are raised to the last one");
+    if (degrees < last) warn("angles of a Background that fall are raised to the last one");
     // Equal angles make a sharp edge.
     angle = std::max(degrees, std::nextafter(last, 360));
     last = angle;
@@ -64,8 +65,15 @@ void X3dTranslator::set_sky(const X3dNode& node, v1::Background& background) {
     put(ground[0], background.mutable_gradient()->mutable_ground());
   } else {
     v1::Background::Rings& rings = *background.mutable_rings();
-    sky_angles = ring_angles(std::move(sky_angles), sky.size(), 180, warnings_);
-    ground_angles = ring_angles(std::move(ground_angles), ground.size(), 90, warnings_);
+    const auto warn_at = [&](const char* angles) {
+      const X3dField* field = node.field(angles);
+      return [this, offset = field ? field->offset : node.offset](const char* what) {
+        values_.warn(offset, what);
+      };
+    };
+    sky_angles = ring_angles(std::move(sky_angles), sky.size(), 180, warn_at("skyAngle"));
+    ground_angles =
+        ring_angles(std::move(ground_angles), ground.size(), 90, warn_at("groundAngle"));
     sky.resize(std::min(sky.size(), sky_angles.size() + 1));
     ground.resize(std::min(ground.size(), ground_angles.size() + 1));
     for (const Color& color : sky) put(color, rings.add_sky());

@@ -67,8 +67,8 @@ X3dTranslator::Coordinates X3dTranslator::coordinates_of(const X3dNode& geometry
   if (mode == "SPHERE-LOCAL") return Coordinates::sphere_local;
   if (mode == "CAMERASPACENORMAL") return Coordinates::camera_space_normal;
   if (!mode.empty() && mode != "SPHERE")
-    values.warnings().add(
-        fmt::format("TextureCoordinateGenerator of mode '{}' is read as SPHERE", mode));
+    values.warn(node->field("mode")->offset,
+                fmt::format("TextureCoordinateGenerator of mode '{}' is read as SPHERE", mode));
   return Coordinates::sphere;
 }
 
@@ -109,7 +109,7 @@ std::string X3dTranslator::main_texture(const Look& look, const X3dNode* materia
 
 std::string X3dTranslator::texture(const X3dNode* node, const Look& look, bool is_color) {
   if (node && node->type == "MultiTexture") {
-    warnings_.add("of a MultiTexture only the first texture is read");
+    values_.warn(node->offset, "of a MultiTexture only the first texture is read");
     node = node->child("texture")
                ? std::find_if(node->children.begin(), node->children.end(),
                               [](const X3dNode::Child& c) { return c.container == "texture"; })
@@ -233,18 +233,16 @@ std::string X3dTranslator::image_texture(const std::vector<std::string>& urls,
 
 std::string X3dTranslator::picture_texture(const Picture& picture, v1::Texture::Image image,
                                            size_t offset) {
-  const auto line = [&] { return document_.place(offset).line; };
   if (picture.file.empty()) {
     if (build_.options.x3d_strict)
       throw document_.error(offset, fmt::format("no picture {}", picture.reasons),
                             "a picture that can be read");
-    warnings_.add(
-        fmt::format("line {}: a placeholder stands for the picture {}", line(), picture.reasons));
+    values_.warn(offset, fmt::format("a placeholder stands for the picture {}", picture.reasons));
     return placeholder_texture();
   }
   if (picture.is_damaged)
-    warnings_.add(fmt::format("line {}: the picture is '{}', not {}", line(), to_utf8(picture.file),
-                              picture.reasons));
+    values_.warn(
+        offset, fmt::format("the picture is '{}', not {}", to_utf8(picture.file), picture.reasons));
   v1::Texture texture;
   image.set_file(picture.file);
   *texture.mutable_image() = std::move(image);
@@ -300,8 +298,7 @@ std::string X3dTranslator::sky_texture(const X3dNode& node, const std::string& s
     if (all.empty()) return "";
     const Picture picture = find_picture(all);
     if (!picture.file.empty()) return picture_texture(picture, std::move(image), field->offset);
-    warnings_.add(fmt::format("line {}: the background has no picture {}",
-                              document_.place(field->offset).line, picture.reasons));
+    values_.warn(field->offset, fmt::format("the background has no picture {}", picture.reasons));
     return "";
   }
   const X3dNode* child = node.child(side + "Texture");

@@ -24,7 +24,8 @@ struct X3dNames {
 
 /// What the files share that make up one scene.
 struct X3dBuild {
-  static constexpr int kMaxDepth = 400;  ///< of groups, through Inlines
+  /// Of groups, through USE, prototypes and Inlines: what the renderer follows, and some less.
+  static constexpr int kMaxDepth = 180;
 
   const ReadOptions& options;
   X3dFiles files;
@@ -75,7 +76,7 @@ class X3dTranslator {
                           v1::Node& out);
   void add_file(const std::string& file, const std::string& name, const v1::Transform& path);
   void check_names();
-  void warn_unknown_field(const X3dNode& node, const X3dNodeType& type, const std::string& name);
+  void warn_unknown_field(size_t offset, const X3dNodeType& type, const std::string& name);
   void list_ignored();
 
   // Cameras, lights and what surrounds the scene (x3d_view.cpp, x3d_lights.cpp, x3d_sky.cpp).

@@ -129,6 +129,20 @@ TEST(RenderOptions, SamplingIsTheDefaultThenTheScenesThenAsAsked) {
   EXPECT_EQ(frame_settings(options, scene, std::nullopt).filter_radius(), 3);
 }
 
+TEST(RenderOptions, TheLeastSamplesAreForATargetError) {
+  v1::Scene scene;
+  RenderOptions options;
+  options.min_samples = 4;
+  EXPECT_EQ(code_of([&] { frame_settings(options, scene, std::nullopt); }), ExitCode::bad_usage);
+  options.target_error = 0;
+  EXPECT_EQ(code_of([&] { frame_settings(options, scene, std::nullopt); }), ExitCode::bad_usage);
+  options.target_error = .1;
+  EXPECT_EQ(frame_settings(options, scene, std::nullopt).min_samples(), 4u);
+  options.target_error.reset();
+  scene.mutable_settings()->mutable_sampling()->set_target_error(.1);
+  EXPECT_EQ(frame_settings(options, scene, std::nullopt).min_samples(), 4u);
+}
+
 TEST(RenderOptions, AFrameHasItsTime) {
   v1::Scene scene;
   EXPECT_EQ(frame_settings({}, scene, 12).time(), 0.5);

@@ -89,7 +89,7 @@ class X3dClassicReader {
              line[7] == '.' && line[8] >= '0' && line[8] <= '9')
       document_.version_ = (line[6] - '0') * 10 + (line[8] - '0');
     else if (line.starts_with("#X3D") || line.starts_with("#VRML"))
-      document_.remarks_.push_back(fmt::format("'{}' is read as X3D 3.3", line.substr(0, 40)));
+      document_.remarks_.push_back({0, fmt::format("'{}' is read as X3D 3.3", line.substr(0, 40))});
     else
       throw document_.error(0, "a file that does not say what it is",
                             "'#X3D V3.x utf8', '#VRML V2.0 utf8' or XML");
@@ -306,7 +306,8 @@ class X3dClassicReader {
     // Looking for it takes time in the number of fields, and no node has many.
     if (node.fields.size() < kMaxSearched && node.field(name))
       document_.remarks_.push_back(
-          fmt::format("{} is given twice in {}; the first one holds", name, describe(node)));
+          {begin,
+           fmt::format("{} is given twice in {}; the first one holds", name, describe(node))});
     node.fields.push_back({name, text.substr(begin, end - begin), begin});
   }
 

@@ -68,8 +68,12 @@ class X3dDocument {
   size_t length() const { return source_.size(); }  ///< of the text, in bytes
   double radians_per_unit() const { return radians_per_unit_; }
   const std::map<std::string, std::string>& metadata() const { return metadata_; }
-  /// What was met on the way that a user should hear of, without the file's name.
-  const std::vector<std::string>& remarks() const { return remarks_; }
+  /// What was met on the way that a user should hear of.
+  struct Remark {
+    size_t offset;
+    std::string text;
+  };
+  const std::vector<Remark>& remarks() const { return remarks_; }
   const std::string& name() const { return name_; }
 
   SourcePlace place(size_t offset) const;
@@ -96,7 +100,7 @@ class X3dDocument {
   bool quotes_strings_ = false;
   double metres_per_unit_ = 1, radians_per_unit_ = 1;
   std::map<std::string, std::string> metadata_;
-  std::vector<std::string> remarks_;
+  std::vector<Remark> remarks_;
 };
 
 /// "Sphere 'S'" or "a Sphere".

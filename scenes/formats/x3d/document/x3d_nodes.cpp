@@ -60,6 +60,8 @@ constexpr std::array kTypes = std::to_array<X3dNodeType>({
      " position orientation fieldOfView centerOfRotation description jump retainUserOffsets "
      "nearDistance farDistance viewAll navigationInfo ",
      " navigationInfo "},
+    {"ViewpointGroup", "children", read, " center description displayed retainUserOffsets size ",
+     " children "},
     {"NavigationInfo", "children", read,
      " headlight type speed avatarSize visibilityLimit transitionTime transitionType ", ""},
     {"DirectionalLight", "children", read,
@@ -194,7 +196,6 @@ constexpr std::array kTypes = std::to_array<X3dNodeType>({
     {"EnvironmentLight", "children", ignored, "", ""},
     {"TextureProjector", "children", ignored, "", ""},
     {"TextureProjectorParallel", "children", ignored, "", ""},
-    {"ViewpointGroup", "children", ignored, "", ""},
     {"TimeSensor", "children", ignored, "", ""},
     {"TouchSensor", "children", ignored, "", ""},
     {"PlaneSensor", "children", ignored, "", ""},

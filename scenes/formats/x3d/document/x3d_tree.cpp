@@ -76,16 +76,18 @@ X3dNode* X3dTree::use(const std::string& name, std::string_view type, size_t off
   return &node;
 }
 
-void X3dTree::add_child(X3dNode& parent, std::string container, X3dNode* node) {
+void X3dTree::add_child(X3dNode& parent, const std::string& container, X3dNode* node) {
   parent.height = std::max(parent.height, node->height + 1);
   if (parent.height > X3dDocument::kMaxHeight)
     throw document_.error(node->offset, "nodes nested too deep once USE and PROTO are followed",
                           fmt::format("at most {} levels", X3dDocument::kMaxHeight));
-  // The names of VRML97.
-  if ((parent.type == "Switch" && container == "choice") ||
-      (parent.type == "LOD" && container == "level"))
-    container = "children";
-  parent.children.push_back({std::move(container), node});
+  parent.children.push_back({field_of(parent, container), node});
+}
+
+std::string X3dTree::field_of(const X3dNode& node, const std::string& name) {
+  const bool is_old =
+      (node.type == "Switch" && name == "choice") || (node.type == "LOD" && name == "level");
+  return is_old ? "children" : name;
 }
 
 void X3dTree::begin_prototype() { scopes_.emplace_back(); }
@@ -176,7 +178,8 @@ void X3dTree::set_unit(const std::string& category, double factor, size_t offset
     document_.radians_per_unit_ = factor;
   else if (category != "mass" && category != "force")
     document_.remarks_.push_back(
-        fmt::format("unit of '{}' is left out; expected angle, force, length or mass", category));
+        {offset,
+         fmt::format("unit of '{}' is left out; expected angle, force, length or mass", category)});
 }
 
 }  // namespace tessera

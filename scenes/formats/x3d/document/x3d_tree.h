@@ -50,7 +50,9 @@ class X3dTree {
   void finish(const X3dNode& node) { open_.erase(&node); }
   /// The node of that name. `type` may be empty: any.
   X3dNode* use(const std::string& name, std::string_view type, size_t offset);
-  void add_child(X3dNode& parent, std::string container, X3dNode* node);
+  void add_child(X3dNode& parent, const std::string& container, X3dNode* node);
+  /// What a field of that node is called, which VRML97 may call otherwise.
+  static std::string field_of(const X3dNode& node, const std::string& name);
 
   /// Between these, nodes are a prototype's, with names and prototypes of their own.
   void begin_prototype();

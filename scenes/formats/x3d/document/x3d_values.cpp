@@ -77,6 +77,11 @@ void X3dValues::spend(size_t bytes, size_t offset) const {
                                       kMaxReadBytes >> 20, kMaxReadTimes));
 }
 
+void X3dValues::warn_of(const X3dNode& node, std::string_view name, std::string_view what) const {
+  const X3dField* field = node.field(name);
+  warn(field ? field->offset : node.offset, fmt::format("{} of {} {}", name, node.type, what));
+}
+
 template <typename Number>
 std::vector<Number> X3dValues::list(const X3dNode& node, std::string_view name,
                                     size_t width) const {
@@ -102,7 +107,7 @@ bool X3dValues::boolean(const X3dNode& node, std::string_view name, bool otherwi
   if (lower != "true" && lower != "false")
     throw document_.error(field->offset, shown(field->text), "true or false");
   if (lower != field->text && !document_.quotes_strings())
-    warnings_.add(fmt::format("{}='{}' is read as {}", name, field->text, lower));
+    warn(field->offset, fmt::format("{}='{}' is read as {}", name, field->text, lower));
   return lower == "true";
 }
 
@@ -134,14 +139,14 @@ std::vector<double> X3dValues::angles(const X3dNode& node, std::string_view name
 
 double X3dValues::amount(const X3dNode& node, std::string_view name, double otherwise) const {
   const double value = number(node, name, otherwise);
-  if (value < 0) warnings_.add(fmt::format("{} of {} below 0 is read as 0", name, node.type));
+  if (value < 0) warn_of(node, name, "below 0 is read as 0");
   return std::max(0., value);
 }
 
 double X3dValues::share(const X3dNode& node, std::string_view name, double otherwise) const {
   const double value = number(node, name, otherwise);
   if (value >= 0 && value <= 1) return value;
-  warnings_.add(fmt::format("{} of {} outside 0 to 1 is clamped", name, node.type));
+  warn_of(node, name, "outside 0 to 1 is clamped");
   return std::clamp(value, 0., 1.);
 }
 
@@ -162,8 +167,7 @@ Vec3 X3dValues::vec3(const X3dNode& node, std::string_view name, const Vec3& oth
 Color X3dValues::clamped(const Color& color, const X3dNode& node, std::string_view name) const {
   const Color inside{std::clamp(color.r, 0., 1.), std::clamp(color.g, 0., 1.),
                      std::clamp(color.b, 0., 1.)};
-  if (!(inside == color))
-    warnings_.add(fmt::format("{} of {} outside 0 to 1 is clamped", name, node.type));
+  if (!(inside == color)) warn_of(node, name, "outside 0 to 1 is clamped");
   return inside;
 }
 
@@ -185,8 +189,7 @@ X3dRotation X3dValues::rotation(const X3dNode& node, std::string_view name) cons
   if (v.empty()) return {};
   X3dRotation rotation{{v[0], v[1], v[2]}, v[3] * document_.radians_per_unit()};
   if (rotation.axis == Vec3{}) {
-    if (rotation.angle != 0)
-      warnings_.add(fmt::format("{} of {} about no axis is left out", name, node.type));
+    if (rotation.angle != 0) warn_of(node, name, "about no axis is left out");
     return {};
   }
   return rotation;

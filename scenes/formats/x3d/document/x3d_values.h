@@ -58,7 +58,11 @@ class X3dValues {
   std::vector<Color> colors(const X3dNode& node, std::string_view name) const;
 
   const X3dDocument& document() const { return document_; }
-  Warnings& warnings() const { return warnings_; }
+  /// Warns of what stands at `offset`, and there first.
+  void warn(size_t offset, std::string_view what, uint64_t times = 1) const {
+    warnings_.add(
+        what, [&] { return document_.place(offset); }, times);
+  }
 
   /// Counts what is made of a node at `offset` as if so much were read.
   void spend(size_t bytes, size_t offset) const;
@@ -73,6 +77,8 @@ class X3dValues {
   const X3dField* read_field(const X3dNode& node, std::string_view name) const;
   std::vector<double> exactly(const X3dNode& node, std::string_view name, size_t count) const;
   Color clamped(const Color& color, const X3dNode& node, std::string_view name) const;
+  /// Of a field that is there.
+  void warn_of(const X3dNode& node, std::string_view name, std::string_view what) const;
 
   const X3dDocument& document_;
   Warnings& warnings_;

@@ -55,7 +55,8 @@ class X3dXmlReader {
         text[2] <= '9')
       document_.version_ = (text[0] - '0') * 10 + (text[2] - '0');
     else if (!text.empty())
-      document_.remarks_.push_back(fmt::format("unknown version '{}' is read as 3.3", text));
+      document_.remarks_.push_back(
+          {offset(attribute), fmt::format("unknown version '{}' is read as 3.3", text)});
   }
 
   void read_head(const pugi::xml_node& head) {
@@ -109,17 +110,29 @@ class X3dXmlReader {
     const pugi::xml_attribute use = xml.attribute("USE");
     const std::string_view type = xml.name();
     X3dNode* node;
-    if (use)
+    if (*use.value())
       node =
           tree_.use(use.value(), type == "ProtoInstance" ? std::string_view() : type, offset(use));
     else
       node = type == "ProtoInstance" ? instance(xml, depth + 1) : element(xml, depth + 1);
-    std::string container = xml.attribute("containerField").value();
-    if (container.empty()) {
-      const X3dNodeType* known = find_x3d_node_type(node->type);
-      container = known ? known->container : "children";
-    }
-    tree_.add_child(parent, std::move(container), node);
+    tree_.add_child(parent, container(parent, *node, xml.attribute("containerField")), node);
+  }
+
+  /// The field that holds the node: that of its type where none is named, or one that the parent
+  /// does not have.
+  std::string container(const X3dNode& parent, const X3dNode& node,
+                        const pugi::xml_attribute& named) {
+    const X3dNodeType* type = find_x3d_node_type(node.type);
+    const X3dNodeType* holder = find_x3d_node_type(parent.type);
+    std::string usual(type ? type->container : "children");
+    if (!*named.value()) return usual;
+    const std::string name = X3dTree::field_of(parent, named.value());
+    if (!type || !holder || holder->has_node_field(name) || !holder->has_node_field(usual))
+      return name;
+    document_.remarks_.push_back(
+        {offset(named), fmt::format("{} has no field '{}' for {}; '{}' is taken", parent.type, name,
+                                    describe(node), usual)});
+    return usual;
   }
 
   /// The values of field or fieldValue elements, as fields and children of `node`.

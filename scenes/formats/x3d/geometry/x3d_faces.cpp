@@ -39,10 +39,11 @@ class FaceReader {
         count_through();
       for (size_t at = 0; at + size <= index_.values.size(); at += size) face(range(at, at + size));
       if (index_.values.size() % size != 0)
-        values_.warnings().add("an incomplete last face is left out");
+        values_.warn(index_.offsets.back(), "an incomplete last face is left out");
     }
     if (dropped_)
-      values_.warnings().add("faces with fewer than 3 different points are left out", dropped_);
+      values_.warn(first_dropped_, "faces with fewer than 3 different points are left out",
+                   dropped_);
     return std::move(out_);
   }
 
@@ -111,7 +112,7 @@ class FaceReader {
     std::sort(different.begin(), different.end());
     different.erase(std::unique(different.begin(), different.end()), different.end());
     if (different.size() < 3) {
-      ++dropped_;
+      if (dropped_++ == 0) first_dropped_ = index_.offsets[slots[0]];
       return;
     }
     out_.add_face(points);
@@ -138,6 +139,7 @@ class FaceReader {
   X3dFaces out_;
   uint32_t next_number_ = 0;
   uint64_t dropped_ = 0;
+  size_t first_dropped_ = 0;  ///< where it is written
 };
 
 }  // namespace

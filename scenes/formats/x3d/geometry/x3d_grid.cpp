@@ -30,7 +30,8 @@ X3dFaces read_x3d_grid(const X3dNode& node, const X3dValues& values) {
         fmt::format("{} heights of {}, {} x {}", heights.size(), describe(node), columns, rows),
         fmt::format("xDimension times zDimension, at most {}", kMaxX3dPoints));
   if (columns * rows < heights.size())
-    values.warnings().add("heights of an ElevationGrid beyond its dimensions are left out");
+    values.warn(node.field("height")->offset,
+                "heights of an ElevationGrid beyond its dimensions are left out");
   for (size_t row = 0; row < rows; ++row) {
     for (size_t column = 0; column < columns; ++column) {
       const auto x = static_cast<double>(column), z = static_cast<double>(row);

@@ -135,7 +135,8 @@ class MeshBuilder {
       for (size_t k = 0; k < 3; ++k) {
         const float c = std::clamp(values[i + k], 0.f, 1.f);
         if (c != values[i + k])
-          values_.warnings().add(fmt::format("color of {} outside 0 to 1 is clamped", node->type));
+          values_.warn(node->field("color")->offset,
+                       fmt::format("color of {} outside 0 to 1 is clamped", node->type));
         colors_.push_back(options_.linear ? static_cast<float>(srgb_to_linear(c)) : c);
       }
       colors_.push_back(alpha ? std::clamp(values[i + 3], 0.f, 1.f) : 1.f);

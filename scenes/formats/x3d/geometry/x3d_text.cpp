@@ -31,7 +31,8 @@ class TextBuilder {
     italic_ = look.ends_with("ITALIC");
     for (const char* name : {"horizontal", "leftToRight", "topToBottom"})
       if (!values.boolean(*style, name, true))
-        values.warnings().add("Text is written in lines from the left and from the top");
+        values.warn(style->field(name)->offset,
+                    "Text is written in lines from the left and from the top");
     const auto justify = values.strings(*style, "justify");
     if (!justify.empty()) major_ = justify[0];
     if (justify.size() > 1) minor_ = justify[1];
@@ -83,7 +84,8 @@ class TextBuilder {
       if (!begins_character(c)) continue;
       const auto code = static_cast<unsigned char>(c);
       if (code < ' ' || code > '~')
-        values_.warnings().add("a character that our font does not have is written as '?'");
+        values_.warn(node_.field("string")->offset,
+                     "a character that our font does not have is written as '?'");
       const StrokeGlyph glyph = stroke_glyph(code);
       for (const Stroke& stroke : glyph.strokes) add_stroke(stroke, x, y, stretch);
       x += glyph.advance * unit() * stretch;

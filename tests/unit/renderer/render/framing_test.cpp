@@ -45,16 +45,79 @@ TEST(FrameAll, takes_everything_in) {
   }
 }
 
-TEST(FrameAll, leaves_a_view_that_has_everything) {
-  const std::string scene = "nodes { shape { sphere {} } } nodes { light { point {} } }";
-  EXPECT_EQ(
-      render_text("cameras { world_from_camera { steps { translate { z: 9 } } } } " + scene, 9, 9)
-          .values,
-      render_text("cameras { world_from_camera { steps { translate { z: 9 } } } "
-                  "frame_all: true } " +
-                      scene,
-                  9, 9)
-          .values);
+/// The pixels between what is lit and the frame's sides.
+struct Margins {
+  int left, right, top, bottom;
+};
+
+Margins margins(const TilePixels& tile) {
+  const int w = tile.rect.width(), h = tile.rect.height();
+  Margins out{w, w, h, h};
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      if (!is_lit(tile, x, y)) continue;
+      out = {std::min(out.left, x), std::min(out.right, w - 1 - x), std::min(out.top, y),
+             std::min(out.bottom, h - 1 - y)};
+    }
+  }
+  return out;
+}
+
+TEST(FrameAll, fills_the_frame_in_its_middle) {
+  const std::string shapes[] = {"sphere { center { x: 3 y: 1 z: -2 } radius: 5 }",
+                                "box { min { x: 1 } max { x: 9 y: 2 z: 3 } }",
+                                "cylinder { radius: 3 height: .5 }",
+                                "cone { radius: 2 height: 7 top_radius: 1 }",
+                                "disc { center { x: 4 } normal { y: 1 z: .3 } radius: 2 }",
+                                "torus { major_radius: 4 }"};
+  const std::string frames[] = {
+      "steps { look_at { eye { x: 30 y: 20 z: 25 } target { x: 8 } } }",  // far away, aside
+      "steps { look_at { eye { x: 1 y: .5 z: 1 } target { } } }"};        // in the midst of it
+  for (const std::string& shape : shapes) {
+    for (const std::string& frame : frames) {
+      for (const char* projection : {"perspective { field_of_view: 60 }", "orthographic {}"}) {
+        for (const auto& [w, h] : {std::pair{240, 120}, std::pair{120, 240}}) {
+          const Margins m = margins(render_text(
+              "cameras { frame_all: true " + std::string(projection) + " world_from_camera { " +
+                  frame + " } } materials { name: 'm' unlit {} sides: TWO_SIDED } nodes { " +
+                  "shape { materials: 'm' " + shape + " } }",
+              w, h));
+          const std::string which = shape + frame + projection + std::to_string(w);
+          EXPECT_NEAR(m.left, m.right, 2) << which;
+          EXPECT_NEAR(m.top, m.bottom, 2) << which;
+          const int least = std::min(m.left, m.top);
+          EXPECT_GE(least, 1) << which;
+          EXPECT_LE(least, 5) << which;
+        }
+      }
+    }
+  }
+}
+
+/// What is near takes more room than what is far, and vertices that no face has take none.
+TEST(FrameAll, goes_by_what_is_seen_of_several) {
+  const std::string mesh =
+      "mesh { inline_positions: [ 0, 0, 0, 2, 0, 0, 0, 6, -9, 100, 100, 100 ] inline_triangles: [ "
+      "0, "
+      "1, 2 ] }";
+  const Margins m = margins(render_text(
+      "cameras { frame_all: true } materials { name: 'm' unlit {} sides: TWO_SIDED } nodes { shape "
+      "{ materials: 'm' " +
+          mesh +
+          " } } nodes { transform { steps { translate { x: -3 z: -20 } } } "
+          "shape { materials: 'm' sphere { radius: 1 } } }",
+      300, 200));
+  EXPECT_NEAR(m.left, m.right, 2);
+  EXPECT_NEAR(m.top, m.bottom, 2);
+  EXPECT_LE(std::min(m.left, m.top), 7);
+}
+
+TEST(FrameAll, leaves_a_view_of_nothing) {
+  for (const char* projection : {"perspective { }", "orthographic {}"}) {
+    EXPECT_EQ(
+        lit(render_text(std::string("cameras { frame_all: true ") + projection + " }", 9, 9)).first,
+        0);
+  }
 }
 
 TEST(FrameAll, passes_by_what_never_ends) {

@@ -19,7 +19,7 @@ TEST_F(ReadScene, LeavesOutInlinesThatCannotBeReadWhateverTheirFormat) {
   EXPECT_EQ(loaded.scene.nodes(0).instance_of(), loaded.scene.nodes(2).instance_of());
   EXPECT_EQ(loaded.scene.nodes(1).instance_of(), "");
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_NE(loaded.warnings[0].find("a.x3d: line 2: Inline of 'bad.gltf' is left out: "),
+  EXPECT_NE(loaded.warnings[0].find("a.x3d:2:2: Inline of 'bad.gltf' is left out: "),
             std::string::npos)
       << loaded.warnings[0];
   EXPECT_NE(loaded.warnings[0].find("bad.gltf:1:2: what is no JSON"), std::string::npos);
@@ -56,7 +56,7 @@ TEST_F(ReadScene, LeavesOutInlinesThatIncludeWhatCannotBeRead) {
     EXPECT_EQ(loaded.scene.nodes(0).instance_of(), loaded.scene.nodes(2).instance_of());
     EXPECT_EQ(loaded.scene.nodes(1).instance_of(), "");
     ASSERT_EQ(loaded.warnings.size(), 1u) << file;
-    EXPECT_NE(loaded.warnings[0].find("a.x3d: line 2: Inline of 'outer.tessera' is left out: "),
+    EXPECT_NE(loaded.warnings[0].find("a.x3d:2:2: Inline of 'outer.tessera' is left out: "),
               std::string::npos)
         << loaded.warnings[0];
     EXPECT_NE(loaded.warnings[0].find(reason), std::string::npos) << loaded.warnings[0];

@@ -143,9 +143,9 @@ TEST_F(ReadScene, TakesAPictureOfAModelThatCannotBeDecodedForAMissingOne) {
   EXPECT_EQ(gltf.scene.textures(0).image().file(), "good.png");
   EXPECT_EQ(gltf.scene.materials(0).normal_map(), "");
   ASSERT_EQ(gltf.warnings.size(), 2u);
-  EXPECT_TRUE(gltf.warnings[0].ends_with("a.gltf: line 3: picture 'a.gltf#images/1' no picture; "
+  EXPECT_TRUE(gltf.warnings[0].ends_with("a.gltf:3:1: picture 'a.gltf#images/1' no picture; "
                                          "expected one") ||
-              gltf.warnings[1].ends_with("a.gltf: line 3: picture 'a.gltf#images/1' no picture; "
+              gltf.warnings[1].ends_with("a.gltf:3:1: picture 'a.gltf#images/1' no picture; "
                                          "expected one"))
       << ::testing::PrintToString(gltf.warnings);
 }

@@ -55,6 +55,12 @@ TEST(CrtLanguage, EqualIsOfOneTypeAndValue) {
 TEST(CrtLanguage, TextsJoinAndRepeat) {
   EXPECT_EQ(text("\"a\" + 1 + 2.0 + true"), "a12.0true");
   EXPECT_EQ(text("3 * \"ab\""), "ababab");
+  // Floats as Java writes them.
+  EXPECT_EQ(text("\"\" + 100000000.0"), "1.0E8");
+  EXPECT_EQ(text("\"\" + 1234567.5"), "1234567.5");
+  EXPECT_EQ(text("\"\" + 10000000.0"), "1.0E7");
+  EXPECT_EQ(text("\"\" + .001"), "0.001");
+  EXPECT_EQ(text("\"\" + -.00015"), "-1.5E-4");
   EXPECT_EQ(text("\"say \\\"hi\\\"\\t\\u00e9\""), "say \"hi\"\t\u00e9");
 }
 
@@ -69,6 +75,7 @@ TEST(CrtLanguage, ALineThatBeginsWithAnOperatorGoesOn) {
 TEST(CrtLanguage, AnAliasSeesLaterChangesOutsideOfBlocks) {
   EXPECT_EQ(number("a", "b = 1\na = b\nb = 2"), 2);
   EXPECT_EQ(number("a", "b = 1\na = b + 0\nb = 2"), 1);
+  EXPECT_EQ(number("a + b", "a = b = 2"), 4);
   EXPECT_EQ(number("a", "a = 7\nb = 1\na = b\nb = 2"), 1);  // not left dangling
   EXPECT_EQ(number("a", "a = 1\nb = a\na = b\n"), 1);       // no way round in a circle
   EXPECT_EQ(number("a", "b = 1\na = 0\nif (true) { c = b\n b = 2\n a = c }"), 1);
@@ -80,6 +87,7 @@ TEST(CrtLanguage, VectorsColoursAndListsCompute) {
   EXPECT_EQ(number("(rgb(1, .5, 0) * rgb(1, .5, 1))[1]"), .25);
   EXPECT_EQ(number("([1, 2] + [3])[2]"), 3);
   EXPECT_EQ(number("[[1, 2], [3, 4]][1][0]"), 3);
+  EXPECT_EQ(number("[1, 2][4 / 4.]"), 2);
   EXPECT_EQ(number("length([1, 2, 3])"), 3);
   EXPECT_EQ(number("length(vec3(3, 4, 0))"), 5);
 }

@@ -146,7 +146,7 @@ TEST(Mtl, TakesTheLuminanceOfAPictureForANumber) {
                 {"c.png (luminance)", PictureChannel::luminance},
                 {"c.png (alpha, luminance)", PictureChannel::alpha_or_luminance}}));
   EXPECT_EQ(warnings.list("t.mtl"),
-            std::vector<std::string>{"t.mtl: line 8: bump -imfchan z asks for depths, which no "
+            std::vector<std::string>{"t.mtl:8:6: bump -imfchan z asks for depths, which no "
                                      "picture holds; luminance is taken"});
 }
 

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "base/file.h"
+#include "proto/wire/scene_codec.h"
 #include "scenes/formats/read_scene.h"
 #include "tests/unit/scenes/formats/x3d/x3d_testing.h"
 
@@ -54,6 +55,103 @@ TEST(X3dEncodings, SayTheSame) {
   vrml.replace(0, 14, "#VRML V2.0 utf8");
   vrml.erase(vrml.find("PROFILE"), vrml.find('\n', 20) - vrml.find("PROFILE"));
   EXPECT_EQ(description(parse_x3d(vrml, "a.wrl", {})), expected);
+}
+
+TEST(X3dEncodings, WarningsSayWhereAsErrorsDo) {
+  // What is wrong stands where it is first written, however often it is.
+  const std::vector<std::string> xml =
+      parse_x3d(
+          "<X3D version='7'><Scene>\n<Foo/>\n <Foo/><Shape bar='1'><Appearance>\n"
+          "<Material transparency='2'/></Appearance><Sphere/></Shape>\n"
+          "<TimeSensor/></Scene></X3D>",
+          "t.x3d", {})
+          .warnings;
+  EXPECT_EQ(xml,
+            (std::vector<std::string>{
+                "t.x3d:2:2: unknown node 'Foo' is left out; did you mean 'Fog'? (2 times)",
+                "t.x3d:3:20: unknown field 'bar' of Shape is left out",
+                "t.x3d:4:25: transparency of Material outside 0 to 1 is clamped",
+                "t.x3d: ignored: 1 TimeSensor", "t.x3d:1:15: unknown version '7' is read as 3.3"}));
+  const std::string body =
+      "\nShape { geometry IndexedFaceSet {\n coordIndex [ 0 1 0 -1 0 1 2 ]\n"
+      " coord Coordinate { point [ 0 0 0 1 0 0 0 1 0 ] } } }\n"
+      "Background { skyColor [ 0 0 0 ]\n skyAngle 1 }\n"
+      "Transform {\n  rotation 0 0 0 1 }\nPointLight { color 2 0 0 radius 1 radius 2 }";
+  for (const std::string header : {"#X3D V3.3 utf8", "#VRML V2.0 utf8"}) {
+    const std::vector<std::string> classic = parse_x3d(header + body, "t.wrl", {}).warnings;
+    EXPECT_EQ(classic,
+              (std::vector<std::string>{
+                  "t.wrl:3:15: faces with fewer than 3 different points are left out",
+                  "t.wrl:6:11: a Background needs one angle fewer than colours; what is left over "
+                  "is left out",
+                  "t.wrl:8:12: rotation of Transform about no axis is left out",
+                  "t.wrl:9:20: color of PointLight outside 0 to 1 is clamped",
+                  "t.wrl:9:42: radius is given twice in PointLight; the first one holds"}))
+        << header;
+  }
+}
+
+TEST(X3dEncodings, AFieldThatTheParentLacksIsThatOfTheNodesType) {
+  const LoadedScene loaded = parse_x3d(
+      "<X3D version='3.3'><Scene><Shape><Appearance containerField='children'/>\n"
+      "<Sphere containerField='children'/></Shape><Switch whichChoice='0'>"
+      "<Group containerField='choice'/></Switch><Collision><Shape containerField='proxy'><Box/>"
+      "</Shape></Collision></Scene></X3D>",
+      "t.x3d", {});
+  EXPECT_TRUE(loaded.scene.nodes(0).shape().has_sphere());
+  EXPECT_EQ(loaded.scene.nodes(1).children_size(), 1);
+  EXPECT_EQ(loaded.scene.nodes(2).children_size(), 0);
+  EXPECT_EQ(loaded.warnings,
+            (std::vector<std::string>{
+                "t.x3d:1:62: Shape has no field 'children' for Appearance; 'appearance' is taken",
+                "t.x3d:2:25: Shape has no field 'children' for Sphere; 'geometry' is taken"}));
+}
+
+TEST(X3dEncodings, NamesAndUsesWithoutANameAreNone) {
+  const LoadedScene loaded =
+      parse_x3d("<X3D version='3.3'><Scene><Shape DEF='' USE=''><Sphere/></Shape></Scene></X3D>",
+                "t.x3d", {});
+  EXPECT_TRUE(loaded.scene.nodes(0).shape().has_sphere());
+}
+
+TEST(X3dEncodings, GroupsMayStandAsDeepAsFilesMay) {
+  const auto nested = [](int levels) {
+    std::string text = "#X3D V3.3 utf8\n";
+    for (int i = 0; i < levels; ++i) text += "Transform { translation 1 0 0 children [ ";
+    text += "Shape { geometry Sphere { } } ";
+    for (int i = 0; i < levels; ++i) text += "] } ";
+    return text;
+  };
+  for (const int levels : {31, 32, 62, 63, 64, 77}) {
+    const LoadedScene loaded = parse_x3d(nested(levels), "t.x3dv", {});
+    EXPECT_NO_THROW(check_scene(loaded.scene, "t.x3dv")) << levels;
+    int depth = 0;
+    const v1::Node* node = &loaded.scene.nodes(0);
+    while (!node->has_shape()) {
+      depth += node->has_transform();
+      if (node->children_size() == 1) {
+        node = &node->children(0);
+        continue;
+      }
+      const auto& objects = loaded.scene.objects();
+      const auto object = std::find_if(
+          objects.begin(), objects.end(),
+          [&](const v1::Object& candidate) { return candidate.name() == node->instance_of(); });
+      ASSERT_NE(object, objects.end()) << levels;
+      node = &object->nodes(0);
+    }
+    EXPECT_EQ(depth, levels);
+  }
+  EXPECT_EQ(error(nested(100)).substr(0, 8), "t.wrl:2:");
+}
+
+TEST(X3dEncodings, GroupsOfPrototypesEndWithAPlace) {
+  std::string text = "#X3D V3.3 utf8\nPROTO P0 [ ] { Group { children Shape { } } }";
+  for (int i = 1; i < 190; ++i) {
+    const std::string before = std::to_string(i - 1);
+    text += "\nPROTO P" + std::to_string(i) + " [ ] { Group { children P" + before + " { } } }";
+  }
+  EXPECT_EQ(error(text + "P189 { }").substr(0, 37), "t.wrl:16:17: groups nested too deep; ");
 }
 
 TEST(X3dEncodings, AreToldApartByTheirFirstBytes) {
@@ -116,17 +214,18 @@ TEST(X3dEncodings, SaysWhatItTakesForZero) {
   const auto warnings =
       parse_classic("PointLight { intensity -1 attenuation 0 -1 1 radius -3 }").warnings;
   ASSERT_EQ(warnings.size(), 3u);
-  EXPECT_EQ(warnings[0], "t.x3dv: intensity of PointLight below 0 is read as 0");
+  EXPECT_EQ(warnings[0], "t.x3dv:2:24: intensity of PointLight below 0 is read as 0");
 }
 
 TEST(X3dEncodings, SuggestsFieldNames) {
   const auto warnings =
       parse_classic("Shape { apearance Appearance { } geometry Sphere { radios 3 } }").warnings;
   ASSERT_EQ(warnings.size(), 2u);
-  EXPECT_EQ(warnings[0],
-            "t.x3dv: unknown field 'apearance' of Shape is left out; did you mean 'appearance'?");
+  EXPECT_EQ(
+      warnings[0],
+      "t.x3dv:2:19: unknown field 'apearance' of Shape is left out; did you mean 'appearance'?");
   EXPECT_EQ(warnings[1],
-            "t.x3dv: unknown field 'radios' of Sphere is left out; did you mean 'radius'?");
+            "t.x3dv:2:59: unknown field 'radios' of Sphere is left out; did you mean 'radius'?");
 }
 
 TEST(X3dEncodings, ListsWhatIsIgnoredOnceWithCounts) {
@@ -244,8 +343,10 @@ TEST(X3dEncodings, SaysWhatIsGivenTwice) {
       parse_classic("Shape { geometry Box { } geometry Sphere { radius 1 radius 2 } }");
   EXPECT_TRUE(loaded.scene.nodes(0).shape().has_sphere());
   ASSERT_EQ(loaded.warnings.size(), 2u);
-  EXPECT_EQ(loaded.warnings[0], "t.x3dv: geometry of Shape is given twice; the last one holds");
-  EXPECT_EQ(loaded.warnings[1], "t.x3dv: radius is given twice in Sphere; the first one holds");
+  EXPECT_EQ(loaded.warnings[0],
+            "t.x3dv:2:35: geometry of Shape is given twice; the last one holds");
+  EXPECT_EQ(loaded.warnings[1],
+            "t.x3dv:2:60: radius is given twice in Sphere; the first one holds");
 }
 
 /// A folder with a scene and what it names, and a file beside the folder that it must not see.
@@ -312,14 +413,15 @@ TEST_F(X3dFilesTest, WhatCannotBeInlinedIsLeftOutWithAReason) {
   EXPECT_EQ(loaded.scene.objects_size(), 0);
   std::string all;
   for (const std::string& warning : loaded.warnings)
-    all += warning.substr(warning.find(": line") + 2) + "\n";
+    all += warning.substr(warning.find("main.x3dv:")) + "\n";
   const std::string inside = " is left out: it is not inside the scene's folder\n";
-  EXPECT_EQ(all, "line 2: Inline of '../secret.x3dv'" + inside + "line 3: Inline of 'link.x3dv'" +
-                     inside +
-                     "line 4: Inline of 'https://example.org/a.x3d' is left out: only files are "
-                     "read, and nothing from the network\nline 5: Inline of '" +
-                     (outside_ / "secret.x3dv").string() + "'" + inside +
-                     "line 6: Inline of 'no.x3d' is left out: there is no such file\n");
+  EXPECT_EQ(all,
+            "main.x3dv:2:1: Inline of '../secret.x3dv'" + inside +
+                "main.x3dv:3:1: Inline of 'link.x3dv'" + inside +
+                "main.x3dv:4:1: Inline of 'https://example.org/a.x3d' is left out: only files are "
+                "read, and nothing from the network\nmain.x3dv:5:1: Inline of '" +
+                (outside_ / "secret.x3dv").string() + "'" + inside +
+                "main.x3dv:6:1: Inline of 'no.x3d' is left out: there is no such file\n");
 }
 
 TEST_F(X3dFilesTest, WhatCannotBeReadIsLeftOutAsWhatIsMissing) {
@@ -333,7 +435,7 @@ TEST_F(X3dFilesTest, WhatCannotBeReadIsLeftOutAsWhatIsMissing) {
   const auto tells = [&](size_t warning, const char* what) {
     return loaded.warnings[warning].find(what) != std::string::npos;
   };
-  EXPECT_TRUE(tells(0, "line 2: Inline of 'old.wrl' is left out: ")) << loaded.warnings[0];
+  EXPECT_TRUE(tells(0, "main.x3dv:2:1: Inline of 'old.wrl' is left out: ")) << loaded.warnings[0];
   EXPECT_TRUE(tells(0, "old.wrl:1:1: VRML 1.0")) << loaded.warnings[0];
   EXPECT_TRUE(tells(1, "broken.x3dv:")) << loaded.warnings[1];
   EXPECT_EQ(loaded.scene.objects_size(), 0);
@@ -408,7 +510,7 @@ TEST_F(X3dFilesTest, OfAFileThatIsWrongNothingIsLeft) {
   EXPECT_EQ(loaded.scene.objects(1).name(), "outer");
   for (const v1::Node& node : loaded.scene.nodes()) EXPECT_EQ(node.instance_of(), "outer");
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_NE(loaded.warnings[0].find("outer.x3dv: line 2: Inline of 'broken.x3dv' is left out: "),
+  EXPECT_NE(loaded.warnings[0].find("outer.x3dv:2:1: Inline of 'broken.x3dv' is left out: "),
             std::string::npos)
       << loaded.warnings[0];
   EXPECT_NE(loaded.warnings[0].find("broken.x3dv:3:34: radius -1 of Sphere; expected a length"),
@@ -439,9 +541,10 @@ TEST_F(X3dFilesTest, MissingPicturesHaveAPlaceholder) {
             "\"none.png\" } } } Shape { geometry Sphere { } appearance USE A }");
   const LoadedScene loaded = read_x3d(main, {});
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_NE(loaded.warnings[0].find("line 2: a placeholder stands for the picture 'none.png': "
-                                    "there is no such file"),
-            std::string::npos);
+  EXPECT_NE(
+      loaded.warnings[0].find("main.x3dv:2:64: a placeholder stands for the picture 'none.png': "
+                              "there is no such file"),
+      std::string::npos);
   ASSERT_EQ(loaded.scene.textures_size(), 1);
   EXPECT_EQ(loaded.scene.textures(0).image().width(), 2u);
 }
@@ -495,19 +598,20 @@ TEST_F(X3dFilesTest, TheFirstPictureThatCanBeDecodedIsTaken) {
   };
   const auto warning = [&](const LoadedScene& loaded) {
     return loaded.warnings.size() == 1
-               ? loaded.warnings[0].substr(loaded.warnings[0].find(": line") + 2)
+               ? loaded.warnings[0].substr(loaded.warnings[0].find("main.x3dv:"))
                : std::to_string(loaded.warnings.size()) + " warnings";
   };
   const LoadedScene second = read("\"bad.png\" \"good.png\"");
   EXPECT_EQ(second.scene.textures(0).image().file(), "good.png");
   EXPECT_EQ(second.scene.textures(0).image().width(), 1u);
   EXPECT_EQ(warning(second),
-            "line 2: the picture is 'good.png', not 'bad.png': no picture; expected one");
+            "main.x3dv:2:58: the picture is 'good.png', not 'bad.png': no picture; expected one");
   const LoadedScene none = read("\"none.png\" \"bad.png\"");
   EXPECT_EQ(none.scene.textures(0).image().width(), 2u) << "the placeholder";
-  EXPECT_EQ(warning(none),
-            "line 2: a placeholder stands for the picture 'none.png': there is no such file; "
-            "'bad.png': no picture; expected one");
+  EXPECT_EQ(
+      warning(none),
+      "main.x3dv:2:58: a placeholder stands for the picture 'none.png': there is no such file; "
+      "'bad.png': no picture; expected one");
   EXPECT_THROW(read("\"none.png\" \"bad.png\"", true), Error);
   EXPECT_EQ(read("\"none.png\" \"good.png\"", true).warnings.size(), 0u);
 }

@@ -59,7 +59,7 @@ TEST(X3dNodes, ValuesAreReadAsLenientlyAsTheyAreWritten) {
   EXPECT_EQ(transform.steps(0).translate().z(), .001);
   EXPECT_EQ(loaded.scene.textures(0).image().file(), "a picture.png");
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_EQ(loaded.warnings[0], "t.x3d: rotation of Transform about no axis is left out");
+  EXPECT_EQ(loaded.warnings[0], "t.x3d:1:74: rotation of Transform about no axis is left out");
 }
 
 TEST(X3dNodes, GroupsThatDoNothingShowTheirChildren) {
@@ -100,6 +100,15 @@ TEST(X3dNodes, ViewpointsHaveNamesBoundsAndWindows) {
   EXPECT_TRUE(scene.cameras(1).frame_all());
   EXPECT_EQ(scene.cameras(2).orthographic().min_y(), -2);
   EXPECT_EQ(scene.cameras(2).orthographic().max_x(), 3);
+}
+
+TEST(X3dNodes, ViewpointsMayStandInAGroupOfTheirOwn) {
+  const v1::Scene scene = scene_of(
+      "ViewpointGroup { description \"both\" displayed FALSE children [ "
+      "DEF A Viewpoint { } DEF B Viewpoint { } ] } DEF C Viewpoint { }");
+  ASSERT_EQ(scene.cameras_size(), 3);
+  EXPECT_EQ(scene.cameras(0).name(), "A");
+  EXPECT_EQ(scene.cameras(2).name(), "C");
 }
 
 TEST(X3dNodes, LightsSayWhomTheyReach) {
@@ -295,7 +304,7 @@ TEST(X3dNodes, FacesWithoutThreePointsAreLeftOutWithACount) {
   EXPECT_EQ(loaded.scene.nodes(0).shape().mesh().triangles().size(), 12u);
   ASSERT_EQ(loaded.warnings.size(), 1u);
   EXPECT_EQ(loaded.warnings[0],
-            "t.x3dv: faces with fewer than 3 different points are left out (3 times)");
+            "t.x3dv:2:84: faces with fewer than 3 different points are left out (3 times)");
 }
 
 TEST(X3dNodes, TexturesRepeatOrEnd) {
@@ -326,7 +335,7 @@ TEST(X3dNodes, OfAMultiTextureTheFirstIsRead) {
   EXPECT_EQ(loaded.scene.textures(0).image().file(), "a.png");
   EXPECT_EQ(loaded.scene.textures(0).transform().steps(0).scale().y(), 3);
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_EQ(loaded.warnings[0], "t.x3dv: of a MultiTexture only the first texture is read");
+  EXPECT_EQ(loaded.warnings[0], "t.x3dv:2:41: of a MultiTexture only the first texture is read");
 }
 
 TEST(X3dNodes, TextureTransformsMoveTurnAndScaleAboutTheirCentre) {

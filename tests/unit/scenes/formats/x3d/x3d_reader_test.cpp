@@ -72,8 +72,8 @@ TEST(X3d, ListsTheFirstOfManyUnknownNodes) {
   for (int i = 0; i < 20000; ++i) nodes += "<Shap" + std::to_string(i) + "/><Strange/>";
   const std::vector<std::string> warnings = read(nodes).warnings;
   ASSERT_EQ(warnings.size(), Warnings::kMostEntries + 1);
-  EXPECT_EQ(warnings[0], "t.x3d: unknown node 'Shap0' is left out; did you mean 'Shape'?");
-  EXPECT_EQ(warnings[1], "t.x3d: unknown node 'Strange' is left out (20000 times)");
+  EXPECT_EQ(warnings[0], "t.x3d:2:2: unknown node 'Shap0' is left out; did you mean 'Shape'?");
+  EXPECT_EQ(warnings[1], "t.x3d:2:10: unknown node 'Strange' is left out (20000 times)");
 }
 
 TEST(X3d, HasAViewpointAndAHeadlightWithoutSayingSo) {
