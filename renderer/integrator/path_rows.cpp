@@ -173,6 +173,7 @@ class PathRowFollower {
       if (!is_hit) add_background(i);
     }
     state_.counters.hits += n;
+    if (scene_.features.rich) state_.counters.texture_points_skipped += n;
     met_.count = n;
     met_.even = 0;
     size_t uneven = 0;
@@ -617,7 +618,6 @@ class PathRowFollower {
   void scatter_alone(size_t i, const SurfacePoint& point, bool goes_on) {
     const uint32_t place = met_.place[i];
     now_->path_length[place] += hits_[place].t;
-    if (scene_.features.rich) ++state_.counters.texture_points_skipped;
     add_emission(place, point);
     if (!goes_on || point.material->model == MaterialModel::unlit) return;
     const Bsdf bsdf(bsdf_point(place, point));

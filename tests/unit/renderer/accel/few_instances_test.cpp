@@ -94,6 +94,30 @@ struct Compared {
   uint64_t hits = 0, stopped = 0;
 };
 
+/// Expects the same of rows in which the ray is among others.
+void expect_row_as_scan(const InstanceLinearScan& scan, const FewInstances& few, const Ray& ray) {
+  RayRow row;
+  row.begin(ray.t_min, ray.t_max);
+  for (int i = 0; i < 9; ++i) {
+    const Vec3 way = i % 2 == 0 ? ray.direction : -ray.direction;
+    for (int axis = 0; axis < 3; ++axis) {
+      row.origin[axis][row.count] = ray.origin[axis];
+      row.direction[axis][row.count] = axis == i % 3 && i > 2 ? way[axis] * 2 : way[axis];
+    }
+    ++row.count;
+  }
+  std::vector<Hit> hits(row.count);
+  TraversalCounters counters;
+  few.closest_hits(row, hits, counters);
+  const uint64_t stopped = few.any_hits(row, counters);
+  for (size_t i = 0; i < row.count; ++i) {
+    Hit expected;
+    scan.closest_hit(row.ray(i), expected, counters);
+    EXPECT_EQ(hits[i], expected) << i;
+    EXPECT_EQ(stopped >> i & 1, scan.any_hit(row.ray(i), counters)) << i;
+  }
+}
+
 /// Expects of FewInstances over the same, by each code, what a scan finds.
 void expect_as_scan(const InstanceLinearScan& scan, const std::vector<FewInstances>& few,
                     const Ray& ray, TraversalCounters& of_scan, TraversalCounters& counters,
@@ -110,6 +134,7 @@ void expect_as_scan(const InstanceLinearScan& scan, const std::vector<FewInstanc
     EXPECT_EQ(hit, expected);
     EXPECT_FALSE(one.closest_hit(ray, again, of_again));
     EXPECT_EQ(one.any_hit(ray, counters), occluded);
+    if (ray.cull == Cull::none) expect_row_as_scan(scan, one, ray);
   }
 }
 
@@ -205,6 +230,8 @@ TEST(FewInstances, UnusualRaysHitWhatAScanFinds) {
       EXPECT_EQ(few.closest_hit(ray, hit, counters), scan.closest_hit(ray, expected, counters));
       EXPECT_EQ(hit, expected) << odd << " " << part;
       EXPECT_EQ(few.any_hit(ray, counters), scan.any_hit(ray, counters)) << odd << " " << part;
+      ray.cull = Cull::none;
+      expect_row_as_scan(scan, few, ray);
     }
   }
 }

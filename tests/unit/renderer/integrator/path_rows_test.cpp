@@ -1,0 +1,250 @@
+#include "renderer/integrator/path_rows.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "renderer/scene/scene_builder.h"
+#include "tests/uniform_numbers.h"
+#include "tests/unit/renderer/scene_text.h"
+
+namespace tessera {
+namespace {
+
+/// A random scene that paths are followed through in rows: shapes of all kinds where they are or
+/// moved, materials that scatter evenly or otherwise, lights with and without an extent, before
+/// backgrounds that are sampled or not.
+class OpaqueScene {
+ public:
+  explicit OpaqueScene(uint32_t seed) : random_(seed), size_(std::exp2(pick(-12, 13))) {
+    const char* const patterns[] = {"OWEN_SOBOL", "INDEPENDENT", "BLUE_NOISE"};
+    is_even_ = chance(.5);
+    text_ = fmt::format(
+        "settings {{ sampling {{ pattern: {} samples_per_pixel: 16 seed: {} }} "
+        "integrator {{ kind: 'path' max_depth: {} }} }} ",
+        patterns[pick(0, 3)], seed, chance(.2) ? pick(0, 3) : 64);
+    text_ += fmt::format("cameras {{ near_distance: {:.17g} }} ", size_ * random_.between(0, .1));
+    const int sky = pick(0, 4);
+    if (sky == 0) text_ += "background { gradient { sky { r: .1 b: .9 } ground { r: .3 } } } ";
+    if (sky == 1) text_ += "background { solid { r: .2 g: .3 b: .4 } } ";
+    if (sky == 2) text_ += "background { sun_and_sky { sun_direction { x: 1 y: 2 z: .5 } } } ";
+    for (int i = 0; i < kMaterials; ++i) add_material(i);
+    for (int i = pick(-2, 3); i > 0; --i) add_light();
+    for (int i = pick(2, 14); i > 0; --i) add_shape();
+  }
+  const std::string& text() const { return text_; }
+  bool is_even() const { return is_even_; }
+  Ray ray() {
+    const Point3 from = Point3{} + vec(2), to = Point3{} + vec(.7);
+    return {from, normalize(to - from)};
+  }
+  SampleKey key() { return {pick(0, 2000), pick(0, 2000), static_cast<uint32_t>(pick(0, 16))}; }
+
+ private:
+  static constexpr int kMaterials = 6;
+  /// In [from, to).
+  int pick(int from, int to) { return static_cast<int>(std::floor(random_.between(from, to))); }
+  bool chance(double share) { return random_.between(0, 1) < share; }
+  Vec3 vec(double scale = 1) {
+    const double s = size_ * scale;
+    return {random_.between(-s, s), random_.between(-s, s), random_.between(-s, s)};
+  }
+  static std::string xyz(const Vec3& v) {
+    return fmt::format("x: {:.17g} y: {:.17g} z: {:.17g}", v.x, v.y, v.z);
+  }
+  std::string rgb(double most = 1) {
+    return fmt::format("r: {:.3f} g: {:.3f} b: {:.3f}", random_.between(0, most),
+                       random_.between(0, most), random_.between(0, most));
+  }
+  void add_material(int number) {
+    const int model = is_even_ ? 0 : pick(0, 4);
+    text_ += fmt::format("materials {{ name: 'm{}' ", number);
+    if (number > 0 && chance(.2))
+      text_ += fmt::format("sides: BACK_MATERIAL back: 'm{}' ", pick(0, number));
+    if (model == 3) {
+      text_ += fmt::format("conductor {{ eta {{ {} }} k {{ {} }} roughness {{ value: {:.2f} }} }} ",
+                           rgb(2), rgb(4), chance(.3) ? 0 : random_.between(0, 1));
+    } else if (model == 2) {
+      text_ += fmt::format(
+          "physical {{ base_color {{ value {{ {} }} }} metallic {{ value: {} }} roughness {{ "
+          "value: {:.2f} }} clearcoat {{ value: {} }} }} ",
+          rgb(), pick(0, 2), random_.between(0, 1), chance(.3) ? 1 : 0);
+    } else {
+      // Above 1 too, which is bounded.
+      text_ += fmt::format("classic {{ diffuse {{ value {{ {} }} }} ", rgb(chance(.2) ? 1.5 : 1));
+      if (chance(.2)) text_ += "flat: true ";
+      if (chance(.2)) text_ += fmt::format("emission {{ value {{ {} }} }} ", rgb(9));
+      if (model == 1) text_ += fmt::format("specular {{ value {{ {} }} }} ", rgb(.5));
+      if (model == 1 && chance(.5))
+        text_ += fmt::format("reflectivity {{ value {{ {} }} }} ", rgb(.5));
+      text_ += "} ";
+    }
+    text_ += "} ";
+  }
+  void add_light() {
+    text_ += fmt::format("nodes {{ light {{ color {{ {} }} ", rgb());
+    if (chance(.5))
+      text_ += fmt::format("directional {{ direction {{ {} }} }} }} }} ", xyz(vec()));
+    else
+      text_ += fmt::format("point {{ position {{ {} }} }} }} }} ", xyz(vec()));
+  }
+  std::string rectangle() {
+    Vec3 u{size_ * random_.between(.2, 2), 0, 0}, v{0, size_ * random_.between(.2, 2), 0};
+    if (chance(.3)) std::swap(u.x, u.z);
+    if (chance(.3)) u = vec(), v = vec();
+    return fmt::format("rectangle {{ corner {{ {} }} edge_u {{ {} }} edge_v {{ {} }} }}",
+                       xyz(vec()), xyz(u), xyz(v));
+  }
+  std::string mesh() {
+    const int vertices = pick(4, 12), triangles = pick(1, 20);
+    std::string text = "mesh { inline_positions: [";
+    for (int i = 0; i < vertices; ++i) {
+      const Vec3 p = vec();
+      text += fmt::format("{}{:.9g}, {:.9g}, {:.9g}", i > 0 ? ", " : "", p.x, p.y, p.z);
+    }
+    text += "] inline_triangles: [";
+    for (int i = 0; i < triangles; ++i) {
+      const int a = pick(0, vertices);
+      text += fmt::format("{}{}, {}, {}", i > 0 ? ", " : "", a, (a + 1) % vertices,
+                          (a + pick(2, vertices)) % vertices);
+    }
+    text += "] ";
+    if (chance(.5)) {
+      text += "inline_normals: [";
+      for (int i = 0; i < vertices; ++i) {
+        const Vec3 n = vec(1 / size_);
+        text += fmt::format("{}{:.9g}, {:.9g}, {:.9g}", i > 0 ? ", " : "", n.x, n.y, n.z);
+      }
+      text += "] ";
+    }
+    return text + "}";
+  }
+  std::string solid() {
+    if (chance(.4)) {
+      const Vec3 corner = vec(.7), extent = abs(vec(.5));
+      return fmt::format("box {{ min {{ {} }} max {{ {} }} }}", xyz(corner), xyz(corner + extent));
+    }
+    return fmt::format("sphere {{ center {{ {} }} radius: {:.17g} }}", xyz(vec(.7)),
+                       size_ * random_.between(.05, .4));
+  }
+  void add_shape() {
+    text_ += "nodes { ";
+    if (chance(.4))
+      text_ += fmt::format(
+          "transform {{ steps {{ translate {{ {} }} }} steps {{ rotate {{ axis {{ {} }} angle: {} "
+          "}} }} steps {{ scale {{ x: 1 y: {} z: 1 }} }} }} ",
+          xyz(vec(.3)), xyz(vec()), pick(0, 360), chance(.5) ? -2 : 1);
+    const int kind = pick(0, 3);
+    text_ += fmt::format("shape {{ materials: 'm{}' {} }} }} ", pick(0, kMaterials),
+                         kind == 0   ? rectangle()
+                         : kind == 1 ? mesh()
+                                     : solid());
+  }
+
+  UniformNumbers random_;
+  double size_;
+  bool is_even_;
+  std::string text_;
+};
+
+using Counts = std::vector<uint64_t>;
+Counts counts_of(const TraceCounters& c, bool is_even) {
+  Counts counts{c.rays_primary,    c.rays_shadow, c.rays_reflection,
+                c.rays_refraction, c.hits,        c.shadow_rays_skipped,
+                c.lights_culled,   c.paths_cut,   c.texture_points_skipped};
+  if (is_even) counts.insert(counts.end(), {c.numbers_skipped, c.roulette_ends});
+  return counts;
+}
+
+TEST(PathRows, FollowsEachPathAsItIsFollowedAlone) {
+  uint64_t in_rows = 0, even = 0, sampled = 0, hits = 0, shadows = 0, ended = 0;
+  for (uint32_t seed = 0; seed < 400; ++seed) {
+    OpaqueScene random(seed);
+    v1::FrameSettings frame = frame_of(16, 16);
+    frame.set_accelerator(seed % 3 == 0 ? "linear" : "bvh");
+    const std::shared_ptr<const Scene> scene =
+        build_scene(parse_scene(random.text()), {}, frame, 1, {}, {});
+    ASSERT_TRUE(PathRows::can_follow(*scene)) << random.text();
+    const auto integrator = make_integrator(scene);
+    ++in_rows;
+    even += random.is_even();
+    sampled += scene->environment != nullptr;
+    std::vector<Ray> rays(1 + seed % PathRows::kMost);
+    std::vector<SampleKey> keys(rays.size());
+    for (Ray& ray : rays) ray = random.ray();
+    for (SampleKey& key : keys) key = random.key();
+    std::vector<Color> expected(rays.size());
+    TraceState state;
+    integrator->make_room(state);
+    for (size_t i = 0; i < rays.size(); ++i)
+      expected[i] = integrator->radiance(rays[i], keys[i], state);
+    hits += state.counters.hits;
+    shadows += state.counters.rays_shadow;
+    ended += state.counters.roulette_ends;
+    for (const BvhKernels& code : all_kernels()) {
+      SCOPED_TRACE(fmt::format("seed {}, {}", seed, code.name));
+      const PathRows rows(*scene, code.name);
+      std::vector<Color> found(rays.size());
+      TraceState together;
+      rows.radiances(rays, keys, found, together);
+      for (size_t i = 0; i < rays.size(); ++i)
+        ASSERT_EQ(found[i], expected[i]) << i << "\n" << random.text();
+      EXPECT_EQ(counts_of(together.counters, random.is_even()),
+                counts_of(state.counters, random.is_even()));
+    }
+  }
+  EXPECT_EQ(in_rows, 400u);
+  EXPECT_GT(even, 150u);
+  EXPECT_GT(sampled, 50u);
+  EXPECT_GT(hits, 10'000u);
+  EXPECT_GT(shadows, 5'000u);
+  EXPECT_GT(ended, 300u);
+}
+
+TEST(PathRows, SendsRaysThroughRasterPointsAsTheCameraDoes) {
+  for (uint32_t seed = 0; seed < 40; ++seed) {
+    OpaqueScene random(seed);
+    const std::shared_ptr<const Scene> scene =
+        build_scene(parse_scene(random.text()), {}, frame_of(16, 16), 1, {}, {});
+    const auto integrator = make_integrator(scene);
+    const Camera& camera = *scene->camera;
+    std::vector<SampleKey> keys;
+    std::vector<Sampler::RasterSample> points;
+    std::vector<Color> expected;
+    TraceState state;
+    integrator->make_room(state);
+    for (int i = 0; i < 61; ++i) {
+      keys.push_back({i % 16, i / 4, static_cast<uint32_t>(i % 7)});
+      points.push_back(
+          scene->sampler->raster_sample(keys.back().x, keys.back().y, keys.back().sample));
+      const Vec2& at = points.back().point;
+      expected.push_back(integrator->radiance(camera.ray(at.x, at.y), keys.back(), state));
+    }
+    for (const BvhKernels& code : all_kernels()) {
+      const PathRows rows(*scene, code.name);
+      std::vector<Color> found(points.size());
+      TraceState together;
+      rows.radiances(*camera.pinhole(), points, keys, found, together);
+      EXPECT_EQ(found, expected) << seed << " " << code.name;
+    }
+  }
+}
+
+TEST(PathRows, DoesNotFollowWhatLetsLightThrough) {
+  for (const char* const material :
+       {"classic { transparency { value: .5 } }", "dielectric { refractive_index: 1.5 }",
+        "opacity { value: .5 } classic {}", "sides: FRONT_ONLY classic {}"}) {
+    const std::string text = fmt::format(
+        "settings {{ integrator {{ kind: 'path' }} }} cameras {{}} materials {{ name: 'a' {} }} "
+        "nodes {{ shape {{ materials: 'a' sphere {{ radius: 1 }} }} }}",
+        material);
+    const auto scene = build_scene(parse_scene(text), {}, frame_of(4, 4), 1, {}, {});
+    EXPECT_FALSE(PathRows::can_follow(*scene)) << material;
+  }
+}
+
+}  // namespace
+}  // namespace tessera
