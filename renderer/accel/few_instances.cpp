@@ -238,7 +238,8 @@ void FewInstances::closest_hits(const RayRow& rays, std::span<Hit> hits,
       if (met.entered[box][i] > hit.t) break;
       closest_hit_of(instances_[held_[kBoxes + box]], held_[kBoxes + box], ray, hit, counters);
     }
-    if (on_rectangle && hit.instance == nearest) hit = rectangles_[nearest]->hit_at(ray, hit.t, hit);
+    if (on_rectangle && hit.instance == nearest)
+      hit = rectangles_[nearest]->hit_at(ray, hit.t, hit);
   }
 }
 
@@ -257,9 +258,8 @@ uint64_t FewInstances::any_hits(const RayRow& rays, TraversalCounters& counters)
       stops = true;
     } else if (boxes != 0 || !row_endless_.empty()) {
       const Ray ray = rays.ray(i);
-      stops = std::ranges::any_of(row_endless_, [&](uint32_t of) {
-        return any_hit_of(instances_[of], ray, counters);
-      });
+      stops = std::ranges::any_of(
+          row_endless_, [&](uint32_t of) { return any_hit_of(instances_[of], ray, counters); });
       for (uint32_t left = boxes; left != 0 && !stops;)
         stops = any_hit_of(instances_[held_[kBoxes + take_lowest(left)]], ray, counters);
     }

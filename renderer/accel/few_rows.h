@@ -33,8 +33,8 @@ struct FewRows {
   }
 };
 
-/// What each ray of a row meets first of a few planes, rectangles and spheres, or of those that cast
-/// shadows, and what else it may, by BvhKernels::row_met.
+/// What each ray of a row meets first of a few planes, rectangles and spheres, or of those that
+/// cast shadows, and what else it may, by BvhKernels::row_met.
 struct RayRowMet {
   alignas(64) double t[RayRow::kMost];         ///< infinite where nothing is met
   alignas(64) double instance[RayRow::kMost];  ///< of equal ones the smallest
@@ -42,7 +42,7 @@ struct RayRowMet {
   /// the rest says nothing.
   alignas(64) int64_t boxes[RayRow::kMost];
   alignas(64) double entered[BoxRow::kMost][RayRow::kMost];  ///< lower bounds of t in those boxes
-  uint64_t tests = 0;  ///< of planes, rectangles and spheres
+  uint64_t tests = 0;                                        ///< of planes, rectangles and spheres
 };
 
 }  // namespace tessera

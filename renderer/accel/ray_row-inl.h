@@ -87,8 +87,8 @@ struct RectangleCrossing {
   /// Of the normal, what cross_plane() asks for.
   Lanes height, approach, reach;
 };
-HWY_INLINE RectangleCrossing cross_rectangle(const RectangleRow& row, size_t i, const Lanes3& origin,
-                                             const Lanes3& direction) {
+HWY_INLINE RectangleCrossing cross_rectangle(const RectangleRow& row, size_t i,
+                                             const Lanes3& origin, const Lanes3& direction) {
   RectangleCrossing at;
   at.from = subtract(origin, part_of(row.corner, i));
   const Lanes3 normal = part_of(row.normal, i);
@@ -127,8 +127,8 @@ HWY_INLINE LaneMask meet_rectangles(const FewRows& few, uint32_t asked, const La
     const RectangleCrossing at = cross_rectangle(row, i, origin, direction);
     const auto exact = [&] HWY_ATTR { return hn::Div(hn::Neg(at.height), at.approach); };
     const int axis = row.axis[i];
-    Lanes t = axis < 0 ? exact()
-                       : hn::Neg(hn::Mul(along_axis(at.from, axis), along_axis(inverse, axis)));
+    Lanes t =
+        axis < 0 ? exact() : hn::Neg(hn::Mul(along_axis(at.from, axis), along_axis(inverse, axis)));
     const auto told = hn::Gt(hn::Abs(at.approach), hn::Mul(all(row.grazing[i]), steep));
     const auto too_far = hn::Gt(t, hn::Add(hn::Min(last, nearest.t), slack));
     const auto elsewhere = hn::Or(hn::Lt(hn::Add(t, slack), first), too_far);
@@ -164,7 +164,8 @@ HWY_INLINE LaneMask meet_rectangles(const FewRows& few, uint32_t asked, const La
 HWY_INLINE LaneMask are_usual(const RectangleRow& row, const Lanes3& origin,
                               const Lanes3& direction, double t_min) {
   const Lanes steep = sum(abs(direction));
-  const auto is_steep = hn::And(hn::Ge(steep, all(1e-100)), hn::Le(steep, all(1e100)));
+  const auto is_steep = hn::And(hn::Ge(steep, all(RectangleRow::kLeastSteep)),
+                                hn::Le(steep, all(RectangleRow::kMostSteep)));
   const double farthest = t_min >= 0 ? row.farthest : -1;
   return hn::And(is_steep, hn::Le(sum(abs(origin)), all(farthest)));
 }
@@ -185,8 +186,8 @@ void row_met(const FewRows& few, const RayRow& rays, bool only_shading, RayRowMe
     auto usual = slabs.are_usual(few.boxes);
     if (few.rectangles.all != 0) {
       usual = hn::And(usual, are_usual(few.rectangles, origin, direction, rays.t_min));
-      const auto in_doubt =
-          meet_rectangles(few, rectangles, origin, direction, slabs.inverse(), first, last, nearest);
+      const auto in_doubt = meet_rectangles(few, rectangles, origin, direction, slabs.inverse(),
+                                            first, last, nearest);
       usual = hn::AndNot(in_doubt, usual);
     }
     const uint32_t rays_here = bits_of(usual) & ((1u << std::min(kLanes, rays.count - at)) - 1);

@@ -27,7 +27,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 RectanglesMet rectangles_met(const RectangleRow& row, const Ray& ray, double t_max,
                              double* entered) {
   const double far = l1_norm(ray.origin - Point3{}), steep = l1_norm(ray.direction);
-  const bool is_usual = far <= row.farthest && steep >= 1e-100 && steep <= 1e100 && ray.t_min >= 0;
+  const bool is_steep = steep >= RectangleRow::kLeastSteep && steep <= RectangleRow::kMostSteep;
+  const bool is_usual = far <= row.farthest && is_steep && ray.t_min >= 0;
   if (!is_usual) [[unlikely]] {
     std::fill_n(entered, row.count, -Bounds3::kInfinity);
     return {row.all | RectangleRow::kUnusual, 0};

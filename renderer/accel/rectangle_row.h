@@ -20,6 +20,9 @@ struct RectangleRow {
   /// Cosine below which nothing is.
   static constexpr double kGrazing = 1e-6;
 
+  /// A ray's direction, the parts added up, within which answers count.
+  static constexpr double kLeastSteep = 1e-100, kMostSteep = 1e100;
+
   /// Whether its numbers are far from the ends of the range of double.
   static bool can_hold(const Rectangle& rectangle);
   /// One more that it can hold: at most kMost. Call finish() after the last.
@@ -35,9 +38,9 @@ struct RectangleRow {
   alignas(32) double in_u[kMost] = {}, in_v[kMost] = {}, out_u[kMost] = {}, out_v[kMost] = {};
   int axis[kMost] = {};  ///< along which the normal is; -1: along none
   size_t count = 0;      ///< rounded up to a whole number of vectors
-  uint32_t all = 0;     ///< a bit for each rectangle
-  double extent = 0;    ///< greatest coordinate
-  double farthest = 0;  ///< of an origin, the parts added up: beyond it all are tested
+  uint32_t all = 0;      ///< a bit for each rectangle
+  double extent = 0;     ///< greatest coordinate
+  double farthest = 0;   ///< of an origin, the parts added up: beyond it all are tested
 };
 
 /// What a ray may hit of a row, a bit each.

@@ -37,12 +37,12 @@ HWY_INLINE Lanes2 small_sine_cosine(Lanes x) {
   const Lanes q = hn::Mul(x, x), q2 = hn::Mul(q, q), q4 = hn::Mul(q2, q2);
   const Lanes sine = hn::Add(
       hn::Add(minus(1, q, 1.0 / 6), hn::Mul(q2, minus(1.0 / 120, q, 1.0 / 5040))),
-      hn::Mul(q4, hn::Add(minus(1.0 / 362880, q, 1.0 / 39916800),
-                          hn::Mul(q2, all(1.0 / 6227020800)))));
-  const Lanes cosine = hn::Add(
-      hn::Add(minus(1, q, 1.0 / 2), hn::Mul(q2, minus(1.0 / 24, q, 1.0 / 720))),
-      hn::Mul(q4, hn::Add(minus(1.0 / 40320, q, 1.0 / 3628800),
-                          hn::Mul(q2, minus(1.0 / 479001600, q, 1.0 / 87178291200)))));
+      hn::Mul(q4,
+              hn::Add(minus(1.0 / 362880, q, 1.0 / 39916800), hn::Mul(q2, all(1.0 / 6227020800)))));
+  const Lanes cosine =
+      hn::Add(hn::Add(minus(1, q, 1.0 / 2), hn::Mul(q2, minus(1.0 / 24, q, 1.0 / 720))),
+              hn::Mul(q4, hn::Add(minus(1.0 / 40320, q, 1.0 / 3628800),
+                                  hn::Mul(q2, minus(1.0 / 479001600, q, 1.0 / 87178291200)))));
   return {hn::Mul(x, sine), cosine};
 }
 /// cosine_hemisphere_point()

@@ -41,8 +41,8 @@ HWY_INLINE void place_in_world(const Transform& world_from_object, Lanes3& point
     return hn::Add(hn::Add(hn::Mul(all(m[0]), local.x), hn::Mul(all(m[1]), local.y)),
                    hn::Add(hn::Mul(all(m[2]), local.z), all(m[3])));
   });
-  const Lanes3 round_trip = of_rows(
-      [&](size_t r) HWY_ATTR { return hn::Mul(all(gamma(4)), size_of(from[r], point)); });
+  const Lanes3 round_trip =
+      of_rows([&](size_t r) HWY_ATTR { return hn::Mul(all(gamma(4)), size_of(from[r], point)); });
   error = of_rows([&](size_t r) HWY_ATTR {
     const Lanes given = hn::Mul(all(gamma(3) + 1), grown(to[r], error));
     const Lanes rounding = hn::Mul(all(gamma(4)), size_of(to[r], local));
@@ -53,8 +53,8 @@ HWY_INLINE void place_in_world(const Transform& world_from_object, Lanes3& point
 HWY_INLINE Lanes3 normal_in_world(const Transform& world_from_object, const Lanes3& n) {
   const auto& m = world_from_object.inverse_matrix().m;
   return normalize(of_rows([&](size_t c) HWY_ATTR {
-    return sum({hn::Mul(all(m[0][c]), n.x), hn::Mul(all(m[1][c]), n.y),
-                hn::Mul(all(m[2][c]), n.z)});
+    return sum(
+        {hn::Mul(all(m[0][c]), n.x), hn::Mul(all(m[1][c]), n.y), hn::Mul(all(m[2][c]), n.z)});
   }));
 }
 /// The same under the identity.

@@ -12,8 +12,8 @@
 #include "base/error.h"
 #include "base/unmade.h"
 #include "renderer/accel/mesh_shape.h"
-#include "renderer/integrator/path_vertex.h"
 #include "renderer/integrator/path_numbers.h"
+#include "renderer/integrator/path_vertex.h"
 #include "renderer/math/targets.h"
 
 // This file is compiled once for each instruction set, as bvh_kernels.cpp is.
@@ -51,7 +51,7 @@ struct PathFront {
 /// processor wait.
 struct Met {
   size_t count = 0;
-  size_t even = 0;  ///< the first so many surfaces scatter evenly
+  size_t even = 0;                           ///< the first so many surfaces scatter evenly
   uint32_t place[PathRows::kMost + kLanes];  ///< in the front
   LaneSurfaces<RayRow::kRoom> surface;
   alignas(64) double diffuse[3][RayRow::kRoom];
@@ -130,8 +130,9 @@ class PathRowFollower {
   /// Up to the next surfaces, and what is seen there.
   void step() {
     meet();
-    count_unread((now_->rays.count - met_.count) *
-                 (VertexNumbers::kPairs - size_t{depth_ > 0}));  // the next direction is drawn ahead
+    count_unread(
+        (now_->rays.count - met_.count) *
+        (VertexNumbers::kPairs - size_t{depth_ > 0}));  // the next direction is drawn ahead
     if (met_.count == 0) return;
     std::fill_n(met_.read, met_.count, ahead());
     look_at_materials();
@@ -206,8 +207,8 @@ class PathRowFollower {
     std::fill_n(met_.place + met_.count, kLanes, met_.place[0]);
     if (met_.even == 0) return;
     for (size_t i = met_.even; i % kLanes != 0; ++i) {
-      for (auto* const parts : {&met_.surface.point, &met_.surface.error, &met_.surface.front,
-                                &met_.surface.shading})
+      for (auto* const parts :
+           {&met_.surface.point, &met_.surface.error, &met_.surface.front, &met_.surface.shading})
         put(vec_at(*parts, 0), i, *parts);
     }
   }
@@ -259,8 +260,7 @@ class PathRowFollower {
   }
   void place_surface(size_t i) {
     const uint32_t place = met_.place[i];
-    const SurfaceInteraction s =
-        surface_at(scene_.instances, now_->rays.ray(place), hits_[place]);
+    const SurfaceInteraction s = surface_at(scene_.instances, now_->rays.ray(place), hits_[place]);
     put(s.point - Point3{}, i, met_.surface.point);
     put(s.point_error, i, met_.surface.error);
     put(static_cast<Vec3>(s.geometric_normal), i, met_.surface.front);
@@ -279,8 +279,7 @@ class PathRowFollower {
   void look_at_materials() {
     for (size_t at = 0; at < met_.even; at += kLanes) {
       const Lanes3 direction = gather(now_->rays.direction, indices_of(met_.place + at));
-      const auto is_back =
-          hn::Gt(dot(load(met_.surface.front, at), direction), hn::Zero(kLaneTag));
+      const auto is_back = hn::Gt(dot(load(met_.surface.front, at), direction), hn::Zero(kLaneTag));
       met_.is_back[at / kLanes] = static_cast<uint8_t>(bits_of(is_back));
     }
     for (size_t i = 0; i < met_.even; ++i) {
@@ -384,8 +383,8 @@ class PathRowFollower {
       if (light_points_.density[i] > 0) continue;
       // Some place that is not the point's own.
       put(vec_at(met_.surface.point, i) + vec_at(met_.surface.front, i), i, light_points_.point);
-      for (auto* const parts : {&light_points_.error, &light_points_.normal, &light_points_.front,
-                                &light_points_.back})
+      for (auto* const parts :
+           {&light_points_.error, &light_points_.normal, &light_points_.front, &light_points_.back})
         put(Vec3{}, i, *parts);
     }
   }
@@ -509,8 +508,8 @@ class PathRowFollower {
     const Lanes3 origin = origin_towards(here, negate(back));
     const Lanes3 stretch = subtract(add(place, multiply(side, lift)), origin);
     const Lanes weight = power_heuristic(density, value.density);
-    const Lanes3 brought = choose(
-        is_dark, none, multiply(multiply(shine, value.share), hn::Div(weight, density)));
+    const Lanes3 brought =
+        choose(is_dark, none, multiply(multiply(shine, value.share), hn::Div(weight, density)));
     if (may_wait) {
       append_shadow_rays(bundle, asked, origin, stretch, multiply(bundle.throughput, brought));
       return none;

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <optional>
 
-#include "renderer/integrator/path_vertex.h"
 #include "renderer/integrator/path_numbers.h"
 #include "renderer/integrator/path_rows.h"
+#include "renderer/integrator/path_vertex.h"
 #include "renderer/integrator/surface_point.h"
 #include "renderer/math/elementary.h"
 #include "renderer/shading/bsdf.h"
@@ -113,9 +113,14 @@ class PathTracer final : public Integrator {
                            .from_inside = point.is_back});
     RayOrigins origins(point.surface);
     if (scatter.is_smooth()) {
-      const PathVertex<kRich, Scatter> vertex{
-          *scene_, point, scatter, origins, path.media, path.path_length,
-          cone_width(state.cone, path.path_length), state};
+      const PathVertex<kRich, Scatter> vertex{*scene_,
+                                              point,
+                                              scatter,
+                                              origins,
+                                              path.media,
+                                              path.path_length,
+                                              cone_width(state.cone, path.path_length),
+                                              state};
       path.sum += path.throughput * vertex.direct_light(numbers);
     }
     return bounce(path, point, scatter, origins, numbers, state.counters);

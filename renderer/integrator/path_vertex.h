@@ -17,8 +17,7 @@ namespace tessera {
 /// Of the background along `direction`.
 inline double background_weight(const Scene& scene, double density, const Vec3& direction) {
   if (!(density > 0) || !scene.environment) return 1;
-  return power_heuristic(density,
-                         environment_share(scene) * scene.environment->density(direction));
+  return power_heuristic(density, environment_share(scene) * scene.environment->density(direction));
 }
 /// Of what shines at `point`, from where the path scattered last.
 inline double emission_weight(const Scene& scene, const SurfacePoint& point, double density,
@@ -101,7 +100,8 @@ struct PathVertex {
       ++state.counters.shadow_rays_skipped;
       return kBlack;
     }
-    const Color visible = point_visibility<kRich>(scene, point, origins, media, there, width, state);
+    const Color visible =
+        point_visibility<kRich>(scene, point, origins, media, there, width, state);
     if (is_black(visible) || is_dark) return kBlack;
     const double weight = power_heuristic(density, value.density);
     return shine * value.share * visible * (weight / density);

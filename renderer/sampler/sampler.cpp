@@ -97,8 +97,8 @@ Sampler::Sampler(const SamplerSettings& settings) : settings_(settings) {
   const bool is_grid = settings_.pattern == SamplePattern::centered_grid ||
                        settings_.pattern == SamplePattern::corner_grid;
   is_plain_box_ = settings_.filter == PixelFilter::box && settings_.filter_radius == 0.5;
-  is_centered_ = (settings_.pattern == SamplePattern::center || (is_grid && grid_ == 1)) &&
-                 is_plain_box_;
+  is_centered_ =
+      (settings_.pattern == SamplePattern::center || (is_grid && grid_ == 1)) && is_plain_box_;
 }
 
 Vec2 Sampler::pixel_square(int x, int y, uint32_t sample) const {

@@ -39,8 +39,10 @@ class SampleStream {
  public:
   Vec2 pair(SampleUse use) const;
 
-  uint64_t key() const { return key_; }        ///< of seed and pixel
-  uint32_t sample() const { return sample_; }  ///< its number; bits reversed unless is_independent()
+  uint64_t key() const { return key_; }  ///< of seed and pixel
+  uint32_t sample() const {
+    return sample_;
+  }  ///< its number; bits reversed unless is_independent()
   bool is_independent() const { return independent_; }
 
  private:
