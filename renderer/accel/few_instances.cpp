@@ -297,7 +297,7 @@ AcceleratorStatistics FewInstances::statistics() const {
   return {.primitives = instances_.size(),
           .references = instances_.size(),
           .bytes = sizeof(FewInstances) +
-                   instances_.size() * (sizeof(Instance) + sizeof(const Rectangle*)) +
+                   instances_.size() * (sizeof(Instance) + sizeof(void*)) +
                    (row_endless_.size() + endless_.size()) * sizeof(uint32_t)};
 }
 
