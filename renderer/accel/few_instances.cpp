@@ -296,8 +296,7 @@ bool FewInstances::any_hit_among(uint32_t boxes, const Ray& ray,
 AcceleratorStatistics FewInstances::statistics() const {
   return {.primitives = instances_.size(),
           .references = instances_.size(),
-          .bytes = sizeof(FewInstances) +
-                   instances_.size() * (sizeof(Instance) + sizeof(void*)) +
+          .bytes = sizeof(FewInstances) + instances_.size() * (sizeof(Instance) + sizeof(void*)) +
                    (row_endless_.size() + endless_.size()) * sizeof(uint32_t)};
 }
 

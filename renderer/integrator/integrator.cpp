@@ -1,5 +1,8 @@
 #include "renderer/integrator/integrator.h"
 
+#include <fmt/format.h>
+
+#include "base/error.h"
 #include "base/unmade.h"
 #include "renderer/accel/ray_row.h"
 #include "renderer/integrator/path_tracer.h"
@@ -35,6 +38,7 @@ void TraceCounters::add_to(CounterMap& map) const {
 void Integrator::radiances(const Camera& camera, std::span<const Sampler::RasterSample> rasters,
                            std::span<const SampleKey> keys, std::span<Color> found,
                            TraceState& state) const {
+  TESSERA_CHECK(rasters.size() <= RayRow::kMost, fmt::format("{} rays", rasters.size()));
   Unmade<Ray, RayRow::kMost> rays;
   for (size_t i = 0; i < rasters.size(); ++i)
     rays[i] = camera.ray(rasters[i].point.x, rasters[i].point.y);

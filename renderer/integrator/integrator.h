@@ -83,10 +83,11 @@ class Integrator {
   /// Takes the memory that following rays may need, so that none is taken on the way.
   virtual void make_room(TraceState&) const {}
   virtual Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const = 0;
-  /// How many rays radiances() takes; 1 where it would not be faster.
-  virtual size_t rays_at_once() const { return 1; }
-  /// radiance(), to the last bit, of each of `rays` with its key, at most rays_at_once() camera
-  /// rays that begin and end at the same t: of scenes where none has a cone to it.
+  /// Whether radiances() is faster than to call radiance() of each.
+  virtual bool takes_rows() const { return false; }
+  /// radiance(), to the last bit, of each of `rays` with its key, 1 to RayRow::kMost camera rays
+  /// that begin and end at the same t. Where takes_rows(), each has its sample's cone, else
+  /// TraceState::cone.
   virtual void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys,
                          std::span<Color> found, TraceState& state) const {
     for (size_t i = 0; i < rays.size(); ++i) found[i] = radiance(rays[i], keys[i], state);

@@ -15,6 +15,7 @@
 #include "renderer/integrator/path_numbers.h"
 #include "renderer/integrator/path_vertex.h"
 #include "renderer/math/targets.h"
+#include "renderer/shapes/csg_shape.h"
 
 // This file is compiled once for each instruction set, as bvh_kernels.cpp is.
 #undef HWY_TARGET_INCLUDE
@@ -40,6 +41,7 @@ struct PathFront {
   RayRow rays;
   alignas(64) double throughput[3][RayRow::kRoom];
   alignas(64) double path_length[RayRow::kRoom];
+  alignas(64) double radiance_scale[RayRow::kRoom];
   // Of the last bounce, where there was one.
   alignas(64) double density[RayRow::kRoom];
   alignas(64) double from[3][RayRow::kRoom], from_normal[3][RayRow::kRoom];
@@ -114,8 +116,10 @@ class PathRowFollower {
   void follow_all(std::span<const SampleKey> keys) {
     for (size_t i = 0; i < keys.size(); ++i)
       streams_[i] = scene_.sampler->stream(keys[i].x, keys[i].y, keys[i].sample);
+    if (scene_.features.rich) find_cones(keys);
     for (auto& channel : now_->throughput) std::fill_n(channel, keys.size(), 1.0);
     std::fill_n(now_->path_length, keys.size(), 0.0);
+    std::fill_n(now_->radiance_scale, keys.size(), 1.0);
     std::fill_n(now_->density, keys.size(), 0.0);
     std::iota(now_->number, now_->number + keys.size(), 0u);
     std::ranges::fill(found_, kBlack);
@@ -125,6 +129,11 @@ class PathRowFollower {
       step();
       std::swap(now_, next_);
     }
+  }
+
+  void find_cones(std::span<const SampleKey> keys) {
+    const uint32_t rays = std::max(scene_.camera->lens_samples(), 1u);
+    for (size_t i = 0; i < keys.size(); ++i) cones_[i] = scene_.cones.of(keys[i].sample / rays);
   }
 
   /// Up to the next surfaces, and what is seen there.
@@ -144,8 +153,10 @@ class PathRowFollower {
       for (size_t at = 0; at < met_.even; at += kLanes) scatter(at);
       add_light_not_stopped();
     }
-    for (size_t i = met_.even; i < met_.count; ++i)
-      at_point(i, [&](const SurfacePoint& point) { scatter_alone(i, point, goes_on); });
+    for (size_t i = met_.even; i < met_.count; ++i) {
+      now_->path_length[met_.place[i]] += hits_[met_.place[i]].t;
+      at_looked_up(i, [&](const SurfacePoint& point) { scatter_alone(i, point, goes_on); });
+    }
     size_t read = 0;
     for (size_t i = 0; i < met_.count; ++i)
       read += static_cast<size_t>(std::popcount(uint32_t{met_.read[i]}));
@@ -174,7 +185,6 @@ class PathRowFollower {
       if (!is_hit) add_background(i);
     }
     state_.counters.hits += n;
-    if (scene_.features.rich) state_.counters.texture_points_skipped += n;
     met_.count = n;
     met_.even = 0;
     size_t uneven = 0;
@@ -190,6 +200,8 @@ class PathRowFollower {
         others += !is_it;
       }
       n = others;
+      if (scene_.features.rich && !rows_.placed(instance).has_inputs)
+        state_.counters.texture_points_skipped += end - begin;
       if (!rows_.placed(instance).is_even) {
         std::copy(met_.place + begin, met_.place + end, uneven_ + uneven);
         uneven += end - begin;
@@ -245,6 +257,9 @@ class PathRowFollower {
                                   Lanes u, Lanes v, uint32_t& bad) {
     LaneSurface s = surface_of(*placed.mesh, triangles, u, v, bad);
     const Transform& to_world = placed.instance->world_from_object;
+    const auto is_flat = hn::And(
+        hn::Eq(s.front.x, s.shading.x),
+        hn::And(hn::Eq(s.front.y, s.shading.y), hn::Eq(s.front.z, s.shading.z)));  // -0 is 0
     if (to_world.is_identity()) {
       place_in_world(s.point, s.error);
       s.front = unmoved_normal(s.front), s.shading = unmoved_normal(s.shading);
@@ -253,6 +268,7 @@ class PathRowFollower {
       s.front = normal_in_world(to_world, s.front);
       s.shading = normal_in_world(to_world, s.shading);
     }
+    s.shading = choose(is_flat, s.front, s.shading);
     if (placed.instance->flip_normals) s.front = negate(s.front), s.shading = negate(s.shading);
     const auto is_behind = hn::Lt(dot(s.front, s.shading), hn::Zero(kLaneTag));
     s.shading = choose(is_behind, negate(s.shading), s.shading);
@@ -272,7 +288,24 @@ class PathRowFollower {
   void at_point(size_t i, const Do& act) const {
     const uint32_t place = met_.place[i];
     const Hit& hit = hits_[place];
-    act(SurfacePoint(scene_, hit.instance, now_->rays.ray(place), hit));
+    SurfacePoint point(scene_, hit.instance, now_->rays.ray(place), hit);
+    act(point);
+  }
+  /// The same with their textures, once each. The path has been measured up to here.
+  template <typename Do>
+  void at_looked_up(size_t i, const Do& act) {
+    const uint32_t place = met_.place[i];
+    const Hit& hit = hits_[place];
+    const Ray ray = now_->rays.ray(place);
+    SurfacePoint point(scene_, hit.instance, ray, hit);
+    if (rows_.placed(hit.instance).has_inputs)
+      look_up_textures(scene_, ray, width_at(place), point, state_.counters);
+    act(point);
+  }
+  /// Of what a path's sample stands for.
+  double width_at(uint32_t place) const {
+    if (!scene_.features.rich) return 0;
+    return cone_width(cones_[now_->number[place]], now_->path_length[place]);
   }
 
   /// Finds the colours, and adds what shines.
@@ -292,14 +325,13 @@ class PathRowFollower {
         put(side->diffuse, i, met_.diffuse);
         if (!side->shines) continue;
       }
-      at_point(i, [&](const SurfacePoint& point) { look_at_material(i, place, point); });
+      at_looked_up(i, [&](const SurfacePoint& point) { look_at_material(i, place, point); });
     }
     for (size_t i = met_.even; i % kLanes != 0; ++i) put(kWhite, i, met_.diffuse);
   }
   void look_at_material(size_t i, uint32_t place, const SurfacePoint& point) {
     put(surface_diffuse(point), i, met_.diffuse);
-    if (point.material->flat)
-      put(static_cast<Vec3>(point.surface.geometric_normal), i, met_.surface.shading);
+    put(point.is_back ? -point.normal : point.normal, i, met_.surface.shading);
     add_emission(place, point);
   }
   void add_emission(uint32_t place, const SurfacePoint& point) {
@@ -448,27 +480,41 @@ class PathRowFollower {
     Stored3 sums(light);
     for (uint32_t left = bundle.bits; left != 0;) {
       const size_t lane = take_lowest_lane(left);
-      at_point(bundle.at + lane, [&](const SurfacePoint& point) {
+      at_point(bundle.at + lane, [&](SurfacePoint& point) {
         add_light_from_others(bundle.at + lane, point, sums.color(lane));
       });
     }
   }
   /// `sum` is what comes from area lights.
-  void add_light_from_others(size_t i, const SurfacePoint& point, Color sum) {
+  void add_light_from_others(size_t i, SurfacePoint& point, Color sum) {
     const uint32_t place = met_.place[i];
-    const LambertBsdf lambert(bsdf_point(place, point));
+    const Vec3 shading = vec_at(met_.surface.shading, i);  // in relief
+    point.normal = point.is_back ? -shading : shading;
+    const LambertBsdf lambert(bsdf_point(place, point, color_at(met_.diffuse, i)));
     RayOrigins origins(point.surface);
-    const PathVertex<false, LambertBsdf> vertex{
-        scene_, point, lambert, origins, no_media_, now_->path_length[place], 0, state_};
-    const double to_sky = environment_share(scene_);
-    if (to_sky > 0 && (!picks_light() || met_.pick[i] < to_sky))
-      sum += vertex.from_environment(to_sky, {met_.on_light[0][i], met_.on_light[1][i]});
-    vertex.add_lights(sum);
+    at_vertex(place, point, lambert, origins, [&](const auto& vertex) {
+      const double to_sky = environment_share(scene_);
+      if (to_sky > 0 && (!picks_light() || met_.pick[i] < to_sky))
+        sum += vertex.from_environment(to_sky, {met_.on_light[0][i], met_.on_light[1][i]});
+      vertex.add_lights(sum);
+    });
     sum_of(place) += color_at(now_->throughput, place) * sum;
   }
-  BsdfPoint bsdf_point(uint32_t place, const SurfacePoint& point) const {
+  template <typename Scatter, typename Do>
+  void at_vertex(uint32_t place, const SurfacePoint& point, const Scatter& scatter,
+                 RayOrigins& origins, const Do& act) {
+    const double path_length = now_->path_length[place], width = width_at(place);
+    if (scene_.features.rich) {
+      act(PathVertex<true, Scatter>{scene_, point, scatter, origins, no_media_, path_length, width,
+                                    state_});
+    } else {
+      act(PathVertex<false, Scatter>{scene_, point, scatter, origins, no_media_, path_length, width,
+                                     state_});
+    }
+  }
+  BsdfPoint bsdf_point(uint32_t place, const SurfacePoint& point, const Color& diffuse) const {
     return {.material = *point.material,
-            .diffuse = surface_diffuse(point),
+            .diffuse = diffuse,
             .normal = point.normal,
             .geometric_normal = point.geometric_normal,
             .wo = -vec_at(now_->rays.direction, place),
@@ -554,7 +600,8 @@ class PathRowFollower {
     const Lanes zero = hn::Zero(kLaneTag);
     const size_t at = bundle.at;
     Lanes3 throughput = multiply(bundle.throughput, lambert.albedo());
-    const Lanes worth = greatest(throughput);
+    const Lanes scale = gather(now_->radiance_scale, indices_of(met_.place + at));
+    const Lanes worth = hn::Div(greatest(throughput), scale);
     uint32_t onward = bundle.bits & bits_of(hn::Gt(worth, zero));
     if (may_end()) {
       const Lanes chance = hn::Load(kLaneTag, met_.choice[1] + at);
@@ -584,6 +631,7 @@ class PathRowFollower {
     while (onward != 0) {
       const uint32_t place = met_.place[at + take_lowest_lane(onward)];
       next_->path_length[rays.count] = now_->path_length[place];
+      next_->radiance_scale[rays.count] = now_->radiance_scale[place];
       next_->number[rays.count++] = now_->number[place];
     }
   }
@@ -616,20 +664,19 @@ class PathRowFollower {
 
   void scatter_alone(size_t i, const SurfacePoint& point, bool goes_on) {
     const uint32_t place = met_.place[i];
-    now_->path_length[place] += hits_[place].t;
     add_emission(place, point);
     if (!goes_on || point.material->model == MaterialModel::unlit) return;
-    const Bsdf bsdf(bsdf_point(place, point));
+    const Bsdf bsdf(bsdf_point(place, point, surface_diffuse(point)));
     RayOrigins origins(point.surface);
     const DrawnNumbers numbers(met_, i);
     Color throughput = color_at(now_->throughput, place);
     if (bsdf.is_smooth()) {
-      const PathVertex<false, Bsdf> vertex{
-          scene_, point, bsdf, origins, no_media_, now_->path_length[place], 0, state_};
-      sum_of(place) += throughput * vertex.direct_light(numbers);
+      at_vertex(place, point, bsdf, origins, [&](const auto& vertex) {
+        sum_of(place) += throughput * vertex.direct_light(numbers);
+      });
     }
     BsdfSample sample;
-    double radiance_scale = 1;
+    double radiance_scale = now_->radiance_scale[place];
     if (!choose_way(bsdf, depth_, numbers, throughput, radiance_scale, sample, state_.counters))
       return;
     RayRow& rays = next_->rays;
@@ -641,6 +688,7 @@ class PathRowFollower {
     put(point.surface.point - Point3{}, at, next_->from);
     put(point.geometric_normal, at, next_->from_normal);
     next_->path_length[at] = now_->path_length[place];
+    next_->radiance_scale[at] = radiance_scale;
     next_->number[at] = now_->number[place];
   }
 
@@ -656,7 +704,8 @@ class PathRowFollower {
   Unmade<Hit, PathRows::kMost> hits_;
   Unmade<SampleStream, PathRows::kMost> streams_;
   uint32_t uneven_[PathRows::kMost];
-  Media no_media_;
+  Unmade<Camera::PixelCone, PathRows::kMost> cones_;  ///< of the paths, where something is rich
+  const Media no_media_{};
   uint32_t depth_ = 0;
 };
 
@@ -684,31 +733,30 @@ void check_sizes(size_t rays, size_t keys, size_t found) {
                 fmt::format("{} rays, {} keys, {} found", rays, keys, found));
 }
 
-/// Whether all light that meets it stays on the viewer's side, and nothing of it is looked up.
-bool lets_nothing_through(const Material& material) {
-  return material.inputs == kNoMaterialInputs && material.is_opaque() &&
-         is_black(material.absorption) && material.sides != Sides::front_only &&
-         material.model != MaterialModel::dielectric;
-}
-
-bool is_even(const Material& material) {
-  return material.is_lambert() && material.model == MaterialModel::classic;
+/// Whether it scatters evenly wherever it is looked up. Beside other models a black surface is one
+/// that does not scatter, to be counted as such.
+bool is_even(const Scene& scene, const Material& material) {
+  Material plain = material;
+  plain.inputs = kNoMaterialInputs;
+  if (!plain.is_lambert() || plain.model != MaterialModel::classic) return false;
+  if (!scene.features.lambert && is_black(material.diffuse)) return false;
+  if (material.inputs == kNoMaterialInputs) return true;
+  using Target = MaterialInputs::Target;
+  return std::ranges::all_of(scene.inputs[material.inputs].slots, [](const auto& slot) {
+    return slot.target == Target::ambient || slot.target == Target::diffuse ||
+           slot.target == Target::emission;
+  });
 }
 
 }  // namespace
 
 bool PathRows::can_follow(const Scene& scene) {
   const bool skips_textures = !scene.features.rich || scene.skips.texture_points;
-  if (!scene.surfaces || scene.path_occluders.clear || scene.fog.kind != FogKind::none ||
-      !scene.skips.absent_features || !skips_textures)
-    return false;
-  if (scene.features.lambert && !scene.features.secondary) return true;
-  const auto has_colors = [](const Instance& instance) {
-    const auto* const mesh = dynamic_cast<const MeshShape*>(instance.shape.get());
-    return mesh && !mesh->mesh().colors.empty();
-  };
-  return std::ranges::all_of(scene.materials, lets_nothing_through) &&
-         std::ranges::none_of(scene.instances, has_colors);
+  return scene.surfaces && !scene.features.veils && scene.fog.kind == FogKind::none &&
+         scene.skips.absent_features && skips_textures &&
+         std::ranges::all_of(scene.materials, [](const Material& material) {
+           return is_black(material.absorption);
+         });
 }
 
 PathRows::PathRows(const Scene& scene, std::string_view instructions)
@@ -747,10 +795,15 @@ void PathRows::find_sides(uint32_t number, Placed& placed) const {
   placed.is_even = true;
   for (uint32_t i = 0; i < shading.material_count; ++i) {
     const Material& material = scene_.material(number, i);
-    placed.is_even &= is_even(material) && is_even(back_of(material));
+    for (const Material* const side : {&material, &back_of(material)}) {
+      placed.is_even &= is_even(scene_, *side);
+      placed.has_inputs |= side->inputs != kNoMaterialInputs;
+    }
   }
-  const bool has_colors = placed.mesh && !placed.mesh->colors.empty();
-  if (shading.material_count != 1 || has_colors) return;
+  // Solids made of others may have any that theirs have.
+  const bool has_colors = (placed.mesh && !placed.mesh->colors.empty()) ||
+                          dynamic_cast<const CsgShape*>(placed.instance->shape.get()) != nullptr;
+  if (shading.material_count != 1 || has_colors || placed.has_inputs) return;
   const Material& front = scene_.material(number, 0);
   const Material& back = back_of(front);
   if (!front.flat) placed.front = &sides_[static_cast<size_t>(&front - scene_.materials.data())];

@@ -16,17 +16,18 @@
 namespace tessera {
 
 /// Follows the paths of several samples bounce by bounce, through scenes whose surfaces let nothing
-/// through: numbers are drawn, rays traced and, where light is scattered evenly, directions and
-/// weights worked out of as many paths as a vector holds. It is the arithmetic of a path by itself
-/// line by line, no product fused with a sum, so that the bits are the same, and the counts but
-/// those of traversal and, where some surfaces scatter otherwise, of numbers and of roulette.
-/// Immutable; thread-safe, each thread with its state.
+/// through unbent: numbers are drawn, rays traced and, where light is scattered evenly, directions
+/// and weights worked out of as many paths as a vector holds. It is the arithmetic of a path by
+/// itself line by line, no product fused with a sum, so that the bits are the same. So are the
+/// counts but those of traversal and, where some surfaces scatter otherwise or have one side,
+/// of numbers, of roulette and of shadow rays left out where a texture is black. Immutable;
+/// thread-safe, each thread with its state.
 class PathRows {
  public:
   /// Paths at a time.
   static constexpr size_t kMost = RayRow::kMost;
 
-  /// Whether it can: nothing transparent, no textures, no fog, and something to hit.
+  /// Whether it can: no veils, nothing that absorbs, no fog, and something to hit.
   static bool can_follow(const Scene& scene);
   /// Of a scene that it can follow paths through, by the instructions of the set that BvhKernels of
   /// that name are of. `scene` must outlive it.
@@ -34,7 +35,8 @@ class PathRows {
   PathRows(const PathRows&) = delete;
   PathRows& operator=(const PathRows&) = delete;
   /// The radiance along each of 1 to kMost camera rays, which begin and end at the same t, into
-  /// `found`; `keys` are those of the samples. Other numbers are refused by a check.
+  /// `found`; `keys` are those of the samples, which tell the rays' cones too. Other numbers are
+  /// refused by a check.
   void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
                  TraceState& state) const;
   /// The same of a pinhole's rays through raster points.
@@ -55,6 +57,7 @@ class PathRows {
     Vec3 normal;                           ///< of the rectangle's front
     const TriangleMesh* mesh = nullptr;
     bool is_even = false;                          ///< all its materials only scatter evenly
+    bool has_inputs = false;                       ///< some material is to be looked up
     const Side *front = nullptr, *back = nullptr;  ///< null: hits are to be asked one by one
   };
   const Scene& scene() const { return scene_; }

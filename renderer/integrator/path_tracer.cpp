@@ -36,7 +36,7 @@ class PathTracer final : public Integrator {
     }
     return path.sum;
   }
-  size_t rays_at_once() const override { return rows_ ? PathRows::kMost : 1; }
+  bool takes_rows() const override { return rows_.has_value(); }
   void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
                  TraceState& state) const override {
     if (rows_)

@@ -224,7 +224,7 @@ class MirrorIntegrator final : public WhittedIntegrator<kShadows, true, false>,
     ++state.counters.rays_primary;
     return follow_to_end({.ray = ray}, state);
   }
-  size_t rays_at_once() const override { return rows_ ? RowTracer::kMost : 1; }
+  bool takes_rows() const override { return rows_.has_value(); }
   void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
                  TraceState& state) const override {
     if (rows_)

@@ -52,24 +52,30 @@ void through_camera(const Scene& scene, const Integrator& integrator,
   }
   Unmade<Ray, kMost> rays;
   Unmade<SampleKey, kMost> of_rays;
+  Unmade<size_t, kMost> of;  // the sample's place
   Unmade<Color, kMost> colors;
+  size_t count = 0;
+  const auto trace = [&] {
+    integrator.radiances({rays.data(), count}, {of_rays.data(), count}, {colors.data(), count},
+                         state);
+    for (size_t ray = 0; ray < count; ++ray) found[of[ray]] += colors[ray];
+    count = 0;
+  };
+  std::ranges::fill(found, kBlack);
   for (size_t i = 0; i < keys.size(); ++i) {
     const auto& [x, y, sample] = keys[i];
     const Vec2& at = rasters[i].point;
-    Color sum = kBlack;
-    for (uint32_t begin = 0, count = 0; begin < lens_samples; begin += count) {
-      count = std::min(lens_samples - begin, uint32_t{kMost});
-      for (uint32_t ray = 0; ray < count; ++ray) {
-        const uint32_t own = sample * lens_samples + begin + ray;
-        of_rays[ray] = {x, y, own};
-        rays[ray] = camera.lens_ray(at.x, at.y, scene.sampler->pair(x, y, own, SampleUse::lens));
-      }
-      integrator.radiances({rays.data(), count}, {of_rays.data(), count}, {colors.data(), count},
-                           state);
-      for (uint32_t ray = 0; ray < count; ++ray) sum += colors[ray];
+    for (uint32_t ray = 0; ray < lens_samples; ++ray) {
+      const uint32_t own = sample * lens_samples + ray;
+      of[count] = i;
+      of_rays[count] = {x, y, own};
+      const Vec2 u = scene.sampler->pair(x, y, own, SampleUse::lens);
+      rays[count++] = camera.lens_ray(at.x, at.y, u);
+      if (count == kMost) trace();
     }
-    found[i] = sum * (1.0 / lens_samples);
   }
+  if (count > 0) trace();
+  for (Color& color : found) color = color * (1.0 / lens_samples);
 }
 
 }  // namespace tessera

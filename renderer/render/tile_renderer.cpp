@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "base/unmade.h"
 #include "renderer/accel/bvh_kernels.h"
+#include "renderer/accel/ray_row.h"
 #include "renderer/film/block.h"
 #include "renderer/integrator/integrator.h"
 #include "renderer/render/aov_tracer.h"
@@ -64,7 +65,7 @@ class SceneTileRenderer final : public TileRenderer {
         adaptive_(scene_->settings.target_error > 0 && !samples_coincide_ &&
                   scene_->skips.converged_blocks),
         samples_at_once_(samples_at_once(*scene_)),
-        in_rows_(integrator_->rays_at_once() > 1) {}
+        in_rows_(integrator_->takes_rows()) {}
 
   CounterMap build_counters() const override { return scene_->counters; }
 
@@ -120,6 +121,7 @@ class SceneTileRenderer final : public TileRenderer {
  private:
   static constexpr int kRowSide = 8;
   static constexpr uint32_t kRowSamples = kRowSide * kRowSide;
+  static_assert(kRowSamples == RayRow::kMost);
   using SampleFunction = Sample (SceneTileRenderer::*)(const SampleKey&, TraceState&) const;
 
   /// Where pixels go.
@@ -210,10 +212,11 @@ class SceneTileRenderer final : public TileRenderer {
       pixels[count++] = pixel;
     }
   };
-  /// Whether more samples of this scene can wait. A lens fills rows by one sample, and may take
-  /// long for it.
+  /// Whether more samples of this scene can wait: not where the rays through the lens of those that
+  /// do fill a row.
   bool has_room(const WaitingSamples& waiting) const {
-    return waiting.count < (scene_->camera->lens_samples() > 0 ? 1 : kRowSamples);
+    return waiting.count <
+           kRowSamples / std::clamp(scene_->camera->lens_samples(), 1u, kRowSamples);
   }
   /// Calls take(place, sample) with what each sample that waits finds, in their order, and leaves
   /// none waiting.

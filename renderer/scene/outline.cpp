@@ -31,6 +31,8 @@ void add_vertices(const TriangleMesh& mesh, std::vector<Point3>& points) {
     if (is_used[v]) points.push_back(mesh.vertex(v));
 }
 
+}  // namespace
+
 std::vector<Point3> box_corners(const Bounds3& box) {
   std::vector<Point3> corners;
   for (int i = 0; i < 8; ++i)
@@ -38,8 +40,6 @@ std::vector<Point3> box_corners(const Bounds3& box) {
                        i & 4 ? box.max.z : box.min.z});
   return corners;
 }
-
-}  // namespace
 
 size_t outline_limit(const BuiltShape& built) {
   constexpr size_t kOfTorus = size_t{2 * kSteps + 1} * 2 * kSteps;

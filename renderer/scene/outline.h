@@ -11,7 +11,9 @@ namespace tessera {
 /// points of round shapes that leave out a hundredth of their radius at most; of others the corners
 /// of the box, of all unless `closely`. None of what is endless or empty.
 std::vector<Point3> outline(const v1::Shape& description, const BuiltShape& built, bool closely);
-/// How many points that are at most.
+/// The eight of them.
+std::vector<Point3> box_corners(const Bounds3& box);
+/// How many points outline() has at most.
 size_t outline_limit(const BuiltShape& built);
 
 }  // namespace tessera

@@ -91,7 +91,7 @@ void read_lens(const Where& where, const v1::Lens& in, CameraSettings& settings)
   if (!out.focal_sphere && !is_plane_projection) {
     fail_value(where, "lens.focal_surface", "PLANE", "SPHERE, for this projection");
   }
-  constexpr double kMostSamples = 1 << 20;
+  constexpr double kMostSamples = 1 << 14;
   out.samples = static_cast<uint32_t>(
       checked(where, "lens.samples", in.samples(), {.min = 0, .max = kMostSamples}));
   out.samples = std::max(out.samples, 1u);

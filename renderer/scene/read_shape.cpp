@@ -216,6 +216,7 @@ BuiltShape read_csg(const CsgPlan& plan, const ShapeSource& source) {
         whole.bytes += built.bytes;
         whole.bytes_dropped += built.bytes_dropped;
         whole.attributes_dropped += built.attributes_dropped;
+        whole.has_clear_vertices |= built.has_clear_vertices;
         nodes.push_back(tree.add(built.shape, Transform(step.csg_from_solid), first_material));
         first_material += static_cast<uint32_t>(material_count(*step.solid));
       } else {

@@ -38,6 +38,7 @@ struct SceneFeatures {
   bool shadows = false;    ///< some light casts shadows and something may
   bool secondary = false;  ///< mirrors, transparency, absorption, surfaces without back faces
   bool rich = false;       ///< materials with textures, or of other models than classic and unlit
+  bool veils = false;      ///< some surface may let a ray through unbent
   bool lambert = false;    ///< no material but classic ones that only scatter evenly or shine
   /// Of what a hit may ask for, nothing but classic Lambert materials, with highlights, the same
   /// from both sides, and lights of which an occluder takes all: no fog, nothing of the above but

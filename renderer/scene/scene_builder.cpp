@@ -28,6 +28,7 @@ namespace {
 struct ShapeMaterials {
   uint32_t first = 0, count = 0;
   bool is_clear = false;       ///< may let shadow rays through
+  bool is_veil = false;        ///< may let any ray through unbent
   bool has_secondary = false;  ///< may send a ray on
   KeptAttributes keep;
   Cull cull = Cull::none;
@@ -124,22 +125,28 @@ class SceneBuilder {
   }
 
   /// Of all instances that end somewhere: of their outlines, as long as these are few enough, else
-  /// of the boxes of their shapes.
+  /// of the boxes of their shapes, or of the box around all.
   std::vector<Point3> bounded_points() const {
-    constexpr size_t kMostPoints = size_t{1} << 20;
+    constexpr size_t kMostPoints = size_t{1} << 20, kCorners = 8;
     size_t most = 0;
     for (const uint32_t shape : instance_shapes_) most += outline_limit(shapes_[shape]);
     std::vector<std::vector<Point3>> outlines;
     for (size_t i = 0; i < shapes_.size(); ++i)
       outlines.push_back(outline(*graph_.shapes[i].shape, shapes_[i], most <= kMostPoints));
+    const bool by_one_box = kCorners * scene_->instances.size() > kMostPoints;
+    Bounds3 all;
     std::vector<Point3> points;
     for (size_t i = 0; i < scene_->instances.size(); ++i) {
       for (const Point3& p : outlines[instance_shapes_[i]]) {
         const Point3 at = scene_->instances[i].world_from_object.point(p);
-        if (is_finite(at - Point3{})) points.push_back(at);
+        if (!is_finite(at - Point3{})) continue;
+        if (by_one_box)
+          all.extend(at);
+        else
+          points.push_back(at);
       }
     }
-    return points;
+    return by_one_box && !all.empty() ? box_corners(all) : points;
   }
 
   void add_lights(const CameraChoice& choice) {
@@ -248,6 +255,7 @@ class SceneBuilder {
       for (size_t side = 0; side < count; ++side) {
         if (!sides[side]->is_opaque()) entry.is_clear = entry.has_secondary = true;
         if (sides[side]->is_mirror()) entry.has_secondary = true;
+        entry.is_veil |= sides[side]->is_veil();
         entry.keep.uvs |= materials_.needs_uv(side == 0 ? index : material->back);
         entry.keep.normals |= shows_normals(*sides[side]);
         entry.keep.colors |= shows_colors(*sides[side]);
@@ -256,7 +264,7 @@ class SceneBuilder {
     if (one_sided == entry.count) {
       entry.cull = Cull::back;
     } else if (one_sided > 0) {
-      entry.is_clear = entry.has_secondary = true;
+      entry.is_clear = entry.is_veil = entry.has_secondary = true;
     }
   }
 
@@ -286,7 +294,8 @@ class SceneBuilder {
     }
     for (size_t i = 0; i < shapes_.size(); ++i) {
       if (shapes_[i].has_clear_vertices) {
-        shape_materials_[i].is_clear = shape_materials_[i].has_secondary = true;
+        ShapeMaterials& materials = shape_materials_[i];
+        materials.is_clear = materials.is_veil = materials.has_secondary = true;
       }
     }
   }
@@ -304,7 +313,9 @@ class SceneBuilder {
       scene_->shading.push_back({materials.first, materials.count, in.scope});
       instance_shapes_.push_back(in.shape);
       is_clear_.push_back(materials.is_clear || !scene_->skips.opaque_as_clear);
+      is_veil_.push_back(materials.is_veil || !scene_->skips.opaque_as_clear);
       is_any_clear_ |= materials.is_clear;
+      scene_->features.veils |= materials.is_veil;
       scene_->features.secondary |= materials.has_secondary;
     }
   }
@@ -325,8 +336,9 @@ class SceneBuilder {
                                 source_.code};
     scene_->surfaces = make_instance_accelerator(instances, settings.kind, settings.threads,
                                                  settings.scan_few, *settings.code);
-    const auto occluders_of = [&](const std::vector<bool>& counts) {
-      return make_occluders(instances, is_clear_, counts, scene_->surfaces, scene_->lights,
+    const auto occluders_of = [&](const std::vector<bool>& is_clear,
+                                  const std::vector<bool>& counts) {
+      return make_occluders(instances, is_clear, counts, scene_->surfaces, scene_->lights,
                             settings);
     };
     std::vector<bool> casts(instances.size());
@@ -339,10 +351,11 @@ class SceneBuilder {
       casts[i] = !scene_->skips.shadowless_planes || !shades_nothing(instances[i], scene_->lights);
       if (!casts[i]) ++scene_->counters["planes_without_shadow"];
     }
-    if (scene_->features.shadows) scene_->occluders = occluders_of(casts);
+    if (scene_->features.shadows) scene_->occluders = occluders_of(is_clear_, casts);
     if (scene_->area_lights.empty() && !scene_->environment) return;
     const std::vector<bool> all(instances.size(), true);
-    scene_->path_occluders = casts == all ? scene_->occluders : occluders_of(all);
+    scene_->path_occluders =
+        casts == all && is_veil_ == is_clear_ ? scene_->occluders : occluders_of(is_veil_, all);
   }
 
   void count() {
@@ -402,7 +415,7 @@ class SceneBuilder {
   std::vector<CsgPlan> csg_plans_;               // one a graph shape, empty for most
   std::vector<BuiltShape> shapes_;               // one a graph shape
   std::vector<uint32_t> instance_shapes_;        // one an instance: its graph shape
-  std::vector<bool> is_clear_;                   // one an instance
+  std::vector<bool> is_clear_, is_veil_;         // one an instance
   bool is_any_clear_ = false;
 };
 

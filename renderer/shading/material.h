@@ -53,6 +53,11 @@ struct Material {
   bool has_clear_input = false;        ///< somewhere it may let light through
 
   bool is_opaque() const { return transparency <= 0 && alpha >= 1 && !has_clear_input; }
+  /// Whether some of what is behind it may come straight through.
+  bool is_veil() const {
+    return alpha < 1 || has_clear_input ||
+           (transmission == Transmission::straight && transparency > 0);
+  }
   /// Whether it may mirror anything.
   bool is_mirror() const {
     return !is_black(reflectivity) || model == MaterialModel::conductor ||

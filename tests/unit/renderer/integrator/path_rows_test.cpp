@@ -15,13 +15,14 @@ namespace tessera {
 namespace {
 
 /// A random scene that paths are followed through in rows: shapes of all kinds where they are or
-/// moved, materials that scatter evenly or otherwise, lights with and without an extent, before
-/// backgrounds that are sampled or not.
-class OpaqueScene {
+/// moved, materials that scatter evenly or otherwise, textured or not, glass, lights with and
+/// without an extent, before backgrounds that are sampled or not.
+class UnveiledScene {
  public:
-  explicit OpaqueScene(uint32_t seed) : random_(seed), size_(std::exp2(pick(-12, 13))) {
+  explicit UnveiledScene(uint32_t seed) : random_(seed), size_(std::exp2(pick(-12, 13))) {
     const char* const patterns[] = {"OWEN_SOBOL", "INDEPENDENT", "BLUE_NOISE"};
-    is_even_ = chance(.5);
+    is_even_ = chance(.4);
+    is_textured_ = !is_even_ && chance(.5);
     text_ = fmt::format(
         "settings {{ sampling {{ pattern: {} samples_per_pixel: 16 seed: {} }} "
         "integrator {{ kind: 'path' max_depth: {} }} }} ",
@@ -31,12 +32,24 @@ class OpaqueScene {
     if (sky == 0) text_ += "background { gradient { sky { r: .1 b: .9 } ground { r: .3 } } } ";
     if (sky == 1) text_ += "background { solid { r: .2 g: .3 b: .4 } } ";
     if (sky == 2) text_ += "background { sun_and_sky { sun_direction { x: 1 y: 2 z: .5 } } } ";
+    if (is_textured_) {
+      text_ += fmt::format(
+          "textures {{ name: 'checks' mapping: OBJECT checker {{ odd {{ value {{ {} }} }} even {{ "
+          "value {{ {} }} }} }} transform {{ steps {{ scale {{ x: {:.17g} y: {:.17g} z: {:.17g} }} "
+          "}} }} }} textures {{ name: 'noise' noise {{ frequency: 3 octaves: 4 }} }} ",
+          rgb(), rgb(), 9 / size_, 9 / size_, 9 / size_);
+    }
     for (int i = 0; i < kMaterials; ++i) add_material(i);
     for (int i = pick(-2, 3); i > 0; --i) add_light();
     for (int i = pick(2, 14); i > 0; --i) add_shape();
   }
   const std::string& text() const { return text_; }
   bool is_even() const { return is_even_; }
+  std::shared_ptr<const Scene> build(const char* accelerator = "bvh") const {
+    v1::FrameSettings frame = frame_of(16, 16);
+    frame.set_accelerator(accelerator);
+    return build_scene(parse_scene(text_), blobs_, frame, 1, {}, {});
+  }
   Ray ray() {
     const Point3 from = Point3{} + vec(2), to = Point3{} + vec(.7);
     return {from, normalize(to - from)};
@@ -60,24 +73,39 @@ class OpaqueScene {
                        random_.between(0, most), random_.between(0, most));
   }
   void add_material(int number) {
-    const int model = is_even_ ? 0 : pick(0, 4);
+    const int model = is_even_ ? 0 : pick(0, 5);
     text_ += fmt::format("materials {{ name: 'm{}' ", number);
-    if (number > 0 && chance(.2))
+    if (number == kMaterials - 1 && chance(.5))
+      text_ += "sides: FRONT_ONLY ";  // not in solids made of others, where it would be a veil
+    else if (number > 0 && chance(.2))
       text_ += fmt::format("sides: BACK_MATERIAL back: 'm{}' ", pick(0, number));
-    if (model == 3) {
+    const bool is_textured = is_textured_ && chance(.6);
+    const auto value = [&](const char* texture, std::string constant) {
+      return is_textured && chance(.6) ? fmt::format("texture: '{}'", texture)
+                                       : fmt::format("value {{ {} }}", constant);
+    };
+    if (is_textured && chance(.3)) text_ += "bump { texture: 'noise' value: .1 } ";
+    if (model == 4) {
+      text_ += fmt::format(
+          "dielectric {{ refractive_index: {:.2f} roughness {{ value: {:.2f} }} "
+          "thin: {} }} ",
+          random_.between(1, 2), chance(.5) ? 0 : random_.between(0, 1), chance(.2));
+    } else if (model == 3) {
       text_ += fmt::format("conductor {{ eta {{ {} }} k {{ {} }} roughness {{ value: {:.2f} }} }} ",
                            rgb(2), rgb(4), chance(.3) ? 0 : random_.between(0, 1));
     } else if (model == 2) {
       text_ += fmt::format(
-          "physical {{ base_color {{ value {{ {} }} }} metallic {{ value: {} }} roughness {{ "
-          "value: {:.2f} }} clearcoat {{ value: {} }} }} ",
-          rgb(), pick(0, 2), random_.between(0, 1), chance(.3) ? 1 : 0);
+          "physical {{ base_color {{ {} }} metallic {{ value: {} }} roughness {{ "
+          "value: {:.2f} }} clearcoat {{ value: {} }} transmission {{ value: {} }} }} ",
+          value("checks", rgb()), pick(0, 2), random_.between(0, 1), chance(.3) ? 1 : 0,
+          chance(.2) ? .5 : 0);
     } else {
       // Above 1 too, which is bounded.
-      text_ += fmt::format("classic {{ diffuse {{ value {{ {} }} }} ", rgb(chance(.2) ? 1.5 : 1));
+      text_ += fmt::format("classic {{ diffuse {{ {} }} ",
+                           value("checks", chance(.1) ? "" : rgb(chance(.2) ? 1.5 : 1)));
       if (chance(.2)) text_ += "flat: true ";
-      if (chance(.2)) text_ += fmt::format("emission {{ value {{ {} }} }} ", rgb(9));
-      if (model == 1) text_ += fmt::format("specular {{ value {{ {} }} }} ", rgb(.5));
+      if (chance(.2)) text_ += fmt::format("emission {{ {} }} ", value("noise", rgb(9)));
+      if (model == 1) text_ += fmt::format("specular {{ {} }} ", value("noise", rgb(.5)));
       if (model == 1 && chance(.5))
         text_ += fmt::format("reflectivity {{ value {{ {} }} }} ", rgb(.5));
       text_ += "} ";
@@ -112,14 +140,42 @@ class OpaqueScene {
                           (a + pick(2, vertices)) % vertices);
     }
     text += "] ";
+    const bool along_axes = chance(.3);
     if (chance(.5)) {
       text += "inline_normals: [";
       for (int i = 0; i < vertices; ++i) {
-        const Vec3 n = vec(1 / size_);
+        const Vec3 n = along_axes ? Vec3{-1, -0.0, chance(.5) ? -0.0 : 0} : vec(1 / size_);
         text += fmt::format("{}{:.9g}, {:.9g}, {:.9g}", i > 0 ? ", " : "", n.x, n.y, n.z);
       }
       text += "] ";
     }
+    if (chance(.3)) text += colors(vertices);
+    return text + "}";
+  }
+  std::string colors(int vertices) {
+    std::vector<float> values;
+    for (int i = 0; i < 4 * vertices; ++i)
+      values.push_back(i % 4 == 3 ? 1 : static_cast<float>(random_.between(0, 1)));
+    const size_t size = values.size() * sizeof(float);
+    const auto* const begin = reinterpret_cast<const std::byte*>(values.data());
+    const Digest digest = blobs_.put(std::vector<std::byte>(begin, begin + size));
+    return fmt::format("colors {{ digest: '{}' size: {} }} ", digest.hex(), size);
+  }
+  std::string tetrahedron() {
+    std::string text = "mesh { closed: true inline_triangles: [0,2,1, 0,1,3, 0,3,2, 1,2,3] ";
+    for (const Vec3& p : {Vec3{}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
+      for (int axis = 0; axis < 3; ++axis)
+        text += fmt::format("inline_positions: {:.9g} ", size_ * .6 * p[axis]);
+    return text + (chance(.6) ? colors(4) : "") + "}";
+  }
+  /// Of one or two.
+  std::string combined() {
+    const auto operand = [&](const std::string& of) {
+      return fmt::format("operands {{ shape {{ materials: 'm{}' {} }} }} ", pick(0, kMaterials - 1),
+                         of);
+    };
+    std::string text = "csg { operation: UNION " + operand(tetrahedron());
+    if (chance(.5)) text += operand(solid());
     return text + "}";
   }
   std::string solid() {
@@ -137,36 +193,39 @@ class OpaqueScene {
           "transform {{ steps {{ translate {{ {} }} }} steps {{ rotate {{ axis {{ {} }} angle: {} "
           "}} }} steps {{ scale {{ x: 1 y: {} z: 1 }} }} }} ",
           xyz(vec(.3)), xyz(vec()), pick(0, 360), chance(.5) ? -2 : 1);
-    const int kind = pick(0, 3);
+    const int kind = pick(0, 7);
+    if (kind == 6) {
+      text_ += fmt::format("shape {{ {} }} }} ", combined());
+      return;
+    }
     text_ += fmt::format("shape {{ materials: 'm{}' {} }} }} ", pick(0, kMaterials),
-                         kind == 0   ? rectangle()
-                         : kind == 1 ? mesh()
-                                     : solid());
+                         kind < 2   ? rectangle()
+                         : kind < 4 ? mesh()
+                                    : solid());
   }
 
   UniformNumbers random_;
   double size_;
-  bool is_even_;
+  bool is_even_, is_textured_;
   std::string text_;
+  BlobStore blobs_;
 };
 
 using Counts = std::vector<uint64_t>;
-Counts counts_of(const TraceCounters& c, bool is_even) {
-  Counts counts{c.rays_primary,    c.rays_shadow, c.rays_reflection,
-                c.rays_refraction, c.hits,        c.shadow_rays_skipped,
-                c.lights_culled,   c.paths_cut,   c.texture_points_skipped};
-  if (is_even) counts.insert(counts.end(), {c.numbers_skipped, c.roulette_ends});
+Counts counts_of(const TraceCounters& c, const Scene& scene) {
+  Counts counts{c.rays_primary, c.rays_shadow,   c.rays_reflection, c.rays_refraction,
+                c.hits,         c.lights_culled, c.paths_cut,       c.texture_points_skipped};
+  if (scene.inputs.empty()) counts.push_back(c.shadow_rays_skipped);
+  if (scene.features.lambert && !scene.features.secondary)
+    counts.insert(counts.end(), {c.numbers_skipped, c.roulette_ends});
   return counts;
 }
 
 TEST(PathRows, FollowsEachPathAsItIsFollowedAlone) {
   uint64_t in_rows = 0, even = 0, sampled = 0, hits = 0, shadows = 0, ended = 0;
   for (uint32_t seed = 0; seed < 400; ++seed) {
-    OpaqueScene random(seed);
-    v1::FrameSettings frame = frame_of(16, 16);
-    frame.set_accelerator(seed % 3 == 0 ? "linear" : "bvh");
-    const std::shared_ptr<const Scene> scene =
-        build_scene(parse_scene(random.text()), {}, frame, 1, {}, {});
+    UnveiledScene random(seed);
+    const auto scene = random.build(seed % 3 == 0 ? "linear" : "bvh");
     ASSERT_TRUE(PathRows::can_follow(*scene)) << random.text();
     const auto integrator = make_integrator(scene);
     ++in_rows;
@@ -179,8 +238,10 @@ TEST(PathRows, FollowsEachPathAsItIsFollowedAlone) {
     std::vector<Color> expected(rays.size());
     TraceState state;
     integrator->make_room(state);
-    for (size_t i = 0; i < rays.size(); ++i)
+    for (size_t i = 0; i < rays.size(); ++i) {
+      state.cone = scene->cones.of(keys[i].sample);
       expected[i] = integrator->radiance(rays[i], keys[i], state);
+    }
     hits += state.counters.hits;
     shadows += state.counters.rays_shadow;
     ended += state.counters.roulette_ends;
@@ -192,8 +253,7 @@ TEST(PathRows, FollowsEachPathAsItIsFollowedAlone) {
       rows.radiances(rays, keys, found, together);
       for (size_t i = 0; i < rays.size(); ++i)
         ASSERT_EQ(found[i], expected[i]) << i << "\n" << random.text();
-      EXPECT_EQ(counts_of(together.counters, random.is_even()),
-                counts_of(state.counters, random.is_even()));
+      EXPECT_EQ(counts_of(together.counters, *scene), counts_of(state.counters, *scene));
     }
   }
   EXPECT_EQ(in_rows, 400u);
@@ -206,9 +266,8 @@ TEST(PathRows, FollowsEachPathAsItIsFollowedAlone) {
 
 TEST(PathRows, SendsRaysThroughRasterPointsAsTheCameraDoes) {
   for (uint32_t seed = 0; seed < 40; ++seed) {
-    OpaqueScene random(seed);
-    const std::shared_ptr<const Scene> scene =
-        build_scene(parse_scene(random.text()), {}, frame_of(16, 16), 1, {}, {});
+    UnveiledScene random(seed);
+    const auto scene = random.build();
     const auto integrator = make_integrator(scene);
     const Camera& camera = *scene->camera;
     std::vector<SampleKey> keys;
@@ -221,6 +280,7 @@ TEST(PathRows, SendsRaysThroughRasterPointsAsTheCameraDoes) {
       points.push_back(
           scene->sampler->raster_sample(keys.back().x, keys.back().y, keys.back().sample));
       const Vec2& at = points.back().point;
+      state.cone = scene->cones.of(keys.back().sample);
       expected.push_back(integrator->radiance(camera.ray(at.x, at.y), keys.back(), state));
     }
     for (const BvhKernels& code : all_kernels()) {
@@ -233,10 +293,11 @@ TEST(PathRows, SendsRaysThroughRasterPointsAsTheCameraDoes) {
   }
 }
 
-TEST(PathRows, DoesNotFollowWhatLetsLightThrough) {
+TEST(PathRows, LeavesVeilsAndWhatAbsorbsAlone) {
   for (const char* const material :
-       {"classic { transparency { value: .5 } }", "dielectric { refractive_index: 1.5 }",
-        "opacity { value: .5 } classic {}", "sides: FRONT_ONLY classic {}"}) {
+       {"classic { transparency { value: .5 } transmission: STRAIGHT }",
+        "dielectric { refractive_index: 1.5 absorption { r: 1 } }",
+        "opacity { value: .5 } classic {}"}) {
     const std::string text = fmt::format(
         "settings {{ integrator {{ kind: 'path' }} }} cameras {{}} materials {{ name: 'a' {} }} "
         "nodes {{ shape {{ materials: 'a' sphere {{ radius: 1 }} }} }}",
