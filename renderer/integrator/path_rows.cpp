@@ -187,7 +187,9 @@ class PathRowFollower {
     state_.counters.hits += n;
     met_.count = n;
     met_.even = 0;
-    size_t uneven = 0;
+    // Of those that scatter otherwise the instances, and where each one's places end.
+    size_t uneven = 0, groups = 0;
+    uint32_t instances[PathRows::kMost], ends[PathRows::kMost];
     while (n > 0) {
       const uint32_t instance = hits_[left[0]].instance;
       const size_t begin = met_.even;
@@ -205,18 +207,25 @@ class PathRowFollower {
       if (!rows_.placed(instance).is_even) {
         std::copy(met_.place + begin, met_.place + end, uneven_ + uneven);
         uneven += end - begin;
+        instances[groups] = instance;
+        ends[groups++] = static_cast<uint32_t>(uneven);
         continue;
       }
       std::fill_n(met_.place + end, kLanes, met_.place[begin]);
       place_surfaces(instance, begin, end);
       met_.even = end;
     }
-    std::copy_n(uneven_, uneven, met_.place + met_.even);
-    fill_up();
-  }
-  /// So that the last vectors are whole.
-  void fill_up() {
+    fill_up_even();
+    for (size_t group = 0, from = 0; group < groups; from = ends[group++]) {
+      const size_t begin = met_.even + from, end = met_.even + ends[group];
+      std::copy(uneven_ + from, uneven_ + ends[group], met_.place + begin);
+      std::fill_n(met_.place + end, kLanes, met_.place[begin]);
+      if (is_known(instances[group])) place_surfaces(instances[group], begin, end);
+    }
     std::fill_n(met_.place + met_.count, kLanes, met_.place[0]);
+  }
+  /// So that the last vector is whole.
+  void fill_up_even() {
     if (met_.even == 0) return;
     for (size_t i = met_.even; i % kLanes != 0; ++i) {
       for (auto* const parts :
@@ -283,24 +292,44 @@ class PathRowFollower {
     put(static_cast<Vec3>(s.shading_normal), i, met_.surface.shading);
   }
 
+  /// Whether a surface is no more than what is placed: only lights without an extent ask what its
+  /// normals stand for.
+  bool is_known(uint32_t instance) const {
+    return rows_.placed(instance).is_uniform && scene_.lights.empty();
+  }
+  SurfaceInteraction known_surface(size_t i, uint32_t instance) const {
+    const Vec3 at = vec_at(met_.surface.point, i);
+    SurfaceInteraction s;
+    s.point = {at.x, at.y, at.z};
+    s.point_error = vec_at(met_.surface.error, i);
+    s.geometric_normal = to_normal(vec_at(met_.surface.front, i));
+    s.shading_normal = to_normal(vec_at(met_.surface.shading, i));
+    s.instance = instance;
+    return s;
+  }
   /// The points in full, for what is done one by one.
   template <typename Do>
   void at_point(size_t i, const Do& act) const {
     const uint32_t place = met_.place[i];
     const Hit& hit = hits_[place];
-    SurfacePoint point(scene_, hit.instance, now_->rays.ray(place), hit);
-    act(point);
+    const Ray ray = now_->rays.ray(place);
+    if (is_known(hit.instance)) {
+      SurfacePoint point(scene_, known_surface(i, hit.instance), ray.direction);
+      act(point);
+    } else {
+      SurfacePoint point(scene_, hit.instance, ray, hit);
+      act(point);
+    }
   }
   /// The same with their textures, once each. The path has been measured up to here.
   template <typename Do>
   void at_looked_up(size_t i, const Do& act) {
     const uint32_t place = met_.place[i];
-    const Hit& hit = hits_[place];
-    const Ray ray = now_->rays.ray(place);
-    SurfacePoint point(scene_, hit.instance, ray, hit);
-    if (rows_.placed(hit.instance).has_inputs)
-      look_up_textures(scene_, ray, width_at(place), point, state_.counters);
-    act(point);
+    at_point(i, [&](SurfacePoint& point) {
+      if (rows_.placed(point.surface.instance).has_inputs)
+        look_up_textures(scene_, now_->rays.ray(place), width_at(place), point, state_.counters);
+      act(point);
+    });
   }
   /// Of what a path's sample stands for.
   double width_at(uint32_t place) const {
@@ -803,7 +832,8 @@ void PathRows::find_sides(uint32_t number, Placed& placed) const {
   // Solids made of others may have any that theirs have.
   const bool has_colors = (placed.mesh && !placed.mesh->colors.empty()) ||
                           dynamic_cast<const CsgShape*>(placed.instance->shape.get()) != nullptr;
-  if (shading.material_count != 1 || has_colors || placed.has_inputs) return;
+  placed.is_uniform = shading.material_count == 1 && !has_colors && !placed.has_inputs;
+  if (!placed.is_uniform) return;
   const Material& front = scene_.material(number, 0);
   const Material& back = back_of(front);
   if (!front.flat) placed.front = &sides_[static_cast<size_t>(&front - scene_.materials.data())];

@@ -58,6 +58,7 @@ class PathRows {
     const TriangleMesh* mesh = nullptr;
     bool is_even = false;                          ///< all its materials only scatter evenly
     bool has_inputs = false;                       ///< some material is to be looked up
+    bool is_uniform = false;                       ///< neither colours nor materials differ on it
     const Side *front = nullptr, *back = nullptr;  ///< null: hits are to be asked one by one
   };
   const Scene& scene() const { return scene_; }

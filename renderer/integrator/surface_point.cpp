@@ -64,9 +64,13 @@ Hit in_instance(Hit hit, uint32_t instance_index) {
 
 SurfacePoint::SurfacePoint(const Scene& scene, uint32_t instance_index, const Ray& ray,
                            const Hit& hit)
-    : surface(surface_at(scene.instances, ray, in_instance(hit, instance_index))) {
-  is_back = dot(surface.geometric_normal, ray.direction) > 0;
-  material = &scene.material(instance_index, surface.material);
+    : SurfacePoint(scene, surface_at(scene.instances, ray, in_instance(hit, instance_index)),
+                   ray.direction) {}
+
+SurfacePoint::SurfacePoint(const Scene& scene, const SurfaceInteraction& met, const Vec3& direction)
+    : surface(met) {
+  is_back = dot(surface.geometric_normal, direction) > 0;
+  material = &scene.material(surface.instance, surface.material);
   if (is_back && material->sides != Sides::two_sided) {
     is_hidden = material->sides == Sides::front_only;
     if (!is_hidden) material = &scene.materials[material->back];

@@ -17,6 +17,8 @@ struct SurfacePoint {
   /// The same in a scene whose features are plain.
   struct Plain {};
   SurfacePoint(Plain, const Scene& scene, uint32_t instance_index, const Ray& ray, const Hit& hit);
+  /// A surface that is known already, met along `direction`.
+  SurfacePoint(const Scene& scene, const SurfaceInteraction& surface, const Vec3& direction);
   SurfacePoint(const SurfacePoint&) = delete;
   SurfacePoint& operator=(const SurfacePoint&) = delete;
 

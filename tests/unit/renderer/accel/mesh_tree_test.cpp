@@ -8,6 +8,7 @@
 
 #include "renderer/accel/bvh.h"
 #include "renderer/accel/linear_scan.h"
+#include "renderer/accel/make_accelerator.h"
 
 namespace tessera {
 namespace {

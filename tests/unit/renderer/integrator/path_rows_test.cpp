@@ -19,15 +19,16 @@ namespace {
 /// without an extent, before backgrounds that are sampled or not.
 class UnveiledScene {
  public:
-  explicit UnveiledScene(uint32_t seed) : random_(seed), size_(std::exp2(pick(-12, 13))) {
+  UnveiledScene(uint32_t seed, bool has_lens) : random_(seed), size_(std::exp2(pick(-12, 13))) {
     const char* const patterns[] = {"OWEN_SOBOL", "INDEPENDENT", "BLUE_NOISE"};
     is_even_ = chance(.4);
     is_textured_ = !is_even_ && chance(.5);
     text_ = fmt::format(
-        "settings {{ sampling {{ pattern: {} samples_per_pixel: 16 seed: {} }} "
-        "integrator {{ kind: 'path' max_depth: {} }} }} ",
-        patterns[pick(0, 3)], seed, chance(.2) ? pick(0, 3) : 64);
-    text_ += fmt::format("cameras {{ near_distance: {:.17g} }} ", size_ * random_.between(0, .1));
+        "settings {{ sampling {{ pattern: {} samples_per_pixel: 16 seed: {} "
+        "target_error: {} }} integrator {{ kind: 'path' max_depth: {} }} }} ",
+        patterns[pick(0, 3)], seed, chance(.3) ? .01 : 0, chance(.2) ? pick(0, 3) : 64);
+    text_ += fmt::format("cameras {{ near_distance: {:.17g} {} }} ", size_ * random_.between(0, .1),
+                         has_lens ? "lens { radius_x: .1 focal_distance: 1 samples: 3 }" : "");
     const int sky = pick(0, 4);
     if (sky == 0) text_ += "background { gradient { sky { r: .1 b: .9 } ground { r: .3 } } } ";
     if (sky == 1) text_ += "background { solid { r: .2 g: .3 b: .4 } } ";
@@ -224,7 +225,8 @@ Counts counts_of(const TraceCounters& c, const Scene& scene) {
 TEST(PathRows, FollowsEachPathAsItIsFollowedAlone) {
   uint64_t in_rows = 0, even = 0, sampled = 0, hits = 0, shadows = 0, ended = 0;
   for (uint32_t seed = 0; seed < 400; ++seed) {
-    UnveiledScene random(seed);
+    const bool has_lens = seed % 5 == 0;
+    UnveiledScene random(seed, has_lens);
     const auto scene = random.build(seed % 3 == 0 ? "linear" : "bvh");
     ASSERT_TRUE(PathRows::can_follow(*scene)) << random.text();
     const auto integrator = make_integrator(scene);
@@ -239,7 +241,7 @@ TEST(PathRows, FollowsEachPathAsItIsFollowedAlone) {
     TraceState state;
     integrator->make_room(state);
     for (size_t i = 0; i < rays.size(); ++i) {
-      state.cone = scene->cones.of(keys[i].sample);
+      state.cone = scene->cones.of(has_lens ? keys[i].sample / 3 : keys[i].sample);
       expected[i] = integrator->radiance(rays[i], keys[i], state);
     }
     hits += state.counters.hits;
@@ -266,7 +268,7 @@ TEST(PathRows, FollowsEachPathAsItIsFollowedAlone) {
 
 TEST(PathRows, SendsRaysThroughRasterPointsAsTheCameraDoes) {
   for (uint32_t seed = 0; seed < 40; ++seed) {
-    UnveiledScene random(seed);
+    const UnveiledScene random(seed, false);
     const auto scene = random.build();
     const auto integrator = make_integrator(scene);
     const Camera& camera = *scene->camera;

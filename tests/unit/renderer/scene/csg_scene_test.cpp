@@ -79,6 +79,28 @@ std::string complaint(const std::string& nodes) {
   return error_of([&] { build_scene(parse_scene(kLook + nodes), {}, frame_of(3, 3), 1); });
 }
 
+TEST(CsgScene, lets_through_what_the_vertices_of_its_parts_do) {
+  std::vector<float> colors;
+  for (int i = 0; i < 4; ++i) colors.insert(colors.end(), {1, 0, 0, .25f});
+  const auto* const bytes = reinterpret_cast<const std::byte*>(colors.data());
+  BlobStore blobs;
+  const size_t size = colors.size() * sizeof(float);
+  const std::string digest = blobs.put(std::vector<std::byte>(bytes, bytes + size)).hex();
+  const std::string mesh =
+      "shape { materials: 'white' mesh { closed: true inline_triangles: [0,2,1, 0,1,3, 0,3,2, "
+      "1,2,3] "
+      "inline_positions: [-9,-9,1, 9,-9,1, 0,9,1, 0,0,-1] colors { digest: '" +
+      digest + "' size: " + std::to_string(size) + " } } }";
+  const std::string before =
+      "background { solid { b: 1 } } materials { name: 'white' unlit {} } nodes { ";
+  const auto seen = [&](const std::string& node) {
+    return render_text(before + node + " }", 1, 1, blobs).values;
+  };
+  const std::vector<float> twice{.4375f, 0, .5625f};
+  EXPECT_EQ(seen(mesh), twice);
+  EXPECT_EQ(seen(csg("UNION", {mesh})), twice);
+}
+
 TEST(CsgScene, refuses_what_has_no_inside) {
   EXPECT_NE(
       complaint("nodes { " + csg("UNION", {ball("a", 1), "name: 'd' shape { disc {} }"}) + " }")
