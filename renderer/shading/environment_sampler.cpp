@@ -1,48 +1,42 @@
 #include "renderer/shading/environment_sampler.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "renderer/math/elementary.h"
-#include "renderer/math/warp.h"
 
 namespace tessera {
 
 namespace {
 
-constexpr int kRows = 128, kColumns = 256;
-constexpr double kCellAngle = 4 * portable::kPi / (kRows * kColumns);
+constexpr size_t kLeastColumns = 256, kMostColumns = 2048;
+/// How many times the mean is left to scattering. Of 0, .5, .7, .85, 1, 1.3, 1.6, 2, 3 and 5 on
+/// five scenes (docs/light_transport.md) 1.6 and more have the least noise.
+constexpr float kEvenMeans = 2;
 
-Vec3 direction_in(double row, double column) {
-  return direction_at(1 - 2 * row / kRows, column / kColumns);
-}
-
-/// How many looks on a side a cell takes, so that no texel is left out by much.
-int looks_per_cell(const Background& background) {
+/// How many texels a picture, or the four around a cube, has round the horizon; 0: none.
+uint32_t texels_around(const Background& background) {
   uint32_t widest = 0;
   if (background.picture) widest = background.picture->settings().width;
   for (const auto& face : background.cube) {
     if (face) widest = std::max(widest, 4 * face->settings().width);
   }
-  return std::clamp(static_cast<int>((widest + kColumns - 1) / kColumns), 1, 16);
+  return widest;
 }
 
-/// The mean of what is seen in each cell, rows from +z.
-std::vector<double> look_around(const Background& background) {
-  const int looks = looks_per_cell(background);
-  std::vector<double> seen;
-  for (int cell = 0; cell < kRows * kColumns; ++cell) {
-    double mean = 0;
-    const int row = cell / kColumns, column = cell % kColumns;
-    for (int i = 0; i < looks * looks; ++i) {
-      const int down = i / looks, right = i % looks;
-      const Vec3 d = direction_in(row + (down + 0.5) / looks, column + (right + 0.5) / looks);
-      const Color c = background.radiance({}, d, {});
-      mean += std::max(0.0, c.r + c.g + c.b) / (looks * looks);
-    }
-    seen.push_back(mean);
-  }
-  return seen;
+bool is_by_angle(const Background& background) {
+  return background.kind == BackgroundKind::panorama_equirectangular;
+}
+/// The y of directions at t of a panorama.
+double height_at(const Background& background, double t) {
+  return is_by_angle(background) ? portable::cos(portable::kPi * t) : 1 - 2 * t;
+}
+/// What place_in_panorama() takes to (s, t).
+Vec3 direction_at_place(const Background& background, double s, double y) {
+  const double azimuth = 2 * portable::kPi * (s - 0.5) - background.angle;
+  const double r = std::sqrt(std::max(0.0, 1 - y * y));
+  return {r * portable::sin(azimuth), y, -r * portable::cos(azimuth)};
 }
 
 /// The number of the step that `u` of the whole falls into; `rest` is how far into it.
@@ -54,80 +48,164 @@ size_t choose(std::span<const double> sums, double u, double& rest) {
   return static_cast<size_t>(found - sums.begin());
 }
 
+/// A place in [0, 1] of density linear from `a` to `b`.
+double linear_place(double u, double a, double b) {
+  const double sum = a + b;
+  if (!(sum > 0)) return u;
+  return std::min(u * sum / (a + std::sqrt(a * a + u * (b * b - a * a))), 1.0);
+}
+
+double between(double a, double b, double share) { return a + share * (b - a); }
+
 }  // namespace
 
-EnvironmentSampler::EnvironmentSampler(const Background& background) {
-  Background plain = background;
-  plain.glow = 0;  // it depends on the place
-  plain.has_sun_disc = false;
-  if (plain.daylight && plain.daylight->has_sun() && !plain.has_cube) {
-    daylight_ = plain.daylight;
-    rotation_ = plain.rotation;
-    const Color sun = daylight_->sun_at_center() * (1 - plain.transparency);
-    sun_ = (sun.r + sun.g + sun.b) / (Sky::sun_density() * kCellAngle);
+EnvironmentSampler::EnvironmentSampler(const Background& background) : background_(background) {
+  background_.glow = 0;
+  background_.has_sun_disc = false;
+  has_sun_ = background.daylight && background.daylight->has_sun() && !background.has_cube;
+  if (has_sun_) {
+    const Color sun = background.daylight->sun_at_center() * (1 - background.transparency);
+    sun_ = (sun.r + sun.g + sun.b) / Sky::sun_density();
   }
-  const std::vector<double> seen = look_around(plain);
-  const auto at = [&](int row, int column) {
-    const int cell = std::clamp(row, 0, kRows - 1) * kColumns + (column + kColumns) % kColumns;
-    return seen[static_cast<size_t>(cell)];
+  look_around();
+  leave_the_even();
+  sum_up();
+}
+
+/// Sets the grid's points to the brightness around each.
+void EnvironmentSampler::look_around() {
+  const uint32_t texels = texels_around(background_);
+  const bool has_picture =
+      is_by_angle(background_) || background_.kind == BackgroundKind::panorama_equal_area;
+  columns_ = has_picture ? std::min<size_t>(texels, kMostColumns)
+                         : std::clamp<size_t>(texels, kLeastColumns, kMostColumns);
+  const uint32_t height = has_picture ? background_.picture->settings().height : 0;
+  rows_ = has_picture ? std::min<size_t>(height, kMostColumns) : columns_ / 2;
+  // A look between texels is at four of them.
+  const auto per_side = [](size_t texels_a_point) {
+    return static_cast<int>(std::clamp<size_t>((texels_a_point + 1) / 2, 1, 8));
   };
-  for (int row = 0; row < kRows; ++row) {
-    double sum = 0;
-    for (int column = 0; column < kColumns; ++column) {
-      // With some of its neighbours' light, for a bright spot may reach over the edge.
-      double around = 0;
-      for (int i = 0; i < 9; ++i) around += at(row + i / 3 - 1, column + i % 3 - 1) / 9;
-      sum += 0.75 * at(row, column) + 0.25 * around;
-      cells_.push_back(sum);
+  const int across = per_side(texels / columns_), down = per_side(height / rows_);
+  for (size_t row = 0; row < rows_; ++row) {
+    for (size_t column = 0; column < columns_; ++column) {
+      double mean = 0;
+      for (int i = 0; i < across * down; ++i) {
+        const double s = (column + (i % across + 0.5) / across) / columns_;
+        const double t = (row + (i / across + 0.5) / down) / rows_;
+        const Vec3 d = direction_at_place(background_, s, height_at(background_, t));
+        const auto& m = background_.rotation;
+        const Color c = background_.radiance({}, m[0] * d.x + m[1] * d.y + m[2] * d.z, {});
+        mean += std::max(0.0, c.r + c.g + c.b) / (across * down);
+      }
+      points_.push_back(static_cast<float>(std::min(mean, 1e30)));
     }
-    total_ += sum;
-    rows_.push_back(total_);
   }
+  heights_.push_back(1);
+  for (size_t row = 0; row < rows_; ++row)
+    heights_.push_back(height_at(background_, (row + 0.5) / rows_));
+  heights_.push_back(-1);
+}
+
+/// Takes off what scattering finds as well.
+void EnvironmentSampler::leave_the_even() {
+  sum_up();
+  const auto mean = static_cast<float>((total_ + sun_) / (4 * portable::kPi));
+  for (float& point : points_) point = std::max(0.0f, point - kEvenMeans * mean);
+}
+
+void EnvironmentSampler::sum_up() {
+  in_row_.clear();
+  by_row_.clear();
+  total_ = 0;
+  const double width = 2 * portable::kPi / static_cast<double>(columns_);
+  for (size_t row = 0; row <= rows_; ++row) {
+    double sum = 0;
+    for (size_t column = 0; column < columns_; ++column) {
+      const Corners c = corners(row, column);
+      sum += (c.top_left + c.top_right + c.bottom_left + c.bottom_right) / 4;
+      in_row_.push_back(sum);
+    }
+    total_ += sum * width * (heights_[row] - heights_[row + 1]);
+    by_row_.push_back(total_);
+  }
+}
+
+EnvironmentSampler::Corners EnvironmentSampler::corners(size_t row, size_t column) const {
+  const size_t top = row > 0 ? row - 1 : 0, bottom = std::min(row, rows_ - 1);
+  const size_t right = column + 1 < columns_ ? column + 1 : 0;
+  return {point(top, column), point(top, right), point(bottom, column), point(bottom, right)};
+}
+
+Vec3 EnvironmentSampler::turned(const Vec3& d) const {
+  const auto& m = background_.rotation;
+  return {dot(m[0], d), dot(m[1], d), dot(m[2], d)};
 }
 
 EnvironmentSampler::Sample EnvironmentSampler::sample(const Vec2& u) const {
   const double share = sun_share();
+  const auto& m = background_.rotation;
+  Sample sample;
   if (u.x >= share) {
-    Sample sample =
-        sample_cells({std::min((u.x - share) / (1 - share), 0x1.fffffffffffffp-1), u.y});
-    if (sample.density > 0) sample.density = density(sample.wi);
-    return sample;
+    sample = sample_patches({std::min((u.x - share) / (1 - share), 0x1.fffffffffffffp-1), u.y});
+    sample.density *= 1 - share;
+    if (has_sun_ && sample.density > 0 && background_.daylight->is_sun(sample.wi))
+      sample.density += share * Sky::sun_density();
+  } else {
+    sample.wi = background_.daylight->sample_sun({u.x / share, u.y});
+    sample.density = patch_density(sample.wi) * (1 - share) + share * Sky::sun_density();
   }
-  const Vec3 turned = daylight_->sample_sun({u.x / share, u.y});
-  const Vec3 wi = rotation_[0] * turned.x + rotation_[1] * turned.y + rotation_[2] * turned.z;
-  return {wi, density(wi)};
+  sample.wi = m[0] * sample.wi.x + m[1] * sample.wi.y + m[2] * sample.wi.z;
+  return sample;
 }
 
-double EnvironmentSampler::density(const Vec3& d) const {
+double EnvironmentSampler::density(const Vec3& direction) const {
   const double share = sun_share();
-  double sum = total_ > 0 ? cell_density(d) * (1 - share) : 0;
-  if (share > 0) {
-    const Vec3 turned{dot(rotation_[0], d), dot(rotation_[1], d), dot(rotation_[2], d)};
-    if (daylight_->is_sun(turned)) sum += share * Sky::sun_density();
-  }
+  const Vec3 d = turned(direction);
+  double sum = patch_density(d) * (1 - share);
+  if (has_sun_ && background_.daylight->is_sun(d)) sum += share * Sky::sun_density();
   return sum;
 }
 
-EnvironmentSampler::Sample EnvironmentSampler::sample_cells(const Vec2& u) const {
-  double y, x;
-  const size_t row = choose(rows_, u.y, y);
-  const std::span<const double> cells(cells_.data() + row * kColumns, kColumns);
-  if (!(cells.back() > 0)) return {};
-  const size_t column = choose(cells, u.x, x);
-  const double cell = cells[column] - (column > 0 ? cells[column - 1] : 0);
-  return {direction_in(static_cast<double>(row) + y, static_cast<double>(column) + x),
-          cell / (total_ * kCellAngle)};
+EnvironmentSampler::Sample EnvironmentSampler::sample_patches(const Vec2& u) const {
+  double down, right;
+  const size_t row = choose(by_row_, u.y, down);
+  const std::span<const double> patches(in_row_.data() + row * columns_, columns_);
+  if (!(patches.back() > 0)) return {};
+  const size_t column = choose(patches, u.x, right);
+  const Corners c = corners(row, column);
+  down = linear_place(down, c.top_left + c.top_right, c.bottom_left + c.bottom_right);
+  const double left = between(c.top_left, c.bottom_left, down);
+  const double there = between(c.top_right, c.bottom_right, down);
+  right = linear_place(right, left, there);
+  return {direction_in({row, column, down, right}), between(left, there, right) / total_};
 }
 
-double EnvironmentSampler::cell_density(const Vec3& d) const {
-  const auto step = [](double part, int count) {
-    return std::clamp(static_cast<int>(part * count), 0, count - 1);
-  };
-  double turn = portable::atan2(d.y, d.x) / (2 * portable::kPi);
-  if (turn < 0) turn += 1;
-  const int row = step((1 - d.z) / 2, kRows), column = step(turn, kColumns);
-  const double* const cells = cells_.data() + row * kColumns;
-  return (cells[column] - (column > 0 ? cells[column - 1] : 0)) / (total_ * kCellAngle);
+Vec3 EnvironmentSampler::direction_in(const Patch& patch) const {
+  const double y = between(heights_[patch.row], heights_[patch.row + 1], patch.down);
+  const double s = (static_cast<double>(patch.column) + 0.5 + patch.right) / columns_;
+  return direction_at_place(background_, s, y);
+}
+
+EnvironmentSampler::Patch EnvironmentSampler::patch_at(const Vec3& turned) const {
+  const Vec2 place = background_.place_in_panorama(turned);
+  const double last = static_cast<double>(columns_) - 1;
+  double s = place.x * columns_ - 0.5;
+  if (s < 0) s += columns_;
+  const double column = std::min(std::floor(s), last);
+  // Rounding may tell the row beside it: the density is the same on both sides.
+  auto row = static_cast<size_t>(std::clamp(place.y * rows_ + 0.5, 0.0, rows_ + 0.5));
+  const double span = heights_[row] - heights_[row + 1];
+  return {row, static_cast<size_t>(column), std::clamp((heights_[row] - turned.y) / span, 0.0, 1.0),
+          std::clamp(s - column, 0.0, 1.0)};
+}
+
+double EnvironmentSampler::patch_density(const Vec3& turned) const {
+  if (!(total_ > 0)) return 0;
+  const Patch at = patch_at(turned);
+  const Corners c = corners(at.row, at.column);
+  const double left = between(c.top_left, c.bottom_left, at.down);
+  const double right = between(c.top_right, c.bottom_right, at.down);
+  return between(left, right, at.right) / total_;
 }
 
 std::shared_ptr<const EnvironmentSampler> make_environment_sampler(const Background& background) {
@@ -135,7 +213,7 @@ std::shared_ptr<const EnvironmentSampler> make_environment_sampler(const Backgro
                            background.kind == BackgroundKind::sun_and_sky;
   if (!has_picture) return nullptr;
   auto sampler = std::make_shared<EnvironmentSampler>(background);
-  if (sampler->is_dark()) return nullptr;
+  if (sampler->is_even()) return nullptr;
   return sampler;
 }
 

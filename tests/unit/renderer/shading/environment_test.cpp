@@ -2,10 +2,10 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <vector>
 
 #include "renderer/math/frame.h"
+#include "renderer/math/warp.h"
 #include "renderer/shading/environment_sampler.h"
 #include "renderer/shading/sky.h"
 #include "tests/chi_square.h"
@@ -23,25 +23,39 @@ Background daylight(const Vec3& to_sun) {
   return background;
 }
 
-/// Half of the picture bright, and one texel of it very bright.
-Background panorama() {
-  constexpr uint32_t kWidth = 64, kHeight = 32;
+constexpr uint32_t kWidth = 64, kHeight = 32;
+
+template <typename Value>
+Background panorama_of(const Value& value,
+                       BackgroundKind kind = BackgroundKind::panorama_equirectangular) {
   auto texels = std::shared_ptr<float[]>(new float[kWidth * kHeight * 3]);
-  for (uint32_t i = 0; i < kWidth * kHeight; ++i) {
-    const float value = i == 700 ? 500.0f : i % kWidth < kWidth / 2 ? 1.0f : 0.01f;
-    for (int c = 0; c < 3; ++c) texels[3 * i + c] = value;
-  }
+  for (uint32_t i = 0; i < kWidth * kHeight; ++i)
+    std::fill_n(texels.get() + 3 * i, 3, static_cast<float>(value(i)));
   ImageTextureSettings settings;
   settings.width = kWidth;
   settings.height = kHeight;
   settings.bits = 32;
-  settings.filter = ImageTextureSettings::Filter::nearest;
+  settings.filter = ImageTextureSettings::Filter::bilinear;
+  settings.wrap_t = ImageTextureSettings::Wrap::clamp;
   Background background;
-  background.kind = BackgroundKind::panorama_equirectangular;
+  background.kind = kind;
+  background.angle = 0.5;
   background.picture = std::make_shared<ImageTexture>(
       settings,
       std::shared_ptr<const std::byte>(texels, reinterpret_cast<const std::byte*>(texels.get())));
   return background;
+}
+
+/// Half of the picture bright, and one texel of it very bright.
+Background panorama() {
+  return panorama_of([](uint32_t i) {
+    return i == 700 ? 500 : i % kWidth < kWidth / 2 ? 1 : 0.01;
+  });
+}
+/// A sixth of the texels far brighter than the others, by all degrees.
+Background speckles(BackgroundKind kind) {
+  UniformNumbers random(3);
+  return panorama_of([&](uint32_t) { return 50 * std::pow(random(), 8); }, kind);
 }
 
 /// Irradiance on a surface that faces `n`, by the rule of mid-points over all directions.
@@ -63,20 +77,28 @@ struct Estimate {
   double mean, error;
 };
 
+/// By directions of the sampler's and as many of all, weighted against each other: what is even it
+/// leaves to others.
 Estimate estimate(const Background& background, const Vec3& n) {
   const auto sampler = make_environment_sampler(background);
-  std::mt19937_64 engine(7);
-  const auto random = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
+  constexpr double kEvenly = 1 / (4 * kPi);
+  UniformNumbers random(7);
+  const auto light = [&](const Vec3& d, double density) {
+    if (!(density > 0) || !(dot(d, n) > 0)) return 0.0;
+    return background.radiance({}, d, {}).g * dot(d, n) / (density + kEvenly);
+  };
   constexpr int kCount = 200000;
   double sum = 0, squares = 0;
   for (int i = 0; i < kCount; ++i) {
-    const double x = random(), y = random();
+    const double x = random(), y = random(), u = random(), v = random();
     const EnvironmentSampler::Sample sample = sampler->sample({x, y});
-    double value = 0;
-    if (sample.density > 0 && dot(sample.wi, n) > 0) {
+    if (sample.density > 0) {
       EXPECT_NEAR(sampler->density(sample.wi), sample.density, 1e-6 * sample.density);
-      value = background.radiance({}, sample.wi, {}).g * dot(sample.wi, n) / sample.density;
     }
+    const Vec3 d = direction_at(1 - 2 * u, v);
+    const double value = light(sample.wi, sample.density) + background.radiance({}, d, {}).g *
+                                                                std::max(0.0, dot(d, n)) /
+                                                                (sampler->density(d) + kEvenly);
     sum += value;
     squares += value * value;
   }
@@ -85,11 +107,31 @@ Estimate estimate(const Background& background, const Vec3& n) {
 }
 
 TEST(EnvironmentSampler, EstimatesTheLightOfAPanorama) {
-  const Background background = panorama();
-  for (const Vec3& n : {Vec3{0, 1, 0}, normalize(Vec3{-1, 0.3, 0.2})}) {
-    const Estimate found = estimate(background, n);
-    EXPECT_NEAR(found.mean, irradiance(background, n), 4.5 * found.error + 0.003 * found.mean);
+  for (const Background& background :
+       {panorama(), speckles(BackgroundKind::panorama_equirectangular),
+        speckles(BackgroundKind::panorama_equal_area)}) {
+    for (const Vec3& n : {Vec3{0, 1, 0}, normalize(Vec3{-1, 0.3, 0.2})}) {
+      const Estimate found = estimate(background, n);
+      EXPECT_NEAR(found.mean, irradiance(background, n), 4.5 * found.error + 0.003 * found.mean);
+    }
   }
+}
+
+TEST(EnvironmentSampler, FollowsTheLightOfASmallSunTexelByTexel) {
+  const Background background =
+      panorama_of([](uint32_t i) { return i == 700 || i == 701 ? 50'000 : 0.1; });
+  const auto sampler = make_environment_sampler(background);
+  UniformNumbers random(7);
+  double least = 1e300, most = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    const double x = random(), y = random();
+    const EnvironmentSampler::Sample sample = sampler->sample({x, y});
+    const double light = background.radiance({}, sample.wi, {}).g;
+    if (light < 500) continue;  // beside it, where what is left to scattering counts
+    least = std::min(least, light / sample.density);
+    most = std::max(most, light / sample.density);
+  }
+  EXPECT_LT(most, 1.25 * least);
 }
 
 TEST(EnvironmentSampler, EstimatesTheLightOfSunAndSky) {
@@ -146,6 +188,12 @@ TEST(EnvironmentSampler,
   double total = 0;
   EXPECT_LT(direction_sigmas(*make_environment_sampler(panorama()), {}, total), kChiSquareAlarm);
   EXPECT_NEAR(total, 1, 1e-3);
+  for (const BackgroundKind kind :
+       {BackgroundKind::panorama_equirectangular, BackgroundKind::panorama_equal_area}) {
+    EXPECT_LT(direction_sigmas(*make_environment_sampler(speckles(kind)), {}, total),
+              kChiSquareAlarm);
+    EXPECT_NEAR(total, 1, 1e-3);
+  }
   const Vec3 to_sun = normalize(Vec3{0.4, 0.6, -0.3});
   const auto with_sun = make_environment_sampler(daylight(to_sun));
   EXPECT_LT(direction_sigmas(*with_sun, to_sun, total), kChiSquareAlarm);
@@ -181,6 +229,7 @@ TEST(EnvironmentSampler, IsNotMadeForSmoothColours) {
   background.kind = BackgroundKind::gradient_linear;
   background.sky = kWhite;
   EXPECT_EQ(make_environment_sampler(background), nullptr);
+  EXPECT_EQ(make_environment_sampler(panorama_of([](uint32_t) { return 0.7; })), nullptr);
 }
 
 TEST(Sky, IsBlueAboveAndWarmAtSunset) {
