@@ -13,11 +13,10 @@ double srgb_to_linear(double value) {
 }
 
 float half_to_float(uint16_t half) {
-  const int exponent = (half >> 10) & 31;
-  const auto mantissa = static_cast<float>(half & 1023);
-  if (exponent == 31) return (half & 1023) ? NAN : (half & 0x8000) ? -INFINITY : INFINITY;
-  const float size =
-      exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(mantissa + 1024, exponent - 25);
+  // As a float's fields; the factor is between the two kinds' biases, and sets subnormals right.
+  float size = std::bit_cast<float>((half & 0x7fffu) << 13) * 0x1p112f;
+  if ((half & 0x7c00) == 0x7c00)
+    size = std::bit_cast<float>(std::bit_cast<uint32_t>(size) | 0x7f800000u);
   return half & 0x8000 ? -size : size;
 }
 

@@ -324,7 +324,7 @@ class SceneBuilder {
     std::vector<const TriangleMesh*> meshes;
     for (const uint32_t shape : instance_shapes_) meshes.push_back(shapes_[shape].mesh.get());
     scene_->area_lights = find_area_lights(*scene_, meshes);
-    scene_->environment = make_environment_sampler(scene_->background);
+    scene_->environment = make_environment_sampler(scene_->background, source_.threads);
     scene_->counters["area_lights"] = scene_->area_lights.size();
     scene_->glass_albedos = make_glass_albedos(scene_->materials);
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "base/parallel.h"
 #include "renderer/math/elementary.h"
 
 namespace tessera {
@@ -59,7 +60,8 @@ double between(double a, double b, double share) { return a + share * (b - a); }
 
 }  // namespace
 
-EnvironmentSampler::EnvironmentSampler(const Background& background) : background_(background) {
+EnvironmentSampler::EnvironmentSampler(const Background& background, int threads)
+    : background_(background) {
   background_.glow = 0;
   background_.has_sun_disc = false;
   has_sun_ = background.daylight && background.daylight->has_sun() && !background.has_cube;
@@ -67,13 +69,13 @@ EnvironmentSampler::EnvironmentSampler(const Background& background) : backgroun
     const Color sun = background.daylight->sun_at_center() * (1 - background.transparency);
     sun_ = (sun.r + sun.g + sun.b) / Sky::sun_density();
   }
-  look_around();
+  look_around(threads);
   leave_the_even();
   sum_up();
 }
 
 /// Sets the grid's points to the brightness around each.
-void EnvironmentSampler::look_around() {
+void EnvironmentSampler::look_around(int threads) {
   const uint32_t texels = texels_around(background_);
   const bool has_picture =
       is_by_angle(background_) || background_.kind == BackgroundKind::panorama_equal_area;
@@ -86,24 +88,29 @@ void EnvironmentSampler::look_around() {
     return static_cast<int>(std::clamp<size_t>((texels_a_point + 1) / 2, 1, 8));
   };
   const int across = per_side(texels / columns_), down = per_side(height / rows_);
-  for (size_t row = 0; row < rows_; ++row) {
+  points_.resize(rows_ * columns_);
+  for_each_parallel(rows_, threads, [&](size_t row) {
     for (size_t column = 0; column < columns_; ++column) {
       double mean = 0;
       for (int i = 0; i < across * down; ++i) {
         const double s = (column + (i % across + 0.5) / across) / columns_;
         const double t = (row + (i / across + 0.5) / down) / rows_;
-        const Vec3 d = direction_at_place(background_, s, height_at(background_, t));
-        const auto& m = background_.rotation;
-        const Color c = background_.radiance({}, m[0] * d.x + m[1] * d.y + m[2] * d.z, {});
+        const Color c = seen_at(s, t);
         mean += std::max(0.0, c.r + c.g + c.b) / (across * down);
       }
-      points_.push_back(static_cast<float>(std::min(mean, 1e30)));
+      points_[row * columns_ + column] = static_cast<float>(std::min(mean, 1e30));
     }
-  }
+  });
   heights_.push_back(1);
   for (size_t row = 0; row < rows_; ++row)
     heights_.push_back(height_at(background_, (row + 0.5) / rows_));
   heights_.push_back(-1);
+}
+
+Color EnvironmentSampler::seen_at(double s, double t) const {
+  if (background_.is_plain_panorama()) return background_.panorama_at(s, t);
+  return background_.radiance(
+      {}, in_world(direction_at_place(background_, s, height_at(background_, t))), {});
 }
 
 /// Takes off what scattering finds as well.
@@ -136,6 +143,10 @@ EnvironmentSampler::Corners EnvironmentSampler::corners(size_t row, size_t colum
   return {point(top, column), point(top, right), point(bottom, column), point(bottom, right)};
 }
 
+Vec3 EnvironmentSampler::in_world(const Vec3& d) const {
+  const auto& m = background_.rotation;
+  return m[0] * d.x + m[1] * d.y + m[2] * d.z;
+}
 Vec3 EnvironmentSampler::turned(const Vec3& d) const {
   const auto& m = background_.rotation;
   return {dot(m[0], d), dot(m[1], d), dot(m[2], d)};
@@ -143,7 +154,6 @@ Vec3 EnvironmentSampler::turned(const Vec3& d) const {
 
 EnvironmentSampler::Sample EnvironmentSampler::sample(const Vec2& u) const {
   const double share = sun_share();
-  const auto& m = background_.rotation;
   Sample sample;
   if (u.x >= share) {
     sample = sample_patches({std::min((u.x - share) / (1 - share), 0x1.fffffffffffffp-1), u.y});
@@ -154,7 +164,7 @@ EnvironmentSampler::Sample EnvironmentSampler::sample(const Vec2& u) const {
     sample.wi = background_.daylight->sample_sun({u.x / share, u.y});
     sample.density = patch_density(sample.wi) * (1 - share) + share * Sky::sun_density();
   }
-  sample.wi = m[0] * sample.wi.x + m[1] * sample.wi.y + m[2] * sample.wi.z;
+  sample.wi = in_world(sample.wi);
   return sample;
 }
 
@@ -208,11 +218,12 @@ double EnvironmentSampler::patch_density(const Vec3& turned) const {
   return between(left, right, at.right) / total_;
 }
 
-std::shared_ptr<const EnvironmentSampler> make_environment_sampler(const Background& background) {
+std::shared_ptr<const EnvironmentSampler> make_environment_sampler(const Background& background,
+                                                                   int threads) {
   const bool has_picture = background.picture != nullptr || background.has_cube ||
                            background.kind == BackgroundKind::sun_and_sky;
   if (!has_picture) return nullptr;
-  auto sampler = std::make_shared<EnvironmentSampler>(background);
+  auto sampler = std::make_shared<EnvironmentSampler>(background, threads);
   if (sampler->is_even()) return nullptr;
   return sampler;
 }

@@ -18,7 +18,7 @@ class EnvironmentSampler {
     Vec3 wi;             ///< unit
     double density = 0;  ///< per steradian; 0: none
   };
-  explicit EnvironmentSampler(const Background& background);
+  explicit EnvironmentSampler(const Background& background, int threads = 1);
   /// `u` in [0, 1).
   Sample sample(const Vec2& u) const;
   /// Per steradian; 0 where sample() never goes.
@@ -27,7 +27,8 @@ class EnvironmentSampler {
   bool is_even() const { return total_ + sun_ <= 0; }
 
  private:
-  void look_around();
+  void look_around(int threads);
+  Color seen_at(double s, double t) const;
   void leave_the_even();
   void sum_up();
   /// The patch between four points: rows from the zenith, columns from s of the first point.
@@ -46,6 +47,7 @@ class EnvironmentSampler {
   double patch_density(const Vec3& turned) const;
   double sun_share() const { return sun_ / (sun_ + total_); }
   Vec3 turned(const Vec3& direction) const;
+  Vec3 in_world(const Vec3& turned) const;
 
   Background background_;  ///< without what depends on the place, and the sun's disc
   bool has_sun_ = false;
@@ -60,6 +62,7 @@ class EnvironmentSampler {
 };
 
 /// Null where directions spread evenly do as well: nothing but smooth colours.
-std::shared_ptr<const EnvironmentSampler> make_environment_sampler(const Background& background);
+std::shared_ptr<const EnvironmentSampler> make_environment_sampler(const Background& background,
+                                                                   int threads = 1);
 
 }  // namespace tessera
