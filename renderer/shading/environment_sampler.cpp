@@ -81,13 +81,14 @@ void EnvironmentSampler::look_around(int threads) {
       is_by_angle(background_) || background_.kind == BackgroundKind::panorama_equal_area;
   columns_ = has_picture ? std::min<size_t>(texels, kMostColumns)
                          : std::clamp<size_t>(texels, kLeastColumns, kMostColumns);
-  const uint32_t height = has_picture ? background_.picture->settings().height : 0;
+  const uint32_t height = has_picture ? background_.picture->settings().height : texels / 2;
   rows_ = has_picture ? std::min<size_t>(height, kMostColumns) : columns_ / 2;
   // A look between texels is at four of them.
-  const auto per_side = [](size_t texels_a_point) {
+  const auto looks = [](size_t of_texels, size_t points) {
+    const size_t texels_a_point = (of_texels + points - 1) / points;
     return static_cast<int>(std::clamp<size_t>((texels_a_point + 1) / 2, 1, 8));
   };
-  const int across = per_side(texels / columns_), down = per_side(height / rows_);
+  const int across = looks(texels, columns_), down = looks(height, rows_);
   points_.resize(rows_ * columns_);
   for_each_parallel(rows_, threads, [&](size_t row) {
     for (size_t column = 0; column < columns_; ++column) {
