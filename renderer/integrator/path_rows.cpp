@@ -474,6 +474,11 @@ class PathRowFollower {
     put(sample.normal, i, light_points_.normal);
     put(light.front, i, light_points_.front);
     put(light.back, i, light_points_.back);
+    if (!light.has_texture) return;
+    const Color shine = looked_up_emission(scene_, light.instance, sample.point, from,
+                                           width_at(met_.place[i]), state_.counters);
+    if (!is_black(light.front)) put(shine, i, light_points_.front);
+    if (!is_black(light.back)) put(shine, i, light_points_.back);
   }
 
   /// Some paths where they are, a lane each. What fills the vector up is the front's first again.

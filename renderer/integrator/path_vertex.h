@@ -91,7 +91,7 @@ struct PathVertex {
   Color from_area_light(const AreaLight& light, const SurfaceSample& there, double density) const {
     if (!(density > 0)) return kBlack;
     const Vec3 wi = normalize(there.point - point.surface.point);
-    const Color& shine = dot(wi, there.normal) < 0 ? light.front : light.back;
+    Color shine = dot(wi, there.normal) < 0 ? light.front : light.back;
     // Facing away, or nothing goes that way: no ray.
     BsdfValue value;
     if (!is_black(shine)) value = scatter.evaluate(wi);
@@ -103,6 +103,12 @@ struct PathVertex {
     const Color visible =
         point_visibility<kRich>(scene, point, origins, media, there, width, state);
     if (is_black(visible) || is_dark) return kBlack;
+    if constexpr (kRich) {
+      if (light.has_texture) {
+        shine = looked_up_emission(scene, light.instance, there.point, point.surface.point, width,
+                                   state.counters);
+      }
+    }
     const double weight = power_heuristic(density, value.density);
     return shine * value.share * visible * (weight / density);
   }

@@ -178,4 +178,18 @@ Color emission(const SurfacePoint& point) {
   return material.emission * point.surface.vertex_color;
 }
 
+Color looked_up_emission(const Scene& scene, uint32_t instance, const Point3& there,
+                         const Point3& from, double width, TraceCounters& counters) {
+  constexpr double kAround = 1e-6;  // far above the rounding of the point
+  const Vec3 way = there - from;
+  const double distance = length(way);
+  const Ray ray{from, way / distance, distance * (1 - kAround), distance * (1 + kAround)};
+  Hit hit;
+  if (!closest_hit_of(scene.instances[instance], instance, ray, hit, counters.traversal))
+    return kBlack;
+  SurfacePoint point(scene, instance, ray, hit);
+  look_up_textures(scene, ray, width, point, counters);
+  return emission(point);
+}
+
 }  // namespace tessera

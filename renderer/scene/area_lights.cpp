@@ -11,8 +11,15 @@ namespace tessera {
 namespace {
 
 Color shine_of(const Material& material) {
-  const bool is_even = material.inputs == kNoMaterialInputs && material.is_opaque();
-  return material.model != MaterialModel::unlit && is_even ? material.emission : kBlack;
+  return material.model != MaterialModel::unlit && material.is_opaque() ? material.emission
+                                                                        : kBlack;
+}
+bool has_texture(const Scene& scene, const Material& material) {
+  if (material.inputs == kNoMaterialInputs) return false;
+  const auto& slots = scene.inputs[material.inputs].slots;
+  return std::any_of(slots.begin(), slots.end(), [](const MaterialInputs::Slot& slot) {
+    return slot.target == MaterialInputs::Target::emission;
+  });
 }
 
 /// Makes what all instances of a mesh share once.
@@ -53,9 +60,11 @@ AreaLights find_area_lights(const Scene& scene, std::span<const TriangleMesh* co
       light.instance = i;
       light.material = slot;
       light.front = shine_of(material);
+      light.has_texture = has_texture(scene, material);
       if (material.sides == Sides::two_sided) light.back = light.front;
       if (material.sides == Sides::back_material) {
         light.back = shine_of(scene.materials[material.back]);
+        light.has_texture |= has_texture(scene, scene.materials[material.back]);
       }
       if (is_black(light.front) && is_black(light.back)) continue;
       light.sampler = samplers.make(scene.instances[i], meshes[i], slot);

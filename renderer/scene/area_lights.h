@@ -12,12 +12,13 @@
 
 namespace tessera {
 
-/// A surface that shines the same everywhere, as a light: one material of one instance.
+/// A surface that shines, as a light: one material of one instance.
 struct AreaLight {
   std::shared_ptr<const SurfaceSampler> sampler;
   uint32_t instance = 0;
   uint32_t material = 0;                ///< LocalSurface::material of its points
-  Color front = kBlack, back = kBlack;  ///< radiance towards either side
+  Color front = kBlack, back = kBlack;  ///< radiance towards either side, textures apart
+  bool has_texture = false;             ///< what multiplies the radiance is to be looked up
   Point3 at;                            ///< of the plane of a flat one
   Vec3 dark_normal;  ///< of the side of the plane where it is black; zero: there is none such
 
@@ -31,8 +32,8 @@ struct AreaLight {
 };
 
 /// The lights that have an extent. Surfaces that cannot be chosen from (endless, of a shape without
-/// a sampler, textured light) are not among them: paths find them by themselves. Immutable once
-/// built; thread-safe.
+/// a sampler, veils) are not among them: paths find them by themselves. Immutable once built;
+/// thread-safe.
 class AreaLights {
  public:
   AreaLights() = default;
@@ -53,8 +54,8 @@ class AreaLights {
 
 struct Scene;
 
-/// The surfaces of the scene's instances that shine the same everywhere. `meshes` is one an
-/// instance: what its shape is made of, null where that is no mesh.
+/// The surfaces of the scene's instances that shine. `meshes` is one an instance: what its shape is
+/// made of, null where that is no mesh.
 AreaLights find_area_lights(const Scene& scene, std::span<const TriangleMesh* const> meshes);
 
 }  // namespace tessera

@@ -43,6 +43,23 @@ TEST(Emitters, PolygonsOfAnyPlaceAcrossTheHorizon) {
   }
 }
 
+TEST(Emitters, TexturesShineWhereTheyAreBright) {
+  // Two of four quarters are white; one of these lies below the horizon.
+  const std::string checked =
+      "textures { name: 'checks' mapping: OBJECT checker { even { value { r: 1 g: 1 b: 1 } } odd { "
+      "value { } } } } materials { name: 'checked' classic { diffuse { value { } } emission { "
+      "texture: 'checks' value { r: 2 g: 2 b: 2 } } } } ";
+  const Patch whole{{0.8, -1, -1}, {0, 0, 2}, {0, 2, 0}};
+  const Patch white{{0.8, 0, 0}, {0, 0, 1}, {0, 1, 0}};
+  const double truth = wall(2 * irradiance(white.corners()));
+  for (const std::string& shape : {whole.rectangle(), whole.polygon()})
+    expect_estimate(truth, estimate(kLampAndWall + checked + node(shape, "checked")));
+  const std::string mesh =
+      "mesh { inline_positions: [.8, -1, -1, .8, -1, 1, .8, 1, 1, .8, 1, -1] inline_triangles: [0, "
+      "1, 2, 0, 2, 3] }";
+  expect_estimate(truth, estimate(kLampAndWall + checked + node(mesh, "checked")));
+}
+
 TEST(Emitters, BoxesAreTheirFaces) {
   // Shines from outside alone; three faces look at the origin, one of them is cut by the horizon.
   const Vec3 low{0.7, 0.5, -0.4}, size{0.8, 1.1, 1.3};

@@ -417,4 +417,6 @@ MUTATIONS = [
              "integrator_test", "PathRows.*"),
     Mutation("scene: a solid hides the veils of its parts", "renderer/scene/read_shape.cpp",
              "whole.has_clear_vertices |= built.has_clear_vertices;", "", "scene_test", "Csg*"),
+    Mutation("light: textured lamps shine evenly where they are chosen", "renderer/scene/area_lights.cpp",
+             "light.has_texture = has_texture(scene, material);", "", "accuracy_test", "Emitters.*"),
 ]
