@@ -5,39 +5,29 @@
 #include <utility>
 
 #include "renderer/math/frame.h"
-#include "renderer/math/rounding.h"
 #include "renderer/math/warp.h"
+#include "renderer/shapes/area_density.h"
 #include "renderer/shapes/box.h"
 #include "renderer/shapes/convex_polygon.h"
+#include "renderer/shapes/curved_sampler.h"
 #include "renderer/shapes/disc.h"
 #include "renderer/shapes/sphere.h"
 #include "renderer/shapes/spherical_rectangle.h"
+#include "renderer/shapes/torus.h"
 
 namespace tessera {
 
 namespace {
-
-/// Per steradian, of a point chosen evenly over `area`.
-double by_area(double area, const Point3& from, const Point3& there, const Vec3& normal) {
-  const Vec3 way = there - from;
-  const double squared = length_squared(way), facing = std::abs(dot(way, normal));
-  return facing > 0 ? squared * std::sqrt(squared) / (facing * area) : 0;
-}
-
-Vec3 rounding_of(const Point3& p, double extent) {
-  return Vec3{gamma(6) * (std::abs(p.x) + extent), gamma(6) * (std::abs(p.y) + extent),
-              gamma(6) * (std::abs(p.z) + extent)};
-}
 
 /// Spread evenly: each kind gives its points.
 class AreaSampler : public SurfaceSampler {
  public:
   double sample(const Point3& from, const Vec2& u, SurfaceSample& sample) const override {
     choose(u, sample);
-    return by_area(area(), from, sample.point, sample.normal);
+    return density_by_area(area(), from, sample.point, sample.normal);
   }
   double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
-    return by_area(area(), from, there, normal);
+    return density_by_area(area(), from, there, normal);
   }
 
  private:
@@ -54,7 +44,7 @@ class SphereSampler final : public SurfaceSampler {
     const double squared = length_squared(way);
     if (!is_outside(squared)) {  // evenly
       place(direction_at(1 - 2 * u.x, u.y), sample);
-      return by_area(area(), from, sample.point, sample.normal);
+      return density_by_area(area(), from, sample.point, sample.normal);
     }
     const double sin2 = radius_ * radius_ / squared;
     const double from_axis = one_minus_cosine(sin2);  // exact for the smallest of cones too
@@ -69,7 +59,7 @@ class SphereSampler final : public SurfaceSampler {
   }
   double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
     const double squared = length_squared(center_ - from);
-    if (!is_outside(squared)) return by_area(area(), from, there, normal);
+    if (!is_outside(squared)) return density_by_area(area(), from, there, normal);
     return 1 / (2 * portable::kPi * one_minus_cosine(radius_ * radius_ / squared));
   }
   double area() const override { return 4 * portable::kPi * radius_ * radius_; }
@@ -172,7 +162,7 @@ class RectangleSampler final : public SurfaceSampler {
       const Seen seen = seen_from(from);
       const Vec2 at{seen.a.point(u.x), seen.b.point(u.y)};
       place(corner_ + a_ * at.x + b_ * at.y, sample);
-      return by_area(area_, from, sample.point, sample.normal) * seen.density(at);
+      return density_by_area(area_, from, sample.point, sample.normal) * seen.density(at);
     }
     const SphericalRectangle seen(corner_, a_, b_, from);
     if (!(seen.solid_angle() > 0)) return 0;
@@ -184,7 +174,7 @@ class RectangleSampler final : public SurfaceSampler {
       const Vec3 way = there - corner_;
       const auto inside = [](double share) { return std::min(std::max(share, 0.0), 1.0); };
       const Vec2 at{inside(dot(way, share_a_)), inside(dot(way, share_b_))};
-      return by_area(area_, from, there, normal) * seen_from(from).density(at);
+      return density_by_area(area_, from, there, normal) * seen_from(from).density(at);
     }
     const double angle = SphericalRectangle(corner_, a_, b_, from).solid_angle();
     return angle > 0 ? 1 / angle : 0;
@@ -254,15 +244,8 @@ class TriangleSampler final : public SurfaceSampler {
     return density(from, sample.point, sample.normal);
   }
   double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
-    // A unit of area grows by |det| |M^-T n'|, n' its normal before the transform.
-    const Affine& m = to_world_.matrix();
-    Vec3 before;
-    for (size_t axis = 0; axis < 3; ++axis) {
-      before[static_cast<int>(axis)] =
-          m.m[0][axis] * normal.x + m.m[1][axis] * normal.y + m.m[2][axis] * normal.z;
-    }
-    const double growth = std::abs(determinant_) / length(before);
-    return by_area(triangles_->area() * growth, from, there, normal);
+    const double growth = area_growth(to_world_.matrix(), normal);
+    return density_by_area(triangles_->area() * growth, from, there, normal);
   }
   /// About, where the transform is no similarity.
   double area() const override {
@@ -319,7 +302,10 @@ std::unique_ptr<const SurfaceSampler> make_surface_sampler(const Shape& shape,
   };
   if (const auto* sphere = dynamic_cast<const Sphere*>(&shape)) {
     const double radius = sphere_radius(to_world, sphere->radius());
-    if (radius == 0) return nullptr;
+    if (radius == 0) {
+      return make_ellipsoid_sampler(sphere->center(), sphere->radius(), world_from_object,
+                                    flip_normals);
+    }
     return std::make_unique<SphereSampler>(to_world(sphere->center()), radius, flip_normals);
   }
   if (const auto* disc = dynamic_cast<const Disc*>(&shape)) {
@@ -332,6 +318,12 @@ std::unique_ptr<const SurfaceSampler> make_surface_sampler(const Shape& shape,
     return std::make_unique<RectangleSampler>(
         to_world(rectangle->corner()), to_world(rectangle->edge_u()), to_world(rectangle->edge_v()),
         turned(cross(rectangle->edge_u(), rectangle->edge_v())));
+  }
+  if (const auto* frustum = dynamic_cast<const Frustum*>(&shape))
+    return make_frustum_sampler(frustum->parts(), world_from_object, flip_normals);
+  if (const auto* torus = dynamic_cast<const Torus*>(&shape)) {
+    return make_torus_sampler(torus->major_radius(), torus->minor_radius(), world_from_object,
+                              flip_normals);
   }
   const auto triangles = std::make_shared<TriangleSet>();
   if (const auto* polygon = dynamic_cast<const ConvexPolygon*>(&shape)) {

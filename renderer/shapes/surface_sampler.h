@@ -37,7 +37,7 @@ class SurfaceSampler {
 /// For a shape as it stands in the world: spheres that stay spheres by the cone in which they are
 /// seen, rectangles by solid angle (Urena et al. 2013, "An Area-Preserving Parametrization for
 /// Spherical Rectangles") where they are near, others about so, by densities that are linear along
-/// both edges; discs, polygons and boxes by area.
+/// both edges; discs, polygons, boxes, ellipsoids, cylinders, cones and tori by area.
 /// Null for any other shape.
 std::unique_ptr<const SurfaceSampler> make_surface_sampler(const Shape& shape,
                                                            const Transform& world_from_object,

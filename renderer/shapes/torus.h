@@ -23,6 +23,8 @@ class Torus final : public Solid {
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
+  double major_radius() const { return major_; }
+  double minor_radius() const { return minor_; }
   void crossings(const Ray& ray, const RayError& error,
                  std::vector<SolidEvent>& events) const override;
 

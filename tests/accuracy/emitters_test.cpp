@@ -96,7 +96,7 @@ TEST(Emitters, RingsAreDiscsWithoutDiscs) {
           node("disc { center { z: 2 } normal { z: -1 } radius: 1.5 inner_radius: .9 }", "lamp")));
 }
 
-TEST(Emitters, WhatIsFoundByScatteringAlone) {
+TEST(Emitters, EllipsoidsAndCylindersBySamplingAndByScatteringAlone) {
   // An oblate ball above the wall is seen as a cone with tan^2 = a^2 / (d^2 - c^2), a cylinder from
   // below as the disc that it ends in.
   const std::string from =
@@ -109,12 +109,15 @@ TEST(Emitters, WhatIsFoundByScatteringAlone) {
                "nodes { transform { steps { translate { z: 2 } } steps { scale { x: 1.5 "
                "y: 1.5 z: .5 } } } shape { materials: 'lamp' sphere { } } } "));
   const double r = 1.2, h = 1.5;
-  expect_estimate(
-      wall(2 * kPi * r * r / (r * r + h * h)),
-      estimate(from + kLampAndWall +
-               "nodes { transform { steps { translate { z: 2 } } steps { rotate { axis { "
-               "x: 1 } angle: 90 } } } shape { materials: 'lamp' cylinder { radius: 1.2 "
-               "height: 1 } } } "));
+  // Solids made of others are no lamps that are chosen.
+  const std::string cylinder = "shape { materials: 'lamp' cylinder { radius: 1.2 height: 1 } } ";
+  for (const std::string& shape : {cylinder, "shape { csg { operands { " + cylinder + "} } } "}) {
+    expect_estimate(wall(2 * kPi * r * r / (r * r + h * h)),
+                    estimate(from + kLampAndWall +
+                             "nodes { transform { steps { translate { z: 2 } } steps { rotate { "
+                             "axis { x: 1 } angle: 90 } } } " +
+                             shape + "} "));
+  }
 }
 
 TEST(Emitters, ManyLampsAddUp) {
