@@ -94,8 +94,9 @@ void EnvironmentSampler::look_around(int threads) {
     for (size_t column = 0; column < columns_; ++column) {
       double mean = 0;
       for (int i = 0; i < across * down; ++i) {
-        const double s = (column + (i % across + 0.5) / across) / columns_;
-        const double t = (row + (i / across + 0.5) / down) / rows_;
+        const int right = i % across, below = i / across;
+        const double s = (column + (right + 0.5) / across) / columns_;
+        const double t = (row + (below + 0.5) / down) / rows_;
         const Color c = seen_at(s, t);
         mean += std::max(0.0, c.r + c.g + c.b) / (across * down);
       }

@@ -33,13 +33,13 @@ class CurvedSampler : public SurfaceSampler {
     const CurvedPoint chosen = choose(u);
     sample.point = to_world_.point(chosen.point);
     sample.point_error = rounding_of(sample.point, reach_);
-    const Vec3 normal =
-        normalize(static_cast<Vec3>(to_world_.normal(to_normal(chosen.normal))));
+    const Vec3 normal = normalize(static_cast<Vec3>(to_world_.normal(to_normal(chosen.normal))));
     sample.normal = flip_ ? -normal : normal;
     return density(from, sample.point, sample.normal);
   }
   double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
-    return density_by_area(own_area_ * area_growth(to_world_.matrix(), normal), from, there, normal);
+    return density_by_area(own_area_ * area_growth(to_world_.matrix(), normal), from, there,
+                           normal);
   }
   /// About, where the transform is no similarity.
   double area() const override {
@@ -63,9 +63,10 @@ Bounds3 box_of(double across, double up) { return {{-across, -up, -across}, {acr
 class EllipsoidSampler final : public CurvedSampler {
  public:
   EllipsoidSampler(const Point3& center, double radius, const Transform& to_world, bool flip)
-      : CurvedSampler(2 * kTurn * radius * radius,
-                      {center - Vec3{radius, radius, radius}, center + Vec3{radius, radius, radius}},
-                      to_world, flip),
+      : CurvedSampler(
+            2 * kTurn * radius * radius,
+            {center - Vec3{radius, radius, radius}, center + Vec3{radius, radius, radius}},
+            to_world, flip),
         center_(center),
         radius_(radius) {}
 
@@ -81,7 +82,8 @@ class EllipsoidSampler final : public CurvedSampler {
 class FrustumSampler final : public CurvedSampler {
  public:
   FrustumSampler(const FrustumParts& parts, const Transform& to_world, bool flip)
-      : CurvedSampler(area_of(parts), box_of(std::max(parts.bottom_radius, parts.top_radius), parts.half_height),
+      : CurvedSampler(area_of(parts),
+                      box_of(std::max(parts.bottom_radius, parts.top_radius), parts.half_height),
                       to_world, flip),
         parts_(parts) {}
   static double area_of(const FrustumParts& parts) {
@@ -192,7 +194,8 @@ std::unique_ptr<const SurfaceSampler> make_torus_sampler(double major_radius, do
                                                          const Transform& world_from_object,
                                                          bool flip_normals) {
   if (minor_radius > major_radius) return nullptr;
-  return std::make_unique<TorusSampler>(major_radius, minor_radius, world_from_object, flip_normals);
+  return std::make_unique<TorusSampler>(major_radius, minor_radius, world_from_object,
+                                        flip_normals);
 }
 
 }  // namespace tessera
