@@ -25,12 +25,12 @@
 
 #include "renderer/integrator/lane_camera-inl.h"
 #include "renderer/integrator/lane_row-inl.h"
-#include "renderer/integrator/lane_scatter-inl.h"
-#include "renderer/integrator/lane_surface-inl.h"
-#include "renderer/integrator/lane_transform-inl.h"
-#include "renderer/integrator/lane_triangle-inl.h"
 #include "renderer/math/lanes-inl.h"
 #include "renderer/sampler/lane_sampler-inl.h"
+#include "renderer/shading/lane_lambert-inl.h"
+#include "renderer/shapes/lane_surface-inl.h"
+#include "renderer/shapes/lane_transform-inl.h"
+#include "renderer/shapes/lane_triangle-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {
@@ -78,6 +78,12 @@ struct ShadowRows {
   alignas(64) double light[3][RayRow::kRoom];
   uint32_t number[PathRows::kMost];
 };
+
+/// power_heuristic()
+HWY_INLINE Lanes power_heuristic(Lanes own, Lanes other) {
+  const Lanes ratio = hn::Div(other, own);
+  return hn::Div(all(1), hn::Add(all(1), hn::Mul(ratio, ratio)));
+}
 
 template <size_t kRoom>
 Vec3 vec_at(const double (&parts)[3][kRoom], size_t at) {

@@ -32,8 +32,8 @@
 #include "renderer/integrator/lane_camera-inl.h"
 #include "renderer/integrator/lane_light-inl.h"
 #include "renderer/integrator/lane_row-inl.h"
-#include "renderer/integrator/lane_surface-inl.h"
 #include "renderer/math/lanes-inl.h"
+#include "renderer/shapes/lane_surface-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {

@@ -21,7 +21,7 @@
 #include "renderer/render/block_estimate.h"
 #include "renderer/render/sample_sum.h"
 #include "renderer/render/through_camera.h"
-#include "renderer/sampler/raster_row.h"
+#include "renderer/sampler/draw_rasters.h"
 #include "renderer/scene/scene_builder.h"
 
 namespace tessera {

@@ -1,5 +1,5 @@
-// Part of path_rows.cpp, compiled once for each instruction set: points and normals of many hits of
-// one instance, a lane each, taken into the world as take_to_world() does.
+// Compiled once for each instruction set: take_to_world() of the points and normals of many hits of
+// one instance, a lane each, to the last bit.
 #if defined(TESSERA_LANE_TRANSFORM_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TESSERA_LANE_TRANSFORM_INL_H
 #undef TESSERA_LANE_TRANSFORM_INL_H
@@ -9,10 +9,10 @@
 
 #include <hwy/highway.h>
 
-#include "renderer/integrator/lane_surface-inl.h"
 #include "renderer/math/lanes-inl.h"
 #include "renderer/math/rounding.h"
 #include "renderer/math/transform.h"
+#include "renderer/shapes/lane_surface-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {

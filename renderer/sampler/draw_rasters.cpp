@@ -1,4 +1,4 @@
-#include "renderer/sampler/raster_row.h"
+#include "renderer/sampler/draw_rasters.h"
 
 #include <algorithm>
 
@@ -6,7 +6,7 @@
 
 // This file is compiled once for each instruction set, as bvh_kernels.cpp is.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "renderer/sampler/raster_row.cpp"
+#define HWY_TARGET_INCLUDE "renderer/sampler/draw_rasters.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
