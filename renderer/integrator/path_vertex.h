@@ -44,9 +44,9 @@ struct PathVertex {
   Color direct_light(const Numbers& numbers) const {
     Color sum = kBlack;
     const double to_sky = environment_share(scene);
-    if (to_sky > 0 || !scene.area_lights.empty()) {
+    if (has_sampled_lights(scene)) {
       // One number picks twice.
-      double u = to_sky < 1 && (to_sky > 0 || scene.area_lights.size() > 1) ? numbers.pick().x : 0;
+      double u = picks_light(scene) ? numbers.pick().x : 0;
       if (u < to_sky) {
         sum += from_environment(to_sky, numbers.on_light());
       } else {

@@ -65,7 +65,7 @@ class SceneTileRenderer final : public TileRenderer {
         adaptive_(scene_->settings.target_error > 0 && !samples_coincide_ &&
                   scene_->skips.converged_blocks),
         samples_at_once_(samples_at_once(*scene_)),
-        in_rows_(integrator_->takes_rows()) {}
+        in_rows_(integrator_->rows() != nullptr) {}
 
   CounterMap build_counters() const override { return scene_->counters; }
 
