@@ -39,9 +39,7 @@ class PathRowFollower : public RowFollower<PathFront> {
  public:
   using Surfaces = PathSurfaces;
   PathRowFollower(const Surfaces& surfaces, std::span<Color> found, TraceState& state)
-      : RowFollower(surfaces.scene(), found, state),
-        surfaces_(surfaces),
-        lights_(scene_, met_, state) {}
+      : RowFollower(surfaces.scene(), found, state), surfaces_(surfaces), lights_(scene_, state) {}
 
   /// The camera's rays.
   void follow(std::span<const SampleKey> keys) {
@@ -72,7 +70,7 @@ class PathRowFollower : public RowFollower<PathFront> {
     if (goes_on) {
       draw_numbers();
       lights_.begin(now_->number);
-      if (has_sampled_lights(scene_)) lights_.choose_points();
+      if (has_sampled_lights(scene_)) lights_.choose_points(met_);
       for (size_t at = 0; at < met_.even; at += kLanes) scatter(at);
       lights_.add_not_stopped(found_);
     }
@@ -320,7 +318,7 @@ class PathRowFollower : public RowFollower<PathFront> {
     const bool is_all = environment_share(scene_) == 0 && scene_.lights.empty();
     const Lanes zero = hn::Zero(kLaneTag);
     Lanes3 light{zero, zero, zero};
-    if (has_sampled_lights(scene_)) light = lights_.brought(bundle, lambert, is_all);
+    if (has_sampled_lights(scene_)) light = lights_.brought(met_, bundle, lambert, is_all);
     if (is_all) return;
     Stored3 sums(light);
     for (uint32_t left = bundle.bits; left != 0;) {

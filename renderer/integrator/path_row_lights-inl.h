@@ -37,9 +37,7 @@ HWY_INLINE Lanes power_heuristic(Lanes own, Lanes other) {
 /// Light of points of area lights, to what a front's paths meet.
 class PathRowLights {
  public:
-  /// `met` is filled anew for each front.
-  PathRowLights(const Scene& scene, Met& met, TraceState& state)
-      : scene_(scene), met_(met), state_(state) {}
+  PathRowLights(const Scene& scene, TraceState& state) : scene_(scene), state_(state) {}
 
   /// Before the paths of a front are lit, which have those numbers.
   void begin(const uint32_t* numbers) {
@@ -48,30 +46,31 @@ class PathRowLights {
   }
   /// One for each path that scatters evenly and does not choose the background, for which its
   /// numbers are read all the same.
-  void choose_points() {
+  void choose_points(Met& met) {
     const double to_sky = environment_share(scene_);
     const bool picks = picks_light(scene_);
-    for (size_t i = 0; i < met_.even; ++i) {
-      const double which = picks ? met_.pick[i] : 0;
+    for (size_t i = 0; i < met.even; ++i) {
+      const double which = picks ? met.pick[i] : 0;
       points_.density[i] = 0;
       if (which < to_sky) {
-        met_.read_on_light(i);
+        met.read_on_light(i);
         continue;
       }
-      choose_point(i, (which - to_sky) / (1 - to_sky), 1 - to_sky);
+      choose_point(met, i, (which - to_sky) / (1 - to_sky), 1 - to_sky);
     }
-    const size_t whole = (met_.even + kLanes - 1) / kLanes * kLanes;
-    for (size_t i = met_.even; i < whole; ++i) points_.density[i] = 0;
+    const size_t whole = (met.even + kLanes - 1) / kLanes * kLanes;
+    for (size_t i = met.even; i < whole; ++i) points_.density[i] = 0;
     for (size_t i = 0; i < whole; ++i) {
       if (points_.density[i] > 0) continue;
       // Some place that is not the point's own.
-      put(vec_at(met_.surface.point, i) + vec_at(met_.surface.front, i), i, points_.point);
-      for (auto* const parts : {&points_.error, &points_.normal, &points_.front, &points_.back})
-        put(Vec3{}, i, *parts);
+      put(vec_at(met.surface.point, i) + vec_at(met.surface.front, i), i, points_.point);
+      put(Vec3{}, i, points_.error), put(Vec3{}, i, points_.normal);
+      put(kBlack, i, points_.front), put(kBlack, i, points_.back);
     }
   }
   /// What they bring. Black if it may be added later, of those that nothing stops.
-  Lanes3 brought(const PathBundle& bundle, const LaneLambert& lambert, bool may_wait) {
+  Lanes3 brought(const Met& met, const PathBundle& bundle, const LaneLambert& lambert,
+                 bool may_wait) {
     const Lanes zero = hn::Zero(kLaneTag);
     const Lanes3 none{zero, zero, zero};
     const size_t at = bundle.at;
@@ -105,7 +104,7 @@ class PathRowLights {
     const Lanes3 light =
         choose(is_dark, none, multiply(multiply(shine, value.share), hn::Div(weight, density)));
     if (may_wait) {
-      append_shadow_rays(bundle, asked, origin, stretch, multiply(bundle.throughput, light));
+      append_shadow_rays(met, bundle, asked, origin, stretch, multiply(bundle.throughput, light));
       return none;
     }
     return choose(mask_of(asked & ~stopped(origin, stretch, asked)), light, none);
@@ -134,11 +133,11 @@ class PathRowLights {
     uint32_t number[RayRow::kMost];
   };
 
-  void choose_point(size_t i, double u, double share) {
+  void choose_point(Met& met, size_t i, double u, double share) {
     const AreaLights& lights = scene_.area_lights;
-    const Point3 from = Point3{} + vec_at(met_.surface.point, i);
-    const Vec3 front = vec_at(met_.surface.front, i);
-    const LightTree::Pick pick = lights.tree().pick(from, met_.from_behind(i) ? -front : front, u);
+    const Point3 from = Point3{} + vec_at(met.surface.point, i);
+    const Vec3 front = vec_at(met.surface.front, i);
+    const LightTree::Pick pick = lights.tree().pick(from, met.from_behind(i) ? -front : front, u);
     const AreaLight& light = lights[pick.index];
     if (scene_.skips.dark_shadow_rays && light.is_dark_from(from)) {
       ++state_.counters.shadow_rays_skipped;
@@ -146,7 +145,7 @@ class PathRowLights {
     }
     SurfaceSample sample;
     const double density =
-        light.sampler->sample(from, met_.read_on_light(i), sample) * pick.probability * share;
+        light.sampler->sample(from, met.read_on_light(i), sample) * pick.probability * share;
     if (!(density > 0)) return;
     points_.density[i] = density;
     put(sample.point - Point3{}, i, points_.point);
@@ -168,20 +167,19 @@ class PathRowLights {
     }
     return lanes;
   }
-  void append_shadow_rays(const PathBundle& bundle, uint32_t asked, const Lanes3& origin,
-                          const Lanes3& stretch, const Lanes3& light) {
+  void append_shadow_rays(const Met& met, const PathBundle& bundle, uint32_t asked,
+                          const Lanes3& origin, const Lanes3& stretch, const Lanes3& light) {
     RayRow& rays = shadows_.rays;
     append(origin, asked, rays.count, rays.origin);
     append(stretch, asked, rays.count, rays.direction);
     append(light, asked, rays.count, shadows_.light);
     while (asked != 0) {
-      const uint32_t place = met_.place[bundle.at + take_lowest_lane(asked)];
+      const uint32_t place = met.place[bundle.at + take_lowest_lane(asked)];
       shadows_.number[rays.count++] = numbers_[place];
     }
   }
 
   const Scene& scene_;
-  Met& met_;
   TraceState& state_;
   const uint32_t* numbers_ = nullptr;  ///< of the paths, by place
   LightPoints points_;

@@ -221,8 +221,8 @@ TEST(MirrorRows, SendsRaysThroughRasterPointsAsTheCameraDoes) {
     for (const auto& [point, negative] : points)
       expected.push_back(integrator->radiance(camera.ray(point.x, point.y), {}, state));
     for (const BvhKernels& code : all_kernels()) {
-      const auto tracer = make_mirror_rows(
-          *scene, dynamic_cast<const MirrorPathFollower&>(*integrator), code.name);
+      const auto tracer =
+          make_mirror_rows(*scene, dynamic_cast<const MirrorPathFollower&>(*integrator), code.name);
       std::vector<Color> found(points.size());
       TraceState together;
       integrator->make_room(together);
