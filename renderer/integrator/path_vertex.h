@@ -88,6 +88,7 @@ struct PathVertex {
   }
 
   /// Of a point of a light that was chosen with that density.
+  /// Also a lane each, of LambertBsdf, in path_row_lights-inl.h, to the bit.
   Color from_area_light(const AreaLight& light, const SurfaceSample& there, double density) const {
     if (!(density > 0)) return kBlack;
     const Vec3 wi = normalize(there.point - point.surface.point);
@@ -143,6 +144,7 @@ struct PathVertex {
 
 /// The way on of a path that was scattered `depth` times before; false where it ends. Multiplies
 /// `throughput`, and `radiance_scale`, what of it media of other density make.
+/// Also a lane each, of LambertBsdf, in path_row_follower-inl.h, to the bit.
 template <typename Scatter, typename Numbers>
 bool choose_way(const Scatter& scatter, uint32_t depth, const Numbers& numbers, Color& throughput,
                 double& radiance_scale, BsdfSample& sample, TraceCounters& counters) {
