@@ -33,7 +33,7 @@ namespace tessera {
 namespace HWY_NAMESPACE {
 
 /// Some rays that hit one instance, a lane each. What fills the vector up is one of them again.
-struct Bundle {
+struct MirrorBundle {
   uint32_t places[kLanes];  ///< in the front
   uint32_t bits = 0;        ///< of lanes that are rays
   Lanes3 direction;
@@ -100,7 +100,7 @@ class MirrorRowFollower : public RowFollower<RayFront> {
       bring(places[i], throughput(places[i]) * beyond.panorama_at(s[i], t[i]));
   }
   void shade(const uint32_t* places, size_t count, uint32_t instance) {
-    Bundle bundle;
+    MirrorBundle bundle;
     std::copy_n(places, kLanes, bundle.places);
     bundle.bits = (1u << count) - 1;
     const LaneIndices at = indices_of(places);
@@ -126,7 +126,7 @@ class MirrorRowFollower : public RowFollower<RayFront> {
   // ----------------------------------------------------------------------------------- surfaces
 
   /// Where the surfaces have to be asked for one at a time; they may be of several materials.
-  void shade_one_by_one(Bundle& bundle, uint32_t instance) {
+  void shade_one_by_one(MirrorBundle& bundle, uint32_t instance) {
     Stored3 point, error, front, shading;
     uint32_t materials[kLanes], unusual = 0;
     for (size_t lane = 0; lane < kLanes; ++lane) {
@@ -168,7 +168,7 @@ class MirrorRowFollower : public RowFollower<RayFront> {
     Lanes3 geometric_normal, normal;
   };
 
-  void shade(Bundle bundle, const LaneSurface& surface, uint32_t instance, uint32_t slot) {
+  void shade(MirrorBundle bundle, const LaneSurface& surface, uint32_t instance, uint32_t slot) {
     const Material& material = scene_.material(instance, slot);
     const auto is_back = hn::Gt(dot(surface.front, bundle.direction), hn::Zero(kLaneTag));
     // Such surfaces are met from behind by the last digit alone.
@@ -193,7 +193,7 @@ class MirrorRowFollower : public RowFollower<RayFront> {
   }
 
   /// Leaves the paths of those lanes to be followed one by one.
-  void leave_alone(Bundle& bundle, uint32_t bits) {
+  void leave_alone(MirrorBundle& bundle, uint32_t bits) {
     bundle.bits &= ~bits;
     while (bits != 0) {
       const uint32_t place = bundle.places[take_lowest_lane(bits)];
@@ -205,7 +205,8 @@ class MirrorRowFollower : public RowFollower<RayFront> {
   }
 
   /// tessera::local_radiance() of simple features.
-  Lanes3 local_radiance(const Seen& seen, std::span<const uint32_t> lights, const Bundle& bundle) {
+  Lanes3 local_radiance(const Seen& seen, std::span<const uint32_t> lights,
+                        const MirrorBundle& bundle) {
     const Material& material = seen.material;
     Color ambient = scene_.settings.ambient;
     Lanes3 result = all(material.emission);
@@ -366,7 +367,7 @@ class MirrorRowFollower : public RowFollower<RayFront> {
   // ------------------------------------------------------------------------------------ mirrors
 
   /// Adds `result` and sends the rays on.
-  void go_on(const Bundle& bundle, const Seen& seen, const Lanes3& result) {
+  void go_on(const MirrorBundle& bundle, const Seen& seen, const Lanes3& result) {
     const Lanes zero = hn::Zero(kLaneTag);
     const Lanes3& d = bundle.direction;
     const auto by_shading = hn::Lt(dot(seen.normal, d), zero);
