@@ -20,9 +20,9 @@
 #include <hwy/highway.h>
 
 #include "renderer/accel/box_row-inl.h"
+#include "renderer/accel/few_rows-inl.h"
 #include "renderer/accel/packet-inl.h"
 #include "renderer/accel/plane_row-inl.h"
-#include "renderer/accel/ray_row-inl.h"
 #include "renderer/accel/rectangle_row-inl.h"
 #include "renderer/accel/test_triangles-inl.h"
 #include "renderer/accel/traverse-inl.h"

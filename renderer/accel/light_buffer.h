@@ -23,6 +23,7 @@ class LightBuffer {
 
   /// Whether boxes_met() can answer for all rays that leave the surface there: they start no
   /// farther off than half of what boxes are grown by.
+  /// Also a lane each in mirror_row_follower-inl.h, to the bit.
   static bool has_answers(const BoxRow& row, const SurfaceInteraction& from) {
     const double error = l1_norm(from.point_error + abs(from.smooth_shift));
     return l1_norm(from.point - Point3{}) + kErrorShare * error <= row.farthest;
@@ -31,6 +32,7 @@ class LightBuffer {
   bool is_of_place() const { return is_place_; }
   /// A bit for each box that rays may hit something in which leave the surface at `point` for the
   /// light, in direction `wi` of unit length and so far away.
+  /// Also a lane each in lane_light-inl.h, to the bit.
   uint32_t boxes_met(const Point3& point, const Vec3& wi, double distance) const {
     if (!is_place_) return met_along(point - Point3{});
     if (!(distance > kLeastDistance)) [[unlikely]]

@@ -9,6 +9,9 @@ namespace tessera {
 
 /// Up to 64 rays part by part, for many at once: those that no side of a surface is hidden from and
 /// that end at the same t. What is beyond `count` is not set.
+/// Elsewhere such rays are a packet, and those of one bounce, followed so, a wavefront.
+/// RectangleRow, PlaneRow, BoxRow and SphereRow are the other side of it: primitives, one ray held
+/// against many.
 struct RayRow {
   static constexpr size_t kMost = 64;
   /// So that a whole vector can be written behind the last.

@@ -42,6 +42,7 @@ class Camera {
 
   /// The ray of a pinhole through raster point (x, y), y downwards from the frame's top left
   /// corner. Its direction is of unit length.
+  /// Also a lane each in lane_camera-inl.h, to the bit.
   Ray ray(double x, double y) const {
     if (projection_ != Projection::perspective) return other_ray(x, y);
     const double u = offset_.x + x * scale_.x;

@@ -9,6 +9,7 @@ namespace tessera {
 /// `media` are those on the viewer's side, `path_length` that from the camera to
 /// the point. Without kRich the scene must have no rich materials, with kPlain only simple
 /// features, with kLambert too only plain ones.
+/// Also a lane each, of simple features, in mirror_row_follower-inl.h, to the bit.
 template <bool kShadows, bool kRich, bool kPlain = false, bool kLambert = kPlain>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                      const Vec3& wo, const Media& media, double path_length, TraceState& state);

@@ -6,6 +6,7 @@
 #include "base/unmade.h"
 #include "renderer/accel/ray_row.h"
 #include "renderer/integrator/path_tracer.h"
+#include "renderer/integrator/row_tracer.h"
 #include "renderer/integrator/views.h"
 #include "renderer/integrator/whitted.h"
 
@@ -35,9 +36,18 @@ void TraceCounters::add_to(CounterMap& map) const {
   map["nan_samples"] += nan_samples;
 }
 
+void Integrator::radiances(std::span<const Ray> rays, std::span<const SampleKey> keys,
+                           std::span<Color> found, TraceState& state) const {
+  if (const RowTracer* const rows = this->rows()) return rows->radiances(rays, keys, found, state);
+  for (size_t i = 0; i < rays.size(); ++i) found[i] = radiance(rays[i], keys[i], state);
+}
+
 void Integrator::radiances(const Camera& camera, std::span<const Sampler::RasterSample> rasters,
                            std::span<const SampleKey> keys, std::span<Color> found,
                            TraceState& state) const {
+  const RowTracer* const rows = this->rows();
+  const auto pinhole = camera.pinhole();
+  if (rows && pinhole) return rows->radiances(*pinhole, rasters, keys, found, state);
   TESSERA_CHECK(rasters.size() <= RayRow::kMost, fmt::format("{} rays", rasters.size()));
   Unmade<Ray, RayRow::kMost> rays;
   for (size_t i = 0; i < rasters.size(); ++i)

@@ -55,6 +55,8 @@ struct PathSegment {
   uint32_t passes = 0;       ///< surfaces passed unbent so far
 };
 
+class RowTracer;
+
 /// The opaque instance that the last shadow ray to a light ended in: the next ray to it is likely
 /// to.
 class LastOccluders {
@@ -83,19 +85,16 @@ class Integrator {
   /// Takes the memory that following rays may need, so that none is taken on the way.
   virtual void make_room(TraceState&) const {}
   virtual Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const = 0;
-  /// Whether radiances() is faster than to call radiance() of each.
-  virtual bool takes_rows() const { return false; }
+  /// What finds the radiance along many camera rays faster than radiance() of each, if anything.
+  virtual const RowTracer* rows() const { return nullptr; }
   /// radiance(), to the last bit, of each of `rays` with its key, 1 to RayRow::kMost camera rays
-  /// that begin and end at the same t. Where takes_rows(), each has its sample's cone, else
+  /// that begin and end at the same t. By rows() each has its sample's cone, else
   /// TraceState::cone.
-  virtual void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys,
-                         std::span<Color> found, TraceState& state) const {
-    for (size_t i = 0; i < rays.size(); ++i) found[i] = radiance(rays[i], keys[i], state);
-  }
+  void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
+                 TraceState& state) const;
   /// The same of the camera's rays through raster points.
-  virtual void radiances(const Camera& camera, std::span<const Sampler::RasterSample> rasters,
-                         std::span<const SampleKey> keys, std::span<Color> found,
-                         TraceState& state) const;
+  void radiances(const Camera& camera, std::span<const Sampler::RasterSample> rasters,
+                 std::span<const SampleKey> keys, std::span<Color> found, TraceState& state) const;
   /// What radiance() returns, to the last bit, for a camera ray that meets nothing.
   virtual Color background(const Ray& ray) const = 0;
 };

@@ -12,11 +12,11 @@
 #include <limits>
 
 #include "renderer/accel/light_buffer.h"
-#include "renderer/integrator/lane_surface-inl.h"
 #include "renderer/math/elementary.h"
 #include "renderer/math/lanes-inl.h"
 #include "renderer/shading/background.h"
 #include "renderer/shading/light.h"
+#include "renderer/shapes/lane_surface-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {

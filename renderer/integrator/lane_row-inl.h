@@ -1,5 +1,5 @@
-// Compiled once for each instruction set: some of a row's rays, a lane each, out of it and into the
-// next one.
+// Compiled once for each instruction set: some of a row's rays and their hits, a lane each, out of
+// it and into the next one.
 #if defined(TESSERA_LANE_ROW_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TESSERA_LANE_ROW_INL_H
 #undef TESSERA_LANE_ROW_INL_H
@@ -12,7 +12,10 @@
 #include <cstdint>
 
 #include "renderer/accel/ray_row.h"
+#include "renderer/math/color.h"
 #include "renderer/math/lanes-inl.h"
+#include "renderer/math/vec.h"
+#include "renderer/shapes/ray.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {
@@ -24,11 +27,35 @@ HWY_INLINE Lanes gather(const double* values, LaneIndices places) {
 HWY_INLINE Lanes3 gather(const double (&parts)[3][RayRow::kRoom], LaneIndices places) {
   return {gather(parts[0], places), gather(parts[1], places), gather(parts[2], places)};
 }
+/// One part of each hit.
+template <double Hit::*kPart>
+HWY_INLINE Lanes gather_hits(const Hit* hits, LaneIndices places) {
+  static_assert(sizeof(Hit) == 4 * sizeof(double));
+  return gather(&(hits->*kPart), hn::ShiftLeft<2>(places));
+}
 /// Of kLanes places.
 HWY_INLINE LaneIndices indices_of(const uint32_t* places) {
   const hn::Rebind<uint32_t, LaneTag> narrow;
   return hn::BitCast(kIndexTag,
                      hn::PromoteTo(hn::RebindToUnsigned<LaneTag>(), hn::LoadU(narrow, places)));
+}
+
+// One by one.
+template <size_t kRoom>
+Vec3 vec_at(const double (&parts)[3][kRoom], size_t at) {
+  return {parts[0][at], parts[1][at], parts[2][at]};
+}
+template <size_t kRoom>
+Color color_at(const double (&parts)[3][kRoom], size_t at) {
+  return {parts[0][at], parts[1][at], parts[2][at]};
+}
+template <size_t kRoom>
+void put(const Vec3& v, size_t at, double (&parts)[3][kRoom]) {
+  for (int axis = 0; axis < 3; ++axis) parts[axis][at] = v[axis];
+}
+template <size_t kRoom>
+void put(const Color& c, size_t at, double (&parts)[3][kRoom]) {
+  parts[0][at] = c.r, parts[1][at] = c.g, parts[2][at] = c.b;
 }
 
 constexpr uint32_t kAllLanes = (1u << kLanes) - 1;

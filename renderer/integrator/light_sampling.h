@@ -11,6 +11,16 @@ inline double environment_share(const Scene& scene) {
   return scene.area_lights.empty() ? 1 : 0.5;
 }
 
+/// Whether there is a light to choose a point or a direction of.
+inline bool has_sampled_lights(const Scene& scene) {
+  return environment_share(scene) > 0 || !scene.area_lights.empty();
+}
+/// Whether a number chooses between lights.
+inline bool picks_light(const Scene& scene) {
+  const double to_sky = environment_share(scene);
+  return to_sky < 1 && (to_sky > 0 || scene.area_lights.size() > 1);
+}
+
 /// The density, per steradian, with which a light's point is chosen in this one's direction from
 /// the point `from` of normal `from_normal`; 0 where the surface is in no set of lights.
 inline double light_density(const Scene& scene, const SurfacePoint& point, const Point3& from,
@@ -24,6 +34,7 @@ inline double light_density(const Scene& scene, const SurfacePoint& point, const
 }
 
 /// The weight of a sample of density `own` among those of two ways to sample (Veach 1997, 9.2.4).
+/// Also a lane each in path_row_lights-inl.h, to the bit.
 inline double power_heuristic(double own, double other) {
   const double ratio = other / own;
   return 1 / (1 + ratio * ratio);

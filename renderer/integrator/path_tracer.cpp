@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "renderer/integrator/path_numbers.h"
 #include "renderer/integrator/path_rows.h"
@@ -21,7 +20,7 @@ class PathTracer final : public Integrator {
  public:
   explicit PathTracer(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {
     if (kPasses) at_camera_ = media_at_camera(*scene_);
-    if (PathRows::can_follow(*scene_)) rows_.emplace(*scene_);
+    if (can_follow_paths(*scene_)) rows_ = make_path_rows(*scene_);
   }
 
   Color background(const Ray& ray) const override {
@@ -36,23 +35,7 @@ class PathTracer final : public Integrator {
     }
     return path.sum;
   }
-  bool takes_rows() const override { return rows_.has_value(); }
-  void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
-                 TraceState& state) const override {
-    if (rows_)
-      rows_->radiances(rays, keys, found, state);
-    else
-      Integrator::radiances(rays, keys, found, state);
-  }
-  void radiances(const Camera& camera, std::span<const Sampler::RasterSample> rasters,
-                 std::span<const SampleKey> keys, std::span<Color> found,
-                 TraceState& state) const override {
-    const auto pinhole = camera.pinhole();
-    if (rows_ && pinhole)
-      rows_->radiances(*pinhole, rasters, keys, found, state);
-    else
-      Integrator::radiances(camera, rasters, keys, found, state);
-  }
+  const RowTracer* rows() const override { return rows_.get(); }
 
  private:
   struct Path {
@@ -179,7 +162,7 @@ class PathTracer final : public Integrator {
 
   std::shared_ptr<const Scene> scene_;
   Media at_camera_;
-  std::optional<PathRows> rows_;
+  std::unique_ptr<const RowTracer> rows_;
 };
 
 }  // namespace

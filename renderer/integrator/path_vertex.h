@@ -44,9 +44,9 @@ struct PathVertex {
   Color direct_light(const Numbers& numbers) const {
     Color sum = kBlack;
     const double to_sky = environment_share(scene);
-    if (to_sky > 0 || !scene.area_lights.empty()) {
+    if (has_sampled_lights(scene)) {
       // One number picks twice.
-      double u = to_sky < 1 && (to_sky > 0 || scene.area_lights.size() > 1) ? numbers.pick().x : 0;
+      double u = picks_light(scene) ? numbers.pick().x : 0;
       if (u < to_sky) {
         sum += from_environment(to_sky, numbers.on_light());
       } else {
@@ -88,6 +88,7 @@ struct PathVertex {
   }
 
   /// Of a point of a light that was chosen with that density.
+  /// Also a lane each, of LambertBsdf, in path_row_lights-inl.h, to the bit.
   Color from_area_light(const AreaLight& light, const SurfaceSample& there, double density) const {
     if (!(density > 0)) return kBlack;
     const Vec3 wi = normalize(there.point - point.surface.point);
@@ -149,6 +150,7 @@ struct PathVertex {
 
 /// The way on of a path that was scattered `depth` times before; false where it ends. Multiplies
 /// `throughput`, and `radiance_scale`, what of it media of other density make.
+/// Also a lane each, of LambertBsdf, in path_row_follower-inl.h, to the bit.
 template <typename Scatter, typename Numbers>
 bool choose_way(const Scatter& scatter, uint32_t depth, const Numbers& numbers, Color& throughput,
                 double& radiance_scale, BsdfSample& sample, TraceCounters& counters) {

@@ -1,11 +1,9 @@
 #include "renderer/integrator/whitted.h"
 
 #include <algorithm>
-#include <optional>
-#include <span>
 
 #include "renderer/integrator/direct_light.h"
-#include "renderer/integrator/row_tracer.h"
+#include "renderer/integrator/mirror_rows.h"
 #include "renderer/integrator/surface_point.h"
 
 namespace tessera {
@@ -213,34 +211,18 @@ class WhittedIntegrator : public Integrator {
 /// that none waits.
 template <bool kShadows>
 class MirrorIntegrator final : public WhittedIntegrator<kShadows, true, false>,
-                               public PathFollower {
+                               public MirrorPathFollower {
  public:
   using Base = WhittedIntegrator<kShadows, true, false>;
   explicit MirrorIntegrator(std::shared_ptr<const Scene> scene) : Base(std::move(scene)) {
-    if (RowTracer::can_follow(this->scene())) rows_.emplace(this->scene(), *this);
+    if (can_follow_mirrors(this->scene())) rows_ = make_mirror_rows(this->scene(), *this);
   }
 
   Color radiance(const Ray& ray, const SampleKey&, TraceState& state) const override {
     ++state.counters.rays_primary;
     return follow_to_end({.ray = ray}, state);
   }
-  bool takes_rows() const override { return rows_.has_value(); }
-  void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
-                 TraceState& state) const override {
-    if (rows_)
-      rows_->radiances(rays, found, state);
-    else
-      Base::radiances(rays, keys, found, state);
-  }
-  void radiances(const Camera& camera, std::span<const Sampler::RasterSample> rasters,
-                 std::span<const SampleKey> keys, std::span<Color> found,
-                 TraceState& state) const override {
-    const auto pinhole = camera.pinhole();
-    if (rows_ && pinhole)
-      rows_->radiances(*pinhole, rasters, found, state);
-    else
-      Base::radiances(camera, rasters, keys, found, state);
-  }
+  const RowTracer* rows() const override { return rows_.get(); }
 
  private:
   Color follow_to_end(MirrorPath path, TraceState& state) const override {
@@ -283,7 +265,7 @@ class MirrorIntegrator final : public WhittedIntegrator<kShadows, true, false>,
     }
   }
 
-  std::optional<RowTracer> rows_;
+  std::unique_ptr<const RowTracer> rows_;
 };
 
 template <bool kShadows, bool kSecondary>
@@ -298,7 +280,7 @@ std::unique_ptr<const Integrator> make_variant(std::shared_ptr<const Scene> scen
 
 std::unique_ptr<const Integrator> make_whitted(std::shared_ptr<const Scene> scene) {
   const SceneFeatures features = scene->features;
-  const bool in_rows = RowTracer::can_follow(*scene);
+  const bool in_rows = can_follow_mirrors(*scene);
   if (features.plain && !in_rows && features.shadows) {
     return std::make_unique<WhittedIntegrator<true, false, false, true>>(std::move(scene));
   }

@@ -19,6 +19,7 @@ struct Frame {
     y = {b, sign + z.y * z.y * a, -z.y};
   }
   Vec3 to_local(const Vec3& v) const { return {dot(v, x), dot(v, y), dot(v, z)}; }
+  /// Also a lane each in lane_lambert-inl.h, to the bit.
   Vec3 from_local(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
 };
 

@@ -34,6 +34,9 @@ constexpr LaneTag kLaneTag;
 constexpr hn::RebindToSigned<LaneTag> kIndexTag;
 constexpr size_t kLanes = hn::MaxLanes(LaneTag());
 
+struct Lanes2 {
+  Lanes x, y;
+};
 /// x, y and z, or red, green and blue.
 struct Lanes3 {
   Lanes x, y, z;

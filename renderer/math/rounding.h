@@ -70,6 +70,7 @@ inline DoubleDouble two_product(double a, double b) {
 }
 
 /// a * b - c * d with the right sign always and at most 2 ulp off, in the range of two_product.
+/// Also a lane each in lane_triangle-inl.h, to the bit.
 inline double difference_of_products(double a, double b, double c, double d) {
   const DoubleDouble ab = two_product(a, b);
   const DoubleDouble cd = two_product(c, d);

@@ -19,6 +19,9 @@ inline Vec2 small_sine_cosine(double x) {
   return {x * sine, cosine};
 }
 
+// small_sine_cosine() and cosine_hemisphere_point() also stand in lane_lambert-inl.h, a lane each,
+// to the bit.
+
 /// Uniform over the unit disc, neighbours staying neighbours (Shirley and Chiu 1997).
 inline Vec2 disc_point(const Vec2& u) {
   const double a = 2 * u.x - 1, b = 2 * u.y - 1;

@@ -19,10 +19,6 @@ HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
 
-struct Lanes2 {
-  Lanes x, y;
-};
-
 #if HWY_TARGET == HWY_SCALAR
 
 class LaneStream {

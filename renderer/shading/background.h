@@ -61,6 +61,7 @@ struct Background {
   }
   /// Where in the panorama's picture lies what is seen along `turned`, a unit direction of the
   /// background.
+  /// Also a lane each in lane_light-inl.h, to the bit.
   Vec2 place_in_panorama(const Vec3& turned) const;
   Color panorama_at(double s, double t) const { return picture->lookup(s, t).color * intensity; }
   /// Radiance along unit direction `d`, for a ray from `origin`.

@@ -27,6 +27,7 @@ inline Vec3 facing_normal(const BsdfPoint& point) {
 
 /// What is made of a colour of which more would come back than came: as much of each as there is of
 /// the largest too much.
+/// Also a lane each in lane_lambert-inl.h, to the bit.
 inline Color bounded(const Color& color) {
   const double largest = max_component(color);
   return largest > 1 ? color * (1 / largest) : color;
@@ -51,6 +52,7 @@ struct BsdfSample {
 
 /// Evenly scattering surfaces: the classic material without highlight, mirror or glass, which most
 /// surfaces of most scenes are. The same bits as Bsdf's, faster.
+/// Also a lane each in lane_lambert-inl.h, to the bit.
 class LambertBsdf {
  public:
   static constexpr bool kHasChoice = false;  ///< whether sample() reads `choice`

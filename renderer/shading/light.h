@@ -79,6 +79,7 @@ bool sample_shaped_light(const Light& light, const Point3& p, double path_length
                          LightSample& sample);
 
 /// False where nothing arrives at `p`; `path_length` is that from the camera to `p`.
+/// Also a lane each, of lights without beams, in lane_light-inl.h, to the bit.
 inline bool sample_light(const Light& light, const Point3& p, double path_length,
                          LightSample& sample) {
   if (light.kind != LightKind::point) return sample_shaped_light(light, p, path_length, sample);

@@ -119,6 +119,7 @@ Color highlight(const Material& material, const Vec3& n, const Vec3& wi, const V
 /// `diffuse` is the material's, after vertex colours; `n`, `wi` (to the light) and `wo` (to the
 /// viewer) are of unit length. The specular term is zero where the light is behind the surface.
 /// `kLambert`: the material's diffuse term is known to be Lambert's.
+/// Also a lane each in mirror_row_follower-inl.h, to the bit.
 template <bool kLambert = false>
 [[gnu::always_inline]] inline Color reflected_share(const Material& material, const Color& diffuse,
                                                     const Vec3& n, const Vec3& wi, const Vec3& wo) {

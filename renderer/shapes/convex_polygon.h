@@ -48,8 +48,10 @@ class Rectangle final : public Shape {
   const Vec3& share_v() const { return share_v_; }  ///< the other way round
   int axis() const { return axis_; }                ///< along which the normal is; -1: along none
   Bounds3 bounds() const override;
+  /// Also a lane each in few_rows-inl.h, to the bit.
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  /// Also a lane each in lane_surface-inl.h, to the bit.
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   /// The same for a ray that is known to be inside the edges where it meets the plane.
   bool closest_hit_inside(const Ray& ray, Hit& hit, TraversalCounters& counters) const;

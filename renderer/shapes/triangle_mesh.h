@@ -57,6 +57,7 @@ struct MeshDefects {
 MeshDefects drop_degenerate(TriangleMesh& mesh, int threads = 1);
 
 /// The surface at barycentric weights u, v of vertices 1 and 2 of a triangle.
+/// Also a lane each in lane_triangle-inl.h, to the bit.
 LocalSurface triangle_surface(const TriangleMesh& mesh, uint32_t triangle, double u, double v);
 
 }  // namespace tessera

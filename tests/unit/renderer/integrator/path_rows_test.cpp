@@ -228,12 +228,12 @@ TEST(PathRows, FollowsEachPathAsItIsFollowedAlone) {
     const bool has_lens = seed % 5 == 0;
     UnveiledScene random(seed, has_lens);
     const auto scene = random.build(seed % 3 == 0 ? "linear" : "bvh");
-    ASSERT_TRUE(PathRows::can_follow(*scene)) << random.text();
+    ASSERT_TRUE(can_follow_paths(*scene)) << random.text();
     const auto integrator = make_integrator(scene);
     ++in_rows;
     even += random.is_even();
     sampled += scene->environment != nullptr;
-    std::vector<Ray> rays(1 + seed % PathRows::kMost);
+    std::vector<Ray> rays(1 + seed % RowTracer::kMost);
     std::vector<SampleKey> keys(rays.size());
     for (Ray& ray : rays) ray = random.ray();
     for (SampleKey& key : keys) key = random.key();
@@ -249,10 +249,10 @@ TEST(PathRows, FollowsEachPathAsItIsFollowedAlone) {
     ended += state.counters.roulette_ends;
     for (const BvhKernels& code : all_kernels()) {
       SCOPED_TRACE(fmt::format("seed {}, {}", seed, code.name));
-      const PathRows rows(*scene, code.name);
+      const auto rows = make_path_rows(*scene, code.name);
       std::vector<Color> found(rays.size());
       TraceState together;
-      rows.radiances(rays, keys, found, together);
+      rows->radiances(rays, keys, found, together);
       for (size_t i = 0; i < rays.size(); ++i)
         ASSERT_EQ(found[i], expected[i]) << i << "\n" << random.text();
       EXPECT_EQ(counts_of(together.counters, *scene), counts_of(state.counters, *scene));
@@ -286,10 +286,10 @@ TEST(PathRows, SendsRaysThroughRasterPointsAsTheCameraDoes) {
       expected.push_back(integrator->radiance(camera.ray(at.x, at.y), keys.back(), state));
     }
     for (const BvhKernels& code : all_kernels()) {
-      const PathRows rows(*scene, code.name);
+      const auto rows = make_path_rows(*scene, code.name);
       std::vector<Color> found(points.size());
       TraceState together;
-      rows.radiances(*camera.pinhole(), points, keys, found, together);
+      rows->radiances(*camera.pinhole(), points, keys, found, together);
       EXPECT_EQ(found, expected) << seed << " " << code.name;
     }
   }
@@ -305,7 +305,7 @@ TEST(PathRows, LeavesVeilsAndWhatAbsorbsAlone) {
         "nodes {{ shape {{ materials: 'a' sphere {{ radius: 1 }} }} }}",
         material);
     const auto scene = build_scene(parse_scene(text), {}, frame_of(4, 4), 1, {}, {});
-    EXPECT_FALSE(PathRows::can_follow(*scene)) << material;
+    EXPECT_FALSE(can_follow_paths(*scene)) << material;
   }
 }
 

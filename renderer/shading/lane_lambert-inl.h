@@ -1,17 +1,15 @@
-// Part of path_rows.cpp, compiled once for each instruction set: LambertBsdf at many points, a lane
-// each.
-#if defined(TESSERA_LANE_SCATTER_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef TESSERA_LANE_SCATTER_INL_H
-#undef TESSERA_LANE_SCATTER_INL_H
+// Compiled once for each instruction set: LambertBsdf at many points, a lane each, to the last bit.
+#if defined(TESSERA_LANE_LAMBERT_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_LANE_LAMBERT_INL_H
+#undef TESSERA_LANE_LAMBERT_INL_H
 #else
-#define TESSERA_LANE_SCATTER_INL_H
+#define TESSERA_LANE_LAMBERT_INL_H
 #endif
 
 #include <hwy/highway.h>
 
 #include "renderer/math/elementary.h"
 #include "renderer/math/lanes-inl.h"
-#include "renderer/sampler/lane_sampler-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {
@@ -23,11 +21,6 @@ HWY_INLINE Lanes3 bounded(const Lanes3& color) {
   const Lanes largest = greatest(color);
   const auto exceeds = hn::Gt(largest, all(1));
   return choose(exceeds, multiply(color, hn::Div(all(1), largest)), color);
-}
-/// power_heuristic()
-HWY_INLINE Lanes power_heuristic(Lanes own, Lanes other) {
-  const Lanes ratio = hn::Div(other, own);
-  return hn::Div(all(1), hn::Add(all(1), hn::Mul(ratio, ratio)));
 }
 
 /// small_sine_cosine()

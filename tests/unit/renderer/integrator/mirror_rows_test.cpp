@@ -1,4 +1,4 @@
-#include "renderer/integrator/row_tracer.h"
+#include "renderer/integrator/mirror_rows.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -159,20 +159,21 @@ Counts counts_of(const TraceCounters& c) {
           c.shadow_rays_skipped, c.branches_skipped, c.lights_culled,   c.paths_cut};
 }
 
-TEST(RowTracer, FollowsEachRayAsItIsFollowedAlone) {
+TEST(MirrorRows, FollowsEachRayAsItIsFollowedAlone) {
   uint64_t in_rows = 0, panoramas = 0, hits = 0, reflections = 0, shadows = 0;
   for (uint32_t seed = 0; seed < 400; ++seed) {
     SimpleScene random(seed);
     const auto scene = built(random, seed % 3 == 0 ? "linear" : "bvh", {});
     const auto integrator = make_integrator(scene);
-    const auto* const alone = dynamic_cast<const PathFollower*>(integrator.get());
-    if (!RowTracer::can_follow(*scene)) continue;
+    const auto* const alone = dynamic_cast<const MirrorPathFollower*>(integrator.get());
+    if (!can_follow_mirrors(*scene)) continue;
     ++in_rows;
     panoramas += scene->background.is_plain_panorama();
     ASSERT_TRUE(alone) << random.text();
     const auto full = built(random, "linear", {.absent_features = false});
     const auto one_by_one = make_integrator(full);
     std::vector<Ray> rays(1 + seed % RowTracer::kMost);
+    const std::vector<SampleKey> keys(rays.size());  // which nothing reads
     for (Ray& ray : rays) ray = random.ray();
     random.set_bounds(rays);
     std::vector<Color> expected(rays.size());
@@ -184,11 +185,11 @@ TEST(RowTracer, FollowsEachRayAsItIsFollowedAlone) {
     shadows += state.counters.rays_shadow;
     for (const BvhKernels& code : all_kernels()) {
       SCOPED_TRACE(fmt::format("seed {}, {}", seed, code.name));
-      const RowTracer tracer(*scene, *alone, code.name);
+      const auto tracer = make_mirror_rows(*scene, *alone, code.name);
       std::vector<Color> found(rays.size());
       TraceState together;
       integrator->make_room(together);
-      tracer.radiances(rays, found, together);
+      tracer->radiances(rays, keys, found, together);
       for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(found[i], expected[i]) << i;
       EXPECT_EQ(counts_of(together.counters), counts_of(state.counters));
     }
@@ -200,13 +201,13 @@ TEST(RowTracer, FollowsEachRayAsItIsFollowedAlone) {
   EXPECT_GT(shadows, 5'000u);
 }
 
-TEST(RowTracer, SendsRaysThroughRasterPointsAsTheCameraDoes) {
+TEST(MirrorRows, SendsRaysThroughRasterPointsAsTheCameraDoes) {
   uint64_t in_rows = 0;
   for (uint32_t seed = 0; seed < 60; ++seed) {
     SimpleScene random(seed);
     const auto scene = built(random, "bvh", {});
     const auto integrator = make_integrator(scene);
-    if (!RowTracer::can_follow(*scene)) continue;
+    if (!can_follow_mirrors(*scene)) continue;
     ++in_rows;
     const Camera& camera = *scene->camera;
     std::vector<Sampler::RasterSample> points;
@@ -220,11 +221,13 @@ TEST(RowTracer, SendsRaysThroughRasterPointsAsTheCameraDoes) {
     for (const auto& [point, negative] : points)
       expected.push_back(integrator->radiance(camera.ray(point.x, point.y), {}, state));
     for (const BvhKernels& code : all_kernels()) {
-      const RowTracer tracer(*scene, dynamic_cast<const PathFollower&>(*integrator), code.name);
+      const auto tracer =
+          make_mirror_rows(*scene, dynamic_cast<const MirrorPathFollower&>(*integrator), code.name);
       std::vector<Color> found(points.size());
       TraceState together;
       integrator->make_room(together);
-      tracer.radiances(*camera.pinhole(), points, found, together);
+      const std::vector<SampleKey> keys(points.size());  // which nothing reads
+      tracer->radiances(*camera.pinhole(), points, keys, found, together);
       EXPECT_EQ(found, expected) << code.name;
       EXPECT_EQ(counts_of(together.counters), counts_of(state.counters)) << code.name;
     }

@@ -1,10 +1,10 @@
-// Part of bvh_kernels.cpp, compiled once for each instruction set: many rays against each of a few
-// planes and boxes.
-#if defined(TESSERA_RAY_ROW_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef TESSERA_RAY_ROW_INL_H
-#undef TESSERA_RAY_ROW_INL_H
+// Part of bvh_kernels.cpp, compiled once for each instruction set: what a row of rays meets of
+// FewRows, a lane a ray.
+#if defined(TESSERA_FEW_ROWS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_FEW_ROWS_INL_H
+#undef TESSERA_FEW_ROWS_INL_H
 #else
-#define TESSERA_RAY_ROW_INL_H
+#define TESSERA_FEW_ROWS_INL_H
 #endif
 
 #include <hwy/highway.h>

@@ -1,4 +1,4 @@
-#include "renderer/sampler/raster_row.h"
+#include "renderer/sampler/draw_rasters.h"
 
 #include <algorithm>
 
@@ -6,7 +6,7 @@
 
 // This file is compiled once for each instruction set, as bvh_kernels.cpp is.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "renderer/sampler/raster_row.cpp"
+#define HWY_TARGET_INCLUDE "renderer/sampler/draw_rasters.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -39,8 +39,6 @@ void draw_points(const Sampler& sampler, std::span<const SampleKey> keys,
   }
 }
 
-auto point_code() { return &draw_points; }
-
 }  // namespace HWY_NAMESPACE
 }  // namespace tessera
 HWY_AFTER_NAMESPACE();
@@ -48,15 +46,20 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace tessera {
 
-void draw_rasters(const Sampler& sampler, std::span<const SampleKey> keys,
-                  std::span<Sampler::RasterSample> samples, std::string_view instructions) {
-  if (sampler.draws_points()) {
-    code_of_target(TESSERA_EACH_TARGET(point_code), instructions)()(sampler, keys, samples);
-    return;
-  }
+namespace {
+
+void draw_one_by_one(const Sampler& sampler, std::span<const SampleKey> keys,
+                     std::span<Sampler::RasterSample> samples) {
   std::ranges::transform(keys, samples.begin(), [&](const SampleKey& key) {
     return sampler.raster_sample(key.x, key.y, key.sample);
   });
+}
+
+}  // namespace
+
+DrawRasters raster_drawer(const Sampler& sampler, std::string_view instructions) {
+  if (!sampler.draws_points()) return draw_one_by_one;
+  return code_of_target(TESSERA_EACH_TARGET(draw_points), instructions);
 }
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// Part of path_rows.cpp, compiled once for each instruction set: triangle_surface() at many hits of
-// one mesh, a lane each.
+// Compiled once for each instruction set: triangle_surface() at many hits of one mesh, a lane each,
+// to the last bit.
 #if defined(TESSERA_LANE_TRIANGLE_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TESSERA_LANE_TRIANGLE_INL_H
 #undef TESSERA_LANE_TRIANGLE_INL_H
@@ -11,9 +11,9 @@
 
 #include <cstdint>
 
-#include "renderer/integrator/lane_surface-inl.h"
 #include "renderer/math/lanes-inl.h"
 #include "renderer/math/rounding.h"
+#include "renderer/shapes/lane_surface-inl.h"
 #include "renderer/shapes/triangle_mesh.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,5 +1,5 @@
-// Part of row_tracer.cpp, compiled once for each instruction set: where rays meet
-// planes and spheres, a lane each.
+// Compiled once for each instruction set: LocalSurface at many hits of one plane, sphere or
+// rectangle, and RayOrigins, a lane each, to the last bit.
 #if defined(TESSERA_LANE_SURFACE_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TESSERA_LANE_SURFACE_INL_H
 #undef TESSERA_LANE_SURFACE_INL_H

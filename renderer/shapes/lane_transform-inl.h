@@ -1,5 +1,5 @@
-// Part of path_rows.cpp, compiled once for each instruction set: points and normals of many hits of
-// one instance, a lane each, taken into the world as take_to_world() does.
+// Compiled once for each instruction set: take_to_world() of many hits of one instance, a lane
+// each, to the last bit.
 #if defined(TESSERA_LANE_TRANSFORM_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TESSERA_LANE_TRANSFORM_INL_H
 #undef TESSERA_LANE_TRANSFORM_INL_H
@@ -9,10 +9,10 @@
 
 #include <hwy/highway.h>
 
-#include "renderer/integrator/lane_surface-inl.h"
 #include "renderer/math/lanes-inl.h"
 #include "renderer/math/rounding.h"
 #include "renderer/math/transform.h"
+#include "renderer/shapes/lane_surface-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {
@@ -63,6 +63,25 @@ HWY_INLINE Lanes3 unmoved_normal(const Lanes3& n) {
   const Lanes3 whole = add(n, {zero, zero, zero});  // no -0
   const auto is_unit = hn::Eq(dot(whole, whole), all(1));
   return choose(is_unit, whole, normalize(whole));
+}
+/// take_to_world()
+HWY_INLINE void take_to_world(const Transform& world_from_object, bool flip_normals,
+                              LaneSurface& s) {
+  const auto is_flat =
+      hn::And(hn::Eq(s.front.x, s.shading.x),
+              hn::And(hn::Eq(s.front.y, s.shading.y), hn::Eq(s.front.z, s.shading.z)));  // -0 is 0
+  if (world_from_object.is_identity()) {
+    place_in_world(s.point, s.error);
+    s.front = unmoved_normal(s.front), s.shading = unmoved_normal(s.shading);
+  } else {
+    place_in_world(world_from_object, s.point, s.error);
+    s.front = normal_in_world(world_from_object, s.front);
+    s.shading = normal_in_world(world_from_object, s.shading);
+  }
+  s.shading = choose(is_flat, s.front, s.shading);
+  if (flip_normals) s.front = negate(s.front), s.shading = negate(s.shading);
+  const auto is_behind = hn::Lt(dot(s.front, s.shading), hn::Zero(kLaneTag));
+  s.shading = choose(is_behind, negate(s.shading), s.shading);
 }
 
 }  // namespace HWY_NAMESPACE

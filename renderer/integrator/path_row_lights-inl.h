@@ -1,0 +1,201 @@
+// Part of path_rows.cpp, compiled once for each instruction set: PathVertex::from_area_light(), a
+// lane a path.
+#if defined(TESSERA_PATH_ROW_LIGHTS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_PATH_ROW_LIGHTS_INL_H
+#undef TESSERA_PATH_ROW_LIGHTS_INL_H
+#else
+#define TESSERA_PATH_ROW_LIGHTS_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "renderer/integrator/direct_light.h"
+#include "renderer/integrator/lane_row-inl.h"
+#include "renderer/integrator/light_sampling.h"
+#include "renderer/integrator/path_front-inl.h"
+#include "renderer/math/lanes-inl.h"
+#include "renderer/scene/scene.h"
+#include "renderer/shading/lane_lambert-inl.h"
+#include "renderer/shapes/lane_surface-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+/// power_heuristic()
+HWY_INLINE Lanes power_heuristic(Lanes own, Lanes other) {
+  const Lanes ratio = hn::Div(other, own);
+  return hn::Div(all(1), hn::Add(all(1), hn::Mul(ratio, ratio)));
+}
+
+/// Light of points of area lights, to what a front's paths meet.
+class PathRowLights {
+ public:
+  PathRowLights(const Scene& scene, TraceState& state) : scene_(scene), state_(state) {}
+
+  /// Before the paths of a front are lit, which have those numbers.
+  void begin(const uint32_t* numbers) {
+    numbers_ = numbers;
+    shadows_.rays.begin(0, 1);
+  }
+  /// One for each path that scatters evenly and does not choose the background, for which its
+  /// numbers are read all the same. `width_of(i)` is that of what a path's sample stands for, of
+  /// lights with textures.
+  template <typename Width>
+  void choose_points(Met& met, const Width& width_of) {
+    const double to_sky = environment_share(scene_);
+    const bool picks = picks_light(scene_);
+    for (size_t i = 0; i < met.even; ++i) {
+      const double which = picks ? met.pick[i] : 0;
+      points_.density[i] = 0;
+      if (which < to_sky) {
+        met.read_on_light(i);
+        continue;
+      }
+      choose_point(met, i, (which - to_sky) / (1 - to_sky), 1 - to_sky, width_of);
+    }
+    const size_t whole = (met.even + kLanes - 1) / kLanes * kLanes;
+    for (size_t i = met.even; i < whole; ++i) points_.density[i] = 0;
+    for (size_t i = 0; i < whole; ++i) {
+      if (points_.density[i] > 0) continue;
+      // Some place that is not the point's own.
+      put(vec_at(met.surface.point, i) + vec_at(met.surface.front, i), i, points_.point);
+      put(Vec3{}, i, points_.error), put(Vec3{}, i, points_.normal);
+      put(kBlack, i, points_.front), put(kBlack, i, points_.back);
+    }
+  }
+  /// What they bring. Black if it may be added later, of those that nothing stops.
+  Lanes3 brought(const Met& met, const PathBundle& bundle, const LaneLambert& lambert,
+                 bool may_wait) {
+    const Lanes zero = hn::Zero(kLaneTag);
+    const Lanes3 none{zero, zero, zero};
+    const size_t at = bundle.at;
+    const Lanes density = hn::Load(kLaneTag, points_.density + at);
+    const uint32_t chosen = bits_of(hn::Gt(density, zero)) & bundle.bits;
+    if (chosen == 0) return none;
+    const Lanes3 place = load(points_.point, at), normal = load(points_.normal, at);
+    const LaneSurface& here = bundle.surface;
+    const Lanes3 wi = normalize(subtract(place, here.point));
+    const auto in_front = hn::Lt(dot(wi, normal), zero);
+    const Lanes3 shine = choose(in_front, load(points_.front, at), load(points_.back, at));
+    LaneValue value = lambert.evaluate(wi);
+    const auto shines_not = is_black(shine);
+    value.density = hn::IfThenZeroElse(shines_not, value.density);
+    const auto is_dark = hn::Or(shines_not, is_black(value.share));
+    uint32_t asked = chosen;
+    if (scene_.skips.dark_shadow_rays) {
+      asked &= ~bits_of(is_dark);
+      state_.counters.shadow_rays_skipped += static_cast<uint64_t>(std::popcount(chosen & ~asked));
+    }
+    state_.counters.rays_shadow += static_cast<uint64_t>(std::popcount(asked));
+    // As point_visibility() does: the stretch ends before the light's own surface.
+    const Lanes3 back = subtract(here.point, place);
+    const auto behind = hn::Lt(dot(back, normal), zero);
+    const Lanes3 side = choose(behind, negate(normal), normal);
+    const Lanes lift = hn::Add(dot(abs(side), load(points_.error, at)),
+                               hn::Mul(all(kLiftRoundings), sum(abs(back))));
+    const Lanes3 origin = origin_towards(here, negate(back));
+    const Lanes3 stretch = subtract(add(place, multiply(side, lift)), origin);
+    const Lanes weight = power_heuristic(density, value.density);
+    const Lanes3 light =
+        choose(is_dark, none, multiply(multiply(shine, value.share), hn::Div(weight, density)));
+    if (may_wait) {
+      append_shadow_rays(met, bundle, asked, origin, stretch, multiply(bundle.throughput, light));
+      return none;
+    }
+    return choose(mask_of(asked & ~stopped(origin, stretch, asked)), light, none);
+  }
+  /// What was to be added later.
+  void add_not_stopped(std::span<Color> found) {
+    const Accelerator* const opaque = scene_.path_occluders.opaque.get();
+    const RayRow& rays = shadows_.rays;
+    if (rays.count == 0) return;
+    const uint64_t stopped = opaque ? opaque->any_hits(rays, state_.counters.traversal) : 0;
+    for (uint32_t i = 0; i < rays.count; ++i)
+      if ((stopped >> i & 1) == 0) found[shadows_.number[i]] += color_at(shadows_.light, i);
+  }
+
+ private:
+  /// Of the paths that choose one, a point of an area light.
+  struct LightPoints {
+    alignas(64) double point[3][RayRow::kRoom], error[3][RayRow::kRoom], normal[3][RayRow::kRoom];
+    alignas(64) double front[3][RayRow::kRoom], back[3][RayRow::kRoom];
+    alignas(64) double density[RayRow::kRoom];  ///< 0 where there is none
+  };
+  /// The stretches from surfaces to area lights, and what light they bring to each path.
+  struct ShadowRows {
+    RayRow rays;
+    alignas(64) double light[3][RayRow::kRoom];
+    uint32_t number[RayRow::kMost];
+  };
+
+  template <typename Width>
+  void choose_point(Met& met, size_t i, double u, double share, const Width& width_of) {
+    const AreaLights& lights = scene_.area_lights;
+    const Point3 from = Point3{} + vec_at(met.surface.point, i);
+    const Vec3 front = vec_at(met.surface.front, i);
+    const LightTree::Pick pick = lights.tree().pick(from, met.from_behind(i) ? -front : front, u);
+    const AreaLight& light = lights[pick.index];
+    if (scene_.skips.dark_shadow_rays && light.is_dark_from(from)) {
+      ++state_.counters.shadow_rays_skipped;
+      return;
+    }
+    SurfaceSample sample;
+    const double density =
+        light.sampler->sample(from, met.read_on_light(i), sample) * pick.probability * share;
+    if (!(density > 0)) return;
+    points_.density[i] = density;
+    put(sample.point - Point3{}, i, points_.point);
+    put(sample.point_error, i, points_.error);
+    put(sample.normal, i, points_.normal);
+    put(light.front, i, points_.front);
+    put(light.back, i, points_.back);
+    if (!light.has_texture) return;
+    const Color shine = looked_up_emission(scene_, light.instance, sample.point, from, width_of(i),
+                                           state_.counters);
+    if (!is_black(light.front)) put(shine, i, points_.front);
+    if (!is_black(light.back)) put(shine, i, points_.back);
+  }
+
+  /// Of stretches in the lanes of `asked` those that something stops.
+  uint32_t stopped(const Lanes3& origin, const Lanes3& stretch, uint32_t asked) {
+    const Accelerator* const opaque = scene_.path_occluders.opaque.get();
+    const Stored3 origins(origin), stretches(stretch);
+    uint32_t lanes = 0;
+    for (uint32_t left = opaque ? asked : 0; left != 0;) {
+      const size_t lane = take_lowest_lane(left);
+      const Ray ray{origins.point(lane), stretches.vec(lane), 0, 1};
+      lanes |= uint32_t{opaque->any_hit(ray, state_.counters.traversal)} << lane;
+    }
+    return lanes;
+  }
+  void append_shadow_rays(const Met& met, const PathBundle& bundle, uint32_t asked,
+                          const Lanes3& origin, const Lanes3& stretch, const Lanes3& light) {
+    RayRow& rays = shadows_.rays;
+    append(origin, asked, rays.count, rays.origin);
+    append(stretch, asked, rays.count, rays.direction);
+    append(light, asked, rays.count, shadows_.light);
+    while (asked != 0) {
+      const uint32_t place = met.place[bundle.at + take_lowest_lane(asked)];
+      shadows_.number[rays.count++] = numbers_[place];
+    }
+  }
+
+  const Scene& scene_;
+  TraceState& state_;
+  const uint32_t* numbers_ = nullptr;  ///< of the paths, by place
+  LightPoints points_;
+  ShadowRows shadows_;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,133 @@
+// Compiled once for each instruction set: what all that follows rows of camera rays has in common.
+#if defined(TESSERA_ROW_FOLLOWER_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_ROW_FOLLOWER_INL_H
+#undef TESSERA_ROW_FOLLOWER_INL_H
+#else
+#define TESSERA_ROW_FOLLOWER_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "base/unmade.h"
+#include "renderer/integrator/lane_camera-inl.h"
+#include "renderer/integrator/lane_row-inl.h"
+#include "renderer/integrator/row_tracer.h"
+#include "renderer/scene/scene.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+
+/// Rays that have met as many surfaces.
+struct RayFront {
+  RayRow rays;
+  alignas(64) double throughput[3][RayRow::kRoom];
+  alignas(64) double path_length[RayRow::kRoom];  ///< metres from the camera to the origin
+  uint32_t number[RayRow::kMost];                 ///< of the camera ray
+};
+
+/// Follows a row of camera rays from front to front. `Front` is a RayFront, with more where rays
+/// carry more. Used once.
+template <typename Front>
+class RowFollower {
+ public:
+  /// To be set before they are followed.
+  RayRow& camera_rays() { return now_->rays; }
+
+ protected:
+  RowFollower(const Scene& scene, std::span<Color> found, TraceState& state)
+      : scene_(scene), found_(found), state_(state) {}
+
+  /// `step` works out what now_ meets, and fills next_.
+  template <typename Step>
+  void follow_all(const Step& step) {
+    const size_t count = now_->rays.count;
+    for (auto& channel : now_->throughput) std::fill_n(channel, count, 1.0);
+    std::fill_n(now_->path_length, count, 0.0);
+    std::iota(now_->number, now_->number + count, 0u);
+    std::ranges::fill(found_, kBlack);
+    state_.counters.rays_primary += count;
+    for (; now_->rays.count > 0; ++depth_) {
+      next_->rays.begin();
+      step();
+      std::swap(now_, next_);
+    }
+  }
+
+  void find_hits() {
+    scene_.surfaces->closest_hits(now_->rays, {hits_.data(), now_->rays.count},
+                                  state_.counters.traversal);
+  }
+  bool is_hit(uint32_t place) const {
+    return hits_[place].t < std::numeric_limits<double>::infinity();
+  }
+  /// Takes from the `n` places `left`, all of hits, those of one instance to `same`, whose last
+  /// vector is filled up by the first of them; how many they are. All keep their order.
+  size_t take_instance(uint32_t* left, size_t& n, uint32_t* same) const {
+    const uint32_t instance = hits_[left[0]].instance;
+    size_t of_it = 0, others = 0;
+    for (size_t i = 0; i < n; ++i) {
+      const uint32_t place = left[i];
+      const bool is_it = hits_[place].instance == instance;
+      same[of_it] = left[others] = place;
+      of_it += is_it;
+      others += !is_it;
+    }
+    n = others;
+    std::fill_n(same + of_it, kLanes, same[0]);
+    return of_it;
+  }
+
+  /// What its camera ray has found so far.
+  Color& sum_of(uint32_t place) { return found_[now_->number[place]]; }
+  Color throughput(uint32_t place) const { return color_at(now_->throughput, place); }
+  Color background(const Ray& ray) const {
+    return scene_.background.radiance(ray.origin, ray.direction, scene_.lights);
+  }
+
+  const Scene& scene_;
+  std::span<Color> found_;
+  TraceState& state_;
+  Front fronts_[2];
+  Front *now_ = &fronts_[0], *next_ = &fronts_[1];
+  Unmade<Hit, RayRow::kMost> hits_;  ///< of now_
+  uint32_t depth_ = 0;               ///< surfaces met before
+};
+
+/// The rows that `Follower` follows, by what it wants to know of the scene's surfaces.
+template <typename Follower>
+class RowTracerOf final : public RowTracer {
+ public:
+  template <typename... Given>
+  explicit RowTracerOf(const Given&... given) : surfaces_(given...) {}
+
+ private:
+  void follow(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
+              TraceState& state) const override {
+    Follower follower(surfaces_, found, state);
+    set_rays(rays, follower.camera_rays());
+    follower.follow(keys);
+  }
+  /// Camera::ray() through each.
+  void follow(const Camera::Pinhole& camera, std::span<const Sampler::RasterSample> rasters,
+              std::span<const SampleKey> keys, std::span<Color> found,
+              TraceState& state) const override {
+    Follower follower(surfaces_, found, state);
+    set_rays(camera, rasters, follower.camera_rays());
+    follower.follow(keys);
+  }
+
+  typename Follower::Surfaces surfaces_;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#endif
