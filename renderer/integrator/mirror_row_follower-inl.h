@@ -81,23 +81,9 @@ class MirrorRowFollower : public RowFollower<RayFront> {
   }
   /// To rays that meet nothing; there is room behind `places`.
   void bring_background(uint32_t* places, size_t count) {
-    const Background& beyond = scene_.background;
-    if (!beyond.is_plain_panorama()) {
-      for (size_t i = 0; i < count; ++i)
-        bring(places[i], throughput(places[i]) * background(now_->rays.ray(places[i])));
-      return;
-    }
-    std::fill_n(places + count, kLanes, places[0]);
-    alignas(64) double s[RayRow::kRoom], t[RayRow::kRoom];
-    for (size_t i = 0; i < count; i += kLanes) {
-      const LaneIndices at = indices_of(places + i);
-      place_in_panorama(beyond, gather(now_->rays.direction, at), s + i, t + i);
-      // A large picture is in no cache; by the time that it is looked at, it is.
-      for (size_t lane = 0; lane < kLanes; ++lane)
-        beyond.picture->prefetch(s[i + lane], t[i + lane]);
-    }
-    for (size_t i = 0; i < count; ++i)
-      bring(places[i], throughput(places[i]) * beyond.panorama_at(s[i], t[i]));
+    look_beyond(places, count, [&](uint32_t place, const Color& seen, const Vec2*) {
+      bring(place, throughput(place) * seen);
+    });
   }
   void shade(const uint32_t* places, size_t count, uint32_t instance) {
     MirrorBundle bundle;

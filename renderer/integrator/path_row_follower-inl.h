@@ -85,23 +85,27 @@ class PathRowFollower : public RowFollower<PathFront> {
     count_unread(met_.count * VertexNumbers::kPairs - read);
   }
 
-  void add_background(uint32_t place) {
-    const Ray ray = now_->rays.ray(place);
-    sum_of(place) += throughput(place) * background(ray) *
-                     background_weight(scene_, now_->density[place], ray.direction);
+  /// To paths that meet nothing; there is room behind `places`.
+  void add_background(uint32_t* places, size_t count) {
+    look_beyond(places, count, [&](uint32_t place, const Color& seen, const Vec2* at) {
+      const Vec3 direction = vec_at(now_->rays.direction, place);
+      sum_of(place) +=
+          throughput(place) * seen * background_weight(scene_, now_->density[place], direction, at);
+    });
   }
 
   // ------------------------------------------------------------------------------------- surfaces
 
   void meet() {
     find_hits();
-    uint32_t left[RayRow::kMost];
-    size_t n = 0;
+    uint32_t left[RayRow::kMost], missed[RayRow::kMost + kLanes];
+    size_t n = 0, misses = 0;
     for (uint32_t i = 0; i < now_->rays.count; ++i) {
-      left[n] = i;
+      left[n] = missed[misses] = i;
       n += is_hit(i);
-      if (!is_hit(i)) add_background(i);
+      misses += !is_hit(i);
     }
+    if (misses > 0) add_background(missed, misses);
     state_.counters.hits += n;
     met_.count = n;
     met_.even = 0;

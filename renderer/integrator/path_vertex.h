@@ -14,10 +14,12 @@ namespace tessera {
 // What light that a path finds by itself is weighed by; `density` is that of its last direction, 0
 // where there was no other way to go.
 
-/// Of the background along `direction`.
-inline double background_weight(const Scene& scene, double density, const Vec3& direction) {
+/// Of the background along `direction`; `place` as EnvironmentSampler::density() takes it.
+inline double background_weight(const Scene& scene, double density, const Vec3& direction,
+                                const Vec2* place = nullptr) {
   if (!(density > 0) || !scene.environment) return 1;
-  return power_heuristic(density, environment_share(scene) * scene.environment->density(direction));
+  return power_heuristic(density,
+                         environment_share(scene) * scene.environment->density(direction, place));
 }
 /// Of what shines at `point`, from where the path scattered last.
 inline double emission_weight(const Scene& scene, const SurfacePoint& point, double density,

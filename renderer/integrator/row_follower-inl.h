@@ -16,6 +16,7 @@
 
 #include "base/unmade.h"
 #include "renderer/integrator/lane_camera-inl.h"
+#include "renderer/integrator/lane_light-inl.h"
 #include "renderer/integrator/lane_row-inl.h"
 #include "renderer/integrator/row_tracer.h"
 #include "renderer/scene/scene.h"
@@ -89,6 +90,30 @@ class RowFollower {
   Color throughput(uint32_t place) const { return color_at(now_->throughput, place); }
   Color background(const Ray& ray) const {
     return scene_.background.radiance(ray.origin, ray.direction, scene_.lights);
+  }
+  /// Calls act(place, seen, &Background::place_in_panorama() or null) for each of the places, whose
+  /// rays meet nothing; there is room for a vector behind them.
+  template <typename Act>
+  void look_beyond(uint32_t* places, size_t count, const Act& act) const {
+    const Background& beyond = scene_.background;
+    if (!beyond.is_plain_panorama()) {
+      for (size_t i = 0; i < count; ++i)
+        act(places[i], background(now_->rays.ray(places[i])), nullptr);
+      return;
+    }
+    std::fill_n(places + count, kLanes, places[0]);
+    alignas(64) double s[RayRow::kRoom], t[RayRow::kRoom];
+    for (size_t i = 0; i < count; i += kLanes) {
+      const LaneIndices at = indices_of(places + i);
+      place_in_panorama(beyond, gather(now_->rays.direction, at), s + i, t + i);
+      // A large picture is in no cache; by the time that it is looked at, it is.
+      for (size_t lane = 0; lane < kLanes; ++lane)
+        beyond.picture->prefetch(s[i + lane], t[i + lane]);
+    }
+    for (size_t i = 0; i < count; ++i) {
+      const Vec2 at{s[i], t[i]};
+      act(places[i], beyond.panorama_at(at.x, at.y), &at);
+    }
   }
 
   const Scene& scene_;

@@ -170,10 +170,10 @@ EnvironmentSampler::Sample EnvironmentSampler::sample(const Vec2& u) const {
   return sample;
 }
 
-double EnvironmentSampler::density(const Vec3& direction) const {
+double EnvironmentSampler::density(const Vec3& direction, const Vec2* place) const {
   const double share = sun_share();
   const Vec3 d = turned(direction);
-  double sum = patch_density(d) * (1 - share);
+  double sum = patch_density(d, place) * (1 - share);
   if (has_sun_ && background_.daylight->is_sun(d)) sum += share * Sky::sun_density();
   return sum;
 }
@@ -198,8 +198,8 @@ Vec3 EnvironmentSampler::direction_in(const Patch& patch) const {
   return direction_at_place(background_, s, y);
 }
 
-EnvironmentSampler::Patch EnvironmentSampler::patch_at(const Vec3& turned) const {
-  const Vec2 place = background_.place_in_panorama(turned);
+EnvironmentSampler::Patch EnvironmentSampler::patch_at(const Vec3& turned,
+                                                       const Vec2& place) const {
   const double last = static_cast<double>(columns_) - 1;
   double s = place.x * columns_ - 0.5;
   if (s < 0) s += columns_;
@@ -211,9 +211,9 @@ EnvironmentSampler::Patch EnvironmentSampler::patch_at(const Vec3& turned) const
           std::clamp(s - column, 0.0, 1.0)};
 }
 
-double EnvironmentSampler::patch_density(const Vec3& turned) const {
+double EnvironmentSampler::patch_density(const Vec3& turned, const Vec2* place) const {
   if (!(total_ > 0)) return 0;
-  const Patch at = patch_at(turned);
+  const Patch at = patch_at(turned, place ? *place : background_.place_in_panorama(turned));
   const Corners c = corners(at.row, at.column);
   const double left = between(c.top_left, c.bottom_left, at.down);
   const double right = between(c.top_right, c.bottom_right, at.down);

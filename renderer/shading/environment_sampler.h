@@ -21,8 +21,9 @@ class EnvironmentSampler {
   explicit EnvironmentSampler(const Background& background, int threads = 1);
   /// `u` in [0, 1).
   Sample sample(const Vec2& u) const;
-  /// Per steradian; 0 where sample() never goes.
-  double density(const Vec3& direction) const;
+  /// Per steradian; 0 where sample() never goes. `place`: that of Background::place_in_panorama(),
+  /// where it is known.
+  double density(const Vec3& direction, const Vec2* place = nullptr) const;
   /// Whether nothing is that much brighter than the rest.
   bool is_even() const { return total_ + sun_ <= 0; }
 
@@ -40,11 +41,11 @@ class EnvironmentSampler {
     double top_left, top_right, bottom_left, bottom_right;
   };
   Corners corners(size_t row, size_t column) const;
-  Patch patch_at(const Vec3& turned) const;
+  Patch patch_at(const Vec3& turned, const Vec2& place) const;
   Vec3 direction_in(const Patch& patch) const;
   double point(size_t row, size_t column) const { return points_[row * columns_ + column]; }
   Sample sample_patches(const Vec2& u) const;
-  double patch_density(const Vec3& turned) const;
+  double patch_density(const Vec3& turned, const Vec2* place = nullptr) const;
   double sun_share() const { return sun_ / (sun_ + total_); }
   Vec3 turned(const Vec3& direction) const;
   Vec3 in_world(const Vec3& turned) const;

@@ -29,7 +29,8 @@ class UnveiledScene {
         patterns[pick(0, 3)], seed, chance(.3) ? .01 : 0, chance(.2) ? pick(0, 3) : 64);
     text_ += fmt::format("cameras {{ near_distance: {:.17g} {} }} ", size_ * random_.between(0, .1),
                          has_lens ? "lens { radius_x: .1 focal_distance: 1 samples: 3 }" : "");
-    const int sky = pick(0, 4);
+    const int sky = pick(0, 5);
+    if (sky == 3) text_ += panorama();
     if (sky == 0) text_ += "background { gradient { sky { r: .1 b: .9 } ground { r: .3 } } } ";
     if (sky == 1) text_ += "background { solid { r: .2 g: .3 b: .4 } } ";
     if (sky == 2) text_ += "background { sun_and_sky { sun_direction { x: 1 y: 2 z: .5 } } } ";
@@ -157,10 +158,22 @@ class UnveiledScene {
     std::vector<float> values;
     for (int i = 0; i < 4 * vertices; ++i)
       values.push_back(i % 4 == 3 ? 1 : static_cast<float>(random_.between(0, 1)));
+    return blob("colors", values);
+  }
+  std::string panorama() {
+    std::vector<float> values;
+    for (int i = 0; i < 3 * 16 * 8; ++i)
+      values.push_back(static_cast<float>(std::pow(random_.between(0, 1), 8)));
+    return fmt::format(
+        "textures {{ name: 'sky' image {{ width: 16 height: 8 channels: 3 bits: 32 {} }} }} "
+        "background {{ panorama {{ texture: 'sky' angle: {} {} }} }} ",
+        blob("texels", values), pick(0, 360), chance(.5) ? "mapping: CYLINDRICAL_EQUAL_AREA" : "");
+  }
+  std::string blob(const char* field, const std::vector<float>& values) {
     const size_t size = values.size() * sizeof(float);
     const auto* const begin = reinterpret_cast<const std::byte*>(values.data());
     const Digest digest = blobs_.put(std::vector<std::byte>(begin, begin + size));
-    return fmt::format("colors {{ digest: '{}' size: {} }} ", digest.hex(), size);
+    return fmt::format("{} {{ digest: '{}' size: {} }} ", field, digest.hex(), size);
   }
   std::string tetrahedron() {
     std::string text = "mesh { closed: true inline_triangles: [0,2,1, 0,1,3, 0,3,2, 1,2,3] ";
