@@ -21,6 +21,7 @@
 #include "renderer/render/sample_sum.h"
 #include "renderer/render/through_camera.h"
 #include "renderer/sampler/raster_row.h"
+#include "renderer/scene/light_by_chance.h"
 #include "renderer/scene/scene_builder.h"
 
 namespace tessera {
@@ -64,7 +65,8 @@ class SceneTileRenderer final : public TileRenderer {
         adaptive_(scene_->settings.target_error > 0 && !samples_coincide_ &&
                   scene_->skips.converged_blocks),
         samples_at_once_(samples_at_once(*scene_)),
-        in_rows_(integrator_->rays_at_once() > 1) {}
+        in_rows_(integrator_->rays_at_once() > 1),
+        light_by_chance_(light_by_chance(*scene_)) {}
 
   CounterMap build_counters() const override { return scene_->counters; }
 
@@ -318,7 +320,7 @@ class SceneTileRenderer final : public TileRenderer {
     const SamplePattern pattern = scene_->settings.sampler.pattern;
     const uint32_t first_look = scene_->settings.first_look();
     BlockEstimate estimate(static_cast<int>(count), pattern != SamplePattern::independent,
-                           scene_->sampler->filter_gain(), first_look, shows_error());
+                           scene_->sampler->filter_gain(), first_look, shows_error(), light_by_chance_);
     std::array<double, BlockEstimate::kMaxPixels> errors{};
     uint32_t done = 0, looked = 0;
     bool converged = count == 0;
@@ -522,6 +524,7 @@ class SceneTileRenderer final : public TileRenderer {
   bool adaptive_;
   uint32_t samples_at_once_;  ///< before it is told that a pixel gets on
   bool in_rows_;              ///< the integrator follows many rays faster than one
+  double light_by_chance_;
 };
 
 }  // namespace

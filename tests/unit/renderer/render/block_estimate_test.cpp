@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "renderer/scene/light_by_chance.h"
+#include "renderer/scene/scene_builder.h"
 #include "scenes/formats/read_scene.h"
 #include "scenes/generate/accuracy_scenes.h"
 #include "tests/unit/renderer/scene_text.h"
@@ -124,7 +126,7 @@ class Experiment {
  public:
   Experiment(LoadedScene loaded, const std::string& pattern, uint32_t most, uint32_t reference)
       : loaded_(std::move(loaded)), pattern_(pattern), most_(most) {
-    const auto tracer = renderer(1u << 20, "owen-sobol", reference);
+    const auto tracer = renderer(frame_for(1u << 20, "owen-sobol", reference));
     reference_ = render_rect(*tracer, kRect, reference).values;
   }
 
@@ -157,8 +159,7 @@ class Experiment {
     double claimed = 0;  ///< summed over the pixels: the blocks' square
   };
 
-  std::shared_ptr<const TileRenderer> renderer(uint32_t seed, const std::string& pattern,
-                                               uint32_t samples) {
+  v1::FrameSettings frame_for(uint32_t seed, const std::string& pattern, uint32_t samples) const {
     v1::FrameSettings frame = frame_of(kFrame, kFrame);
     frame.clear_accelerator();
     frame.set_samples_per_pixel(samples);
@@ -167,14 +168,22 @@ class Experiment {
     // So that textures are filtered alike in all of them; never met.
     frame.set_target_error(1e-9);
     frame.set_min_samples(kFirstLook);
+    return frame;
+  }
+
+  std::shared_ptr<const TileRenderer> renderer(const v1::FrameSettings& frame) const {
     return make_tile_renderer(loaded_.scene, loaded_.blobs, frame, 1);
   }
 
   std::vector<Look> draw(uint32_t seed, std::vector<bool>& varies) {
-    const auto tracer = renderer(seed, pattern_, most_);
+    const v1::FrameSettings wanted = frame_for(seed, pattern_, most_);
+    const auto tracer = renderer(wanted);
+    const double by_chance =
+        light_by_chance(*build_scene(loaded_.scene, loaded_.blobs, wanted, 1));
     std::vector<double> sums(kPixels);
     std::vector<BlockEstimate> blocks(
-        kPixels / (kSide * kSide), {kSide * kSide, pattern_ != "independent", 1, kFirstLook, true});
+        kPixels / (kSide * kSide),
+        {kSide * kSide, pattern_ != "independent", 1, kFirstLook, true, by_chance});
     std::vector<float> first;
     std::vector<Look> looks;
     for (uint32_t n = 0; n < most_; ++n) {
@@ -335,6 +344,23 @@ TEST(BlockEstimate, claims_no_less_where_a_pixel_begins_to_vary) {
     EXPECT_GT(alike[i], 0);
     EXPECT_GE(varying[i], alike[i]) << i;
   }
+}
+
+// What met nothing may hide what is as bright as light that only chance finds, by half of display
+// white at most.
+TEST(BlockEstimate, claims_more_where_chance_finds_bright_light) {
+  const auto hidden = [](double by_chance) {
+    BlockEstimate block(kSide * kSide, false, 1, 16, true, by_chance);
+    for (int pixel = 0; pixel < kSide * kSide; ++pixel) {
+      for (int sample = 0; sample < 16; ++sample) block.add(pixel, kWhite);
+    }
+    block.look(16);
+    EXPECT_NEAR(block.standard_error(), 1 / (32.0 * 16), 1e-12) << "samples go where they went";
+    return block.standard_errors()[5];
+  };
+  EXPECT_NEAR(hidden(1), 1 / (32.0 * 16), 1e-12);
+  EXPECT_NEAR(hidden(5), 5 / (32.0 * 16), 1e-12);
+  EXPECT_NEAR(hidden(1e5), 0.5 * 16 / (32.0 * 16), 1e-12);
 }
 
 TEST(BlockEstimate, is_honest_on_hard_edges) { expect_honest(boxes(""), "owen-sobol"); }
