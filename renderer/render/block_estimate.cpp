@@ -41,8 +41,9 @@ constexpr double kMostAlike = 1e-3;
 /// The share of blocks that are taken to hide something from all of their samples: one in 32 x 32
 /// pixels.
 constexpr double kHidingBlocks = 1.0 / 64;
-/// Of display white: what is hidden is not taken to add more to a pixel, however bright it is.
-constexpr double kMostHidden = 0.5;
+/// Of display white: what is hidden is not taken to add more to a pixel's mean, however bright it
+/// is.
+constexpr double kMostHidden = 1.0 / 3;
 
 }  // namespace
 
@@ -154,9 +155,9 @@ double BlockEstimate::kurtosis_of(const Pixel& pixel) const {
 }
 
 /// What the block's pixels know together of a sample's variance, as if they were more samples of
-/// each of them (after Smyth 2004, "Linear models and empirical Bayes methods"). How many degrees of
-/// freedom f that is says how alike the pixels are: what their variances vary beyond chance is 2 / f
-/// of the square of their mean.
+/// each of them (after Smyth 2004, "Linear models and empirical Bayes methods"). How many degrees
+/// of freedom f that is says how alike the pixels are: what their variances vary beyond chance is 2
+/// / f of the square of their mean.
 struct BlockEstimate::Pool {
   double variance = 0, freedom = 0;
   double sharing = 0;  ///< so many pixels have the variance between them
@@ -234,8 +235,7 @@ std::array<double, BlockEstimate::kMaxPixels> BlockEstimate::standard_errors() c
     // The variance of Student's t.
     const double freedom = std::max(3.0, 1 / (1 / all + 1 / left.freedom));
     const double unsure = freedom / (freedom - 2);
-    errors[i] =
-        std::sqrt(variance / (n * kChannels) * gain_squared_ * left.share * unsure + hides);
+    errors[i] = std::sqrt(variance / (n * kChannels) * gain_squared_ * left.share * unsure + hides);
   }
   return errors;
 }

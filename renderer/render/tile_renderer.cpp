@@ -320,7 +320,8 @@ class SceneTileRenderer final : public TileRenderer {
     const SamplePattern pattern = scene_->settings.sampler.pattern;
     const uint32_t first_look = scene_->settings.first_look();
     BlockEstimate estimate(static_cast<int>(count), pattern != SamplePattern::independent,
-                           scene_->sampler->filter_gain(), first_look, shows_error(), light_by_chance_);
+                           scene_->sampler->filter_gain(), first_look, shows_error(),
+                           light_by_chance_);
     std::array<double, BlockEstimate::kMaxPixels> errors{};
     uint32_t done = 0, looked = 0;
     bool converged = count == 0;

@@ -26,7 +26,8 @@ double found(const std::string& light, const std::string& material,
 
 TEST(LightByChance, IsThatOfTheLampWhereMirrorsOrSmoothGlassThrowIt) {
   for (const std::string material :
-       {"dielectric { }", "conductor { roughness { value: 0 } }", "physical { roughness { value: 0 } }",
+       {"dielectric { }", "conductor { roughness { value: 0 } }",
+        "physical { roughness { value: 0 } }",
         "physical { clearcoat { value: 1 } clearcoat_roughness { value: 0 } }",
         "classic { reflectivity { value { r: .1 } } }",
         "classic { transparency { value: .5 } refractive_index: 1.5 }"}) {
