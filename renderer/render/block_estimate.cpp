@@ -232,8 +232,9 @@ std::array<double, BlockEstimate::kMaxPixels> BlockEstimate::standard_errors() c
     const double knows = own > 0 ? std::min(n, 2 * n / (kurtosis_of(pixels_[i]) - 1)) : 0;
     const double all = knows + pooled.freedom;
     const double variance = (knows * own + pooled.freedom * pooled.variance) / all;
-    // The variance of Student's t.
-    const double freedom = std::max(3.0, 1 / (1 / all + 1 / left.freedom));
+    // The variance of Student's t, but of 3 degrees of freedom, the least, that by which 1.96 times
+    // its root has the 95 %.
+    const double freedom = std::max(3.2, 1 / (1 / all + 1 / left.freedom));
     const double unsure = freedom / (freedom - 2);
     errors[i] = std::sqrt(variance / (n * kChannels) * gain_squared_ * left.share * unsure + hides);
   }
