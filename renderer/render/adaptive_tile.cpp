@@ -8,6 +8,7 @@
 
 #include "renderer/film/block.h"
 #include "renderer/render/block_estimate.h"
+#include "renderer/scene/light_by_chance.h"
 
 namespace tessera {
 
@@ -31,7 +32,8 @@ class AdaptiveTile {
         task_(task),
         state_(state),
         writer_(writer),
-        shows_error_(scene.settings.view == View::error) {}
+        shows_error_(scene.settings.view == View::error),
+        light_by_chance_(shows_error_ ? light_by_chance(scene) : 1) {}
 
   /// Whether it was not cancelled.
   bool render() {
@@ -68,7 +70,8 @@ class AdaptiveTile {
     const SamplePattern pattern = scene_.settings.sampler.pattern;
     const uint32_t first_look = scene_.settings.first_look();
     BlockEstimate estimate(static_cast<int>(count), pattern != SamplePattern::independent,
-                           scene_.sampler->filter_gain(), first_look, shows_error_);
+                           scene_.sampler->filter_gain(), first_look, shows_error_,
+                           light_by_chance_);
     std::array<double, BlockEstimate::kMaxPixels> errors{};
     uint32_t done = 0, looked = 0;
     bool converged = count == 0;
@@ -170,6 +173,7 @@ class AdaptiveTile {
   TraceState beside_;
   TileWriter& writer_;
   bool shows_error_;
+  double light_by_chance_;
   uint64_t background_ = 0, saved_ = 0, stopped_ = 0;
 };
 

@@ -31,8 +31,8 @@ double edge_difference(double n) {
 /// What is smooth errs less than edges, but hardly any block is that alone: not taken to have less
 /// than this of an edge's.
 constexpr double kLeastOfEdge = 0.6;
-/// A single pixel is, though seldom quite.
-constexpr double kLeastOfEdgeByPixel = 0.1;
+/// Single pixels are, though seldom quite.
+constexpr double kLeastOfEdgeByPixel = 0.03;
 
 constexpr double kNormalKurtosis = 3;
 /// The relative variance of what pixels truly vary is not taken to be less.
@@ -41,15 +41,20 @@ constexpr double kMostAlike = 1e-3;
 /// The share of blocks that are taken to hide something from all of their samples: one in 32 x 32
 /// pixels.
 constexpr double kHidingBlocks = 1.0 / 64;
+/// Of display white: what is hidden is not taken to add more to a pixel's mean, however bright it
+/// is.
+constexpr double kMostHidden = 1.0 / 3;
 
 }  // namespace
 
-BlockEstimate::BlockEstimate(int pixels, bool nets, double gain, uint32_t first_look, bool by_pixel)
+BlockEstimate::BlockEstimate(int pixels, bool nets, double gain, uint32_t first_look, bool by_pixel,
+                             double by_chance)
     : count_(static_cast<size_t>(pixels)),
       run_(std::max(1u, first_look / kRuns)),
       nets_(nets),
       by_pixel_(by_pixel),
-      gain_squared_(gain * gain) {}
+      gain_squared_(gain * gain),
+      by_chance_(by_chance) {}
 
 void BlockEstimate::look(uint32_t samples) {
   samples_ = samples;
@@ -66,11 +71,8 @@ void BlockEstimate::look(uint32_t samples) {
   if (nets_ && spread > 0) {
     edges_ = edge_part(spread);
     const double edge = kEdgeGain / std::sqrt(n);
-    const auto left = [&](double of_edge) {
-      return std::max(1 - edges_ * (1 - of_edge), kLeastOfEdge * of_edge);
-    };
-    variance_ *= left(edge);
-    taken_off_ *= left(edge_difference(n));
+    variance_ *= left_of_spread(edge);
+    taken_off_ *= left_of_spread(edge_difference(n));
   }
   unseen_ = kHidingBlocks / (count * n * n);
   if (samples < kRuns * run_) return;
@@ -80,6 +82,11 @@ void BlockEstimate::look(uint32_t samples) {
       pixels_[i].ends[run] = pixels_[i].ends[2 * run + 1];
     }
   }
+}
+
+/// Of what independent samples of the block would have, where an edge has `of_edge`.
+double BlockEstimate::left_of_spread(double of_edge) const {
+  return std::max(1 - edges_ * (1 - of_edge), kLeastOfEdge * of_edge);
 }
 
 /// Of this spread, the part that edges have.
@@ -147,10 +154,10 @@ double BlockEstimate::kurtosis_of(const Pixel& pixel) const {
   return std::clamp(fourth / (variance * variance), 1.0, n);
 }
 
-/// What the block's pixels know together of a sample's variance. Theirs are taken to be drawn from
-/// a scaled inverse chi-square distribution (as Smyth 2004, "Linear models and empirical Bayes
-/// methods"), whose degrees of freedom f say how alike they are: its relative variance is 2 / (f -
-/// 4), and what of the pixels' is more than chance.
+/// What the block's pixels know together of a sample's variance, as if they were more samples of
+/// each of them (after Smyth 2004, "Linear models and empirical Bayes methods"). How many degrees
+/// of freedom f that is says how alike the pixels are: what their variances vary beyond chance is 2
+/// / f of the square of their mean.
 struct BlockEstimate::Pool {
   double variance = 0, freedom = 0;
   double sharing = 0;  ///< so many pixels have the variance between them
@@ -170,7 +177,7 @@ BlockEstimate::Pool BlockEstimate::pool() const {
   // By Good and Turing, what was not met is about as much as what was met once: where one sample
   // has nearly all of the variance, as much again; and next to nothing where none stands out.
   const double not_met = fourth / mean / (count * n);
-  return {mean + not_met, 4 + 2 * square / std::max(unlike, kMostAlike * square),
+  return {mean + not_met, 2 * square / std::max(unlike, kMostAlike * square),
           count * square / squares};
 }
 
@@ -179,7 +186,10 @@ struct BlockEstimate::Left {
   double share = 1, freedom = std::numeric_limits<double>::infinity();
 };
 /// Where the halves of the samples differ less than those of edges would, all is smooth, and each
-/// pixel says so alike: by the mean over the pixels, whatever they vary.
+/// pixel says so alike: by the mean over the pixels, whatever they vary. What falls faster has less
+/// left of the same difference: the variance is taken to go by its power of 1.5 (of what falls by
+/// n^-2 it would be 1.98 of 16 samples, 1.27 of 256), so the degrees of freedom are 1.5^2 times
+/// fewer.
 BlockEstimate::Left BlockEstimate::left_of_independent(const Pool& pooled) const {
   if (!nets_) return {};
   const double n = samples_, edge = kEdgeGain / std::sqrt(n);
@@ -192,9 +202,17 @@ BlockEstimate::Left BlockEstimate::left_of_independent(const Pool& pooled) const
     ++varying;
   }
   of_edges /= varying;
-  if (of_edges < 1) return {std::max(of_edges, kLeastOfEdgeByPixel) * edge, varying};
+  if (of_edges < 1) {
+    return {std::max(of_edges * std::sqrt(of_edges), kLeastOfEdgeByPixel) * edge, varying / 2.25};
+  }
   // The differences of n / 2, n / 4 and n / 8.
-  return {std::max(edge, 1 - edges_ * (1 - edge)), (1 + 2 + 4) * pooled.sharing};
+  return {left_of_spread(edge), (1 + 2 + 4) * pooled.sharing};
+}
+
+/// Of a pixel that hides it, the square error.
+double BlockEstimate::hidden() const {
+  const double brightness = std::max(1.0, std::min(by_chance_, kMostHidden * samples_));
+  return unseen_ * brightness * brightness;
 }
 
 std::array<double, BlockEstimate::kMaxPixels> BlockEstimate::standard_errors() const {
@@ -202,11 +220,11 @@ std::array<double, BlockEstimate::kMaxPixels> BlockEstimate::standard_errors() c
   const double n = samples_;
   const Pool pooled = pool();
   if (!(pooled.variance > 0)) {
-    std::fill_n(errors.begin(), count_, std::sqrt(unseen_));
+    std::fill_n(errors.begin(), count_, std::sqrt(hidden()));
     return errors;
   }
   // What a block hides is spread over as many pixels as what it shows.
-  const double hidden = unseen_ / pooled.sharing;
+  const double hides = hidden() / pooled.sharing;
   const Left left = left_of_independent(pooled);
   for (size_t i = 0; i < count_; ++i) {
     const double own = variance_of(pixels_[i]);
@@ -214,11 +232,11 @@ std::array<double, BlockEstimate::kMaxPixels> BlockEstimate::standard_errors() c
     const double knows = own > 0 ? std::min(n, 2 * n / (kurtosis_of(pixels_[i]) - 1)) : 0;
     const double all = knows + pooled.freedom;
     const double variance = (knows * own + pooled.freedom * pooled.variance) / all;
-    // The variance of Student's t.
-    const double freedom = std::max(3.0, 1 / (1 / all + 1 / left.freedom));
+    // The variance of Student's t, but of 3 degrees of freedom, the least, that by which 1.96 times
+    // its root has the 95 %.
+    const double freedom = std::max(3.2, 1 / (1 / all + 1 / left.freedom));
     const double unsure = freedom / (freedom - 2);
-    errors[i] =
-        std::sqrt(variance / (n * kChannels) * gain_squared_ * left.share * unsure + hidden);
+    errors[i] = std::sqrt(variance / (n * kChannels) * gain_squared_ * left.share * unsure + hides);
   }
   return errors;
 }

@@ -30,8 +30,9 @@ class BlockEstimate {
 
   /// `nets`: samples are of a (0,2)-sequence; or else independent. `gain`: of the filter's signs.
   /// The first look is after `first_look` samples: 2, 4, 8 and so on. `by_pixel`: standard_errors()
-  /// will be asked for.
-  BlockEstimate(int pixels, bool nets, double gain, uint32_t first_look, bool by_pixel = false);
+  /// will be asked for. `by_chance`: the radiance of what is met by chance alone.
+  BlockEstimate(int pixels, bool nets, double gain, uint32_t first_look, bool by_pixel = false,
+                double by_chance = 1);
 
   /// The next sample of a pixel: finite.
   void add(int pixel, const Color& sample) {
@@ -57,7 +58,8 @@ class BlockEstimate {
   /// Of each pixel's mean, over the three channels and whatever its brightness: of the pixels that
   /// vary at all, 95 % are to lie within 1.96 times this of the truth. Pixels that have met what is
   /// rare know their own spread badly, and those that have not know it too small: each takes the
-  /// block's for its own as far as the block's pixels are alike.
+  /// block's for its own as far as the block's pixels are alike. What the block hides may be as
+  /// bright as what is met by chance.
   std::array<double, kMaxPixels> standard_errors() const;
 
  private:
@@ -88,7 +90,9 @@ class BlockEstimate {
   double variance_of(const Pixel& pixel) const;
   double kurtosis_of(const Pixel& pixel) const;
   Pool pool() const;
+  double left_of_spread(double of_edge) const;
   Left left_of_independent(const Pool& pooled) const;
+  double hidden() const;
 
   std::array<Pixel, kMaxPixels> pixels_{};
   size_t count_;
@@ -98,7 +102,7 @@ class BlockEstimate {
   double freedom_ = 1;  ///< degrees of it that the spread has
   double edges_ = 0;    ///< the part of the spread that edges have
   bool nets_, by_pixel_;
-  double gain_squared_;
+  double gain_squared_, by_chance_;
 };
 
 }  // namespace tessera

@@ -82,6 +82,22 @@ struct Material {
     }
     return model == MaterialModel::dielectric || (model == MaterialModel::physical && !is_opaque());
   }
+  /// Whether it throws light into single directions, straight on apart: none is looked for there.
+  bool throws_light() const {
+    switch (model) {
+      case MaterialModel::classic:
+        return !is_black(reflectivity) ||
+               (transparency > 0 && transmission == Transmission::refract && refractive_index != 1);
+      case MaterialModel::unlit:
+        return false;
+      case MaterialModel::physical:
+        return roughness == 0 || (clearcoat > 0 && clearcoat_roughness == 0);
+      case MaterialModel::conductor:
+      case MaterialModel::dielectric:
+        break;
+    }
+    return roughness == 0;
+  }
   /// Whether it sends light on in more than single directions.
   bool scatters() const {
     if (model == MaterialModel::classic) {
