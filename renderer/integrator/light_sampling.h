@@ -22,15 +22,17 @@ inline bool picks_light(const Scene& scene) {
 }
 
 /// The density, per steradian, with which a light's point is chosen in this one's direction from
-/// the point `from` of normal `from_normal`; 0 where the surface is in no set of lights.
+/// the point `from` of normal `from_normal`; 0 where the surface is in no set of lights, or this
+/// side of it.
 inline double light_density(const Scene& scene, const SurfacePoint& point, const Point3& from,
                             const Vec3& from_normal) {
   const auto light = scene.area_lights.find(point.surface.instance, point.surface.material);
   if (!light) return 0;
+  const AreaLight& of = scene.area_lights[*light];
+  if (is_black(point.is_back ? of.back : of.front)) return 0;
   return (1 - environment_share(scene)) *
          scene.area_lights.tree().probability(from, from_normal, *light) *
-         scene.area_lights[*light].sampler->density(from, point.surface.point,
-                                                    point.geometric_normal);
+         of.sampler->density(from, point.surface.point, point.geometric_normal);
 }
 
 /// The weight of a sample of density `own` among those of two ways to sample (Veach 1997, 9.2.4).

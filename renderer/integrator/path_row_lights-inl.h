@@ -157,8 +157,8 @@ class PathRowLights {
     put(light.front, i, points_.front);
     put(light.back, i, points_.back);
     if (!light.has_texture) return;
-    const Color shine = looked_up_emission(scene_, light.instance, sample.point, from, width_of(i),
-                                           state_.counters);
+    const Color shine =
+        looked_up_emission(scene_, light.instance, sample, from, width_of(i), state_.counters);
     if (!is_black(light.front)) put(shine, i, points_.front);
     if (!is_black(light.back)) put(shine, i, points_.back);
   }

@@ -108,7 +108,7 @@ struct PathVertex {
     if (is_black(visible) || is_dark) return kBlack;
     if constexpr (kRich) {
       if (light.has_texture) {
-        shine = looked_up_emission(scene, light.instance, there.point, point.surface.point, width,
+        shine = looked_up_emission(scene, light.instance, there, point.surface.point, width,
                                    state.counters);
       }
     }

@@ -178,12 +178,17 @@ Color emission(const SurfacePoint& point) {
   return material.emission * point.surface.vertex_color;
 }
 
-Color looked_up_emission(const Scene& scene, uint32_t instance, const Point3& there,
+Color looked_up_emission(const Scene& scene, uint32_t instance, const SurfaceSample& there,
                          const Point3& from, double width, TraceCounters& counters) {
-  constexpr double kAround = 1e-6;  // far above the rounding of the point
-  const Vec3 way = there - from;
+  constexpr double kAround = 1e-6, kRoundings = 0x1p-50, kLeastCosine = 1e-3;
+  const Vec3 way = there.point - from;
   const double distance = length(way);
-  const Ray ray{from, way / distance, distance * (1 - kAround), distance * (1 + kAround)};
+  const Vec3 direction = way / distance;
+  // As far as rounding may take it across the surface, the farther along the ray.
+  const double off = l1_norm(there.point_error) + kRoundings * l1_norm(from - Point3{});
+  const double cosine = std::max(std::abs(dot(direction, there.normal)), kLeastCosine);
+  const double around = std::min(kAround * distance + 4 * off / cosine, distance / 2);
+  const Ray ray{from, direction, distance - around, distance + around};
   Hit hit;
   if (!closest_hit_of(scene.instances[instance], instance, ray, hit, counters.traversal))
     return kBlack;

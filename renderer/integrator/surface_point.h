@@ -80,8 +80,8 @@ inline Color surface_diffuse(const SurfacePoint& point) {
 /// The radiance that the surface itself sends to the viewer.
 Color emission(const SurfacePoint& point);
 /// The same of `there`, a point of a surface of `instance`, towards `from`, with its textures.
-/// `width` as for look_up_textures(). Black if rounding does not find it again.
-Color looked_up_emission(const Scene& scene, uint32_t instance, const Point3& there,
+/// `width` as for look_up_textures(). Black where it is not found again.
+Color looked_up_emission(const Scene& scene, uint32_t instance, const SurfaceSample& there,
                          const Point3& from, double width, TraceCounters& counters);
 
 }  // namespace tessera

@@ -26,12 +26,10 @@ uint32_t texels_around(const Background& background) {
   return widest;
 }
 
-bool is_by_angle(const Background& background) {
-  return background.kind == BackgroundKind::panorama_equirectangular;
-}
-/// The y of directions at t of a panorama.
+/// The y of directions that place_in_panorama() takes to t.
 double height_at(const Background& background, double t) {
-  return is_by_angle(background) ? portable::cos(portable::kPi * t) : 1 - 2 * t;
+  return background.kind == BackgroundKind::panorama_equal_area ? 1 - 2 * t
+                                                                : portable::cos(portable::kPi * t);
 }
 /// What place_in_panorama() takes to (s, t).
 Vec3 direction_at_place(const Background& background, double s, double y) {
@@ -77,8 +75,7 @@ EnvironmentSampler::EnvironmentSampler(const Background& background, int threads
 /// Sets the grid's points to the brightness around each.
 void EnvironmentSampler::look_around(int threads) {
   const uint32_t texels = texels_around(background_);
-  const bool has_picture =
-      is_by_angle(background_) || background_.kind == BackgroundKind::panorama_equal_area;
+  const bool has_picture = background_.picture != nullptr;
   columns_ = has_picture ? std::min<size_t>(texels, kMostColumns)
                          : std::clamp<size_t>(texels, kLeastColumns, kMostColumns);
   const uint32_t height = has_picture ? background_.picture->settings().height : texels / 2;

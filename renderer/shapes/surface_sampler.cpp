@@ -60,6 +60,7 @@ class SphereSampler final : public SurfaceSampler {
   double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
     const double squared = length_squared(center_ - from);
     if (!is_outside(squared)) return density_by_area(area(), from, there, normal);
+    if (dot(there - from, there - center_) > 0) return 0;  // the half that looks away
     return 1 / (2 * portable::kPi * one_minus_cosine(radius_ * radius_ / squared));
   }
   double area() const override { return 4 * portable::kPi * radius_ * radius_; }

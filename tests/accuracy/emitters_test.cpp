@@ -60,6 +60,53 @@ TEST(Emitters, TexturesShineWhereTheyAreBright) {
   expect_estimate(truth, estimate(kLampAndWall + checked + node(mesh, "checked")));
 }
 
+TEST(Emitters, ShinesFromTheSideThatIsThereOrIsChosen) {
+  // Into a ball whose near half is not there, its front being inside.
+  const double r = 0.5, d = 1.2;
+  expect_estimate(
+      wall(2 * kPi * r * r / (d * d)),
+      estimate(
+          "cameras { world_from_camera { steps { look_at { eye { x: -9 y: -9 z: 1 } target { } "
+          "} } } } " +
+          kLampAndWall +
+          "nodes { shape { materials: 'lamp' flip_normals: true sphere { center { z: 1.2 } "
+          "radius: .5 } } } "));
+  // A back that shines, but as no surface whose points are chosen.
+  const Patch& patch = kPatches[0];
+  const std::string sides =
+      "materials { name: 'back' unlit { color { value { r: 2 g: 2 b: 2 } } } } materials { name: "
+      "'sides' sides: BACK_MATERIAL back: 'back' classic { diffuse { value { } } emission { value "
+      "{ "
+      "r: 2 g: 2 b: 2 } } } } ";
+  for (const bool flip : {false, true}) {
+    const std::string shape = patch.rectangle() + (flip ? " flip_normals: true" : "");
+    expect_estimate(wall(2 * irradiance(patch.corners())),
+                    estimate(kLampAndWall + sides + node(shape, "sides")));
+  }
+}
+
+TEST(Emitters, TexturesAreFoundAgainFarAway) {
+  // All of a small scene far from the origin, where a point is sure to a millionth of its distance.
+  const auto far = [](const std::string& material) {
+    const std::string to = "translate { x: 1000000 y: 2000000 z: -1000000 } ";
+    return "cameras { world_from_camera { steps { " + to +
+           "} steps { look_at { eye { z: .001 } target { } up { y: 1 } } } } } " + kLampAndWall +
+           "materials { name: 'textured' classic { diffuse { value { } } emission { texture: 't' "
+           "value { r: 2 g: 2 b: 2 } } } } textures { name: 't' gradient { positions: 0 colors { "
+           "r: "
+           "1 g: 1 b: 1 } } } nodes { transform { steps { " +
+           to + "} } children { shape { materials: '" + material +
+           "' rectangle { corner { x: .0001 y: -.0001 } edge_u { z: .0002 } edge_v { y: .0002 } } "
+           "} "
+           "} children { shape { materials: 'wall' rectangle { corner { x: -.01 y: -.01 } edge_u { "
+           "x: "
+           ".02 } edge_v { y: .02 } } } } } ";
+  };
+  const Estimate even = estimate(far("both") + material("both", 0, 2));
+  const Estimate textured = estimate(far("textured"));
+  EXPECT_NEAR(textured.mean, even.mean, 0.01 * even.mean);
+}
+
 TEST(Emitters, BoxesAreTheirFaces) {
   // Shines from outside alone; three faces look at the origin, one of them is cut by the horizon.
   const Vec3 low{0.7, 0.5, -0.4}, size{0.8, 1.1, 1.3};
