@@ -88,7 +88,7 @@ TEST(Emitters, ShinesFromTheSideThatIsThereOrIsChosen) {
 TEST(Emitters, TexturesAreFoundAgainFarAway) {
   // All of a small scene far from the origin, where a point is sure to a millionth of its distance.
   const auto far = [](const std::string& material) {
-    const std::string to = "translate { x: 1000000 y: 2000000 z: -1000000 } ";
+    const std::string to = "translate { x: 8000000 y: 9000000 z: -8000000 } ";
     return "cameras { world_from_camera { steps { " + to +
            "} steps { look_at { eye { z: .001 } target { } up { y: 1 } } } } } " + kLampAndWall +
            "materials { name: 'textured' classic { diffuse { value { } } emission { texture: 't' "
