@@ -1,3 +1,5 @@
+#include <execinfo.h>
+
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -28,11 +30,19 @@ void on_uncaught() {
   std::abort();
 }
 
+/// Exceptions that come through frames of the C library (std::call_once) need what unwinds them,
+/// which it loads by then only, and aborts where memory is short.
+void load_unwinder() {
+  void* frame;
+  static_cast<void>(backtrace(&frame, 1));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   tessera::end_at_interrupts();
   std::set_terminate(on_uncaught);
+  load_unwinder();
   // Who started us may ignore it, and then the kernel would not tell how our processes ended.
   std::signal(SIGCHLD, SIG_DFL);
   // A reader that leaves early and a limit on file sizes are errors of that write, not our death.

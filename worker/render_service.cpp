@@ -25,10 +25,17 @@ std::optional<T> pop(std::mutex& mutex, std::deque<T>& queue) {
 
 RenderService::RenderService(TileRendererFactory factory, int threads, std::function<void()> wake)
     : factory_(std::move(factory)), thread_count_(std::max(1, threads)), wake_(std::move(wake)) {
-  for (int i = 0; i < thread_count_; ++i) threads_.emplace_back([this] { work(); });
+  try {
+    for (int i = 0; i < thread_count_; ++i) threads_.emplace_back([this] { work(); });
+  } catch (...) {  // no memory for another one
+    end_threads();
+    throw;
+  }
 }
 
-RenderService::~RenderService() {
+RenderService::~RenderService() { end_threads(); }
+
+void RenderService::end_threads() {
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;

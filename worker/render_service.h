@@ -35,6 +35,7 @@ class RenderService {
   static bool is_worth_telling(size_t waiting, int threads, Time since_told);
 
  private:
+  void end_threads();
   void work();
   BuildOutcome build_now(const BuildRun& run) const;
 
