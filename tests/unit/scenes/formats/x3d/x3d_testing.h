@@ -17,6 +17,11 @@ inline LoadedScene parse_classic(const std::string& scene, const std::string& ve
   return parse_x3d(header + scene, "t.x3dv", options);
 }
 
+/// What is wrong with a text that is read as "t.wrl".
+inline std::string x3d_error(const std::string& text) {
+  return error_of([&] { parse_x3d(text, "t.wrl", {}); });
+}
+
 /// The values of all its pixels, row by row.
 inline std::vector<float> render_loaded(const LoadedScene& loaded, int width, int height) {
   const auto renderer = make_tile_renderer(loaded.scene, loaded.blobs, frame_of(width, height), 1);

@@ -1,0 +1,291 @@
+// Files that name other files.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "base/file.h"
+#include "scenes/formats/read_scene.h"
+#include "tests/unit/scenes/formats/x3d/x3d_testing.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder with a scene and what it names, and a file beside the folder that it must not see.
+class X3dFilesTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    outside_ =
+        fs::temp_directory_path() / ("tessera_x3d_" + std::to_string(::getpid()) + "_" +
+                                     testing::UnitTest::GetInstance()->current_test_info()->name());
+    folder_ = outside_ / "scene";
+    fs::create_directories(folder_ / "parts");
+  }
+  void TearDown() override { fs::remove_all(outside_); }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    const fs::path path = folder_ / name;
+    std::ofstream(path) << "#X3D V3.3 utf8\n" << text;
+    return path.string();
+  }
+  std::string error_reading(const std::string& path) const {
+    const std::string all = error_of([&] { read_x3d(path, {}); });
+    return all.substr(all.rfind('/') + 1);
+  }
+
+  fs::path outside_, folder_;
+};
+
+TEST_F(X3dFilesTest, InlinesAreObjectsWithNamesOfTheirOwn) {
+  write("parts/inner.x3dv",
+        "DEF Same Viewpoint { position 0 0 3 } Background { skyColor 0 1 0 } "
+        "NavigationInfo { headlight FALSE } DirectionalLight { } "
+        "Shape { geometry Sphere { } } Inline { url \"innermost.x3dv\" }");
+  write("parts/innermost.x3dv", "UNIT length inch 0.0254 Shape { geometry Box { } }");
+  const std::string main = write(
+      "main.x3dv",
+      "Transform { translation 1 0 0 children [ DEF Same Inline { url [ \"none.x3d\" "
+      "\"parts/inner.x3dv\" ] } ] } Group { children Inline { url \"parts/inner.x3dv#Same\" } }");
+  const LoadedScene loaded = read_x3d(main, {});
+  EXPECT_EQ(loaded.warnings, std::vector<std::string>{});
+  ASSERT_EQ(loaded.scene.objects_size(), 2);
+  EXPECT_EQ(loaded.scene.objects(0).name(), "innermost");
+  const v1::Node& scaled = loaded.scene.objects(0).nodes(0);
+  EXPECT_EQ(scaled.transform().steps(0).scale().x(), .0254);
+  EXPECT_EQ(loaded.scene.objects(1).name(), "inner");
+  EXPECT_EQ(loaded.scene.nodes(0).children(0).instance_of(), "inner");
+  EXPECT_EQ(loaded.scene.nodes(1).children(0).instance_of(), "inner");
+  // What it can bind is bound, since the first file binds nothing.
+  EXPECT_EQ(loaded.scene.background().solid().g(), 1);
+  ASSERT_EQ(loaded.scene.cameras_size(), 1);
+  EXPECT_FALSE(loaded.scene.cameras(0).has_headlight());
+  EXPECT_EQ(loaded.scene.cameras(0).world_from_camera().steps(0).translate().x(), 1);
+}
+
+TEST_F(X3dFilesTest, WhatCannotBeInlinedIsLeftOutWithAReason) {
+  std::ofstream(outside_ / "secret.x3dv") << "#X3D V3.3 utf8\nShape { geometry Box { } }";
+  fs::create_symlink(outside_ / "secret.x3dv", folder_ / "link.x3dv");
+  const std::string main = write(
+      "main.x3dv",
+      "Inline { url \"../secret.x3dv\" }\nInline { url \"link.x3dv\" }\nInline { url "
+      "\"https://example.org/a.x3d\" }\nInline { url \"" +
+          (outside_ / "secret.x3dv").string() +
+          "\" }\nInline { url \"no.x3d\" }\nInline { load FALSE url \"no.x3d\" }\nInline { }");
+  const LoadedScene loaded = read_x3d(main, {});
+  EXPECT_EQ(loaded.scene.objects_size(), 0);
+  std::string all;
+  for (const std::string& warning : loaded.warnings)
+    all += warning.substr(warning.find("main.x3dv:")) + "\n";
+  const std::string inside = " is left out: it is not inside the scene's folder\n";
+  EXPECT_EQ(all,
+            "main.x3dv:2:1: Inline of '../secret.x3dv'" + inside +
+                "main.x3dv:3:1: Inline of 'link.x3dv'" + inside +
+                "main.x3dv:4:1: Inline of 'https://example.org/a.x3d' is left out: only files are "
+                "read, and nothing from the network\nmain.x3dv:5:1: Inline of '" +
+                (outside_ / "secret.x3dv").string() + "'" + inside +
+                "main.x3dv:6:1: Inline of 'no.x3d' is left out: there is no such file\n");
+}
+
+TEST_F(X3dFilesTest, WhatCannotBeReadIsLeftOutAsWhatIsMissing) {
+  std::ofstream(folder_ / "old.wrl") << "#VRML V1.0 ascii\nCube { }";
+  std::ofstream(folder_ / "broken.x3dv") << "#X3D V3.3 utf8\nShape { geometry Box {";
+  const std::string main = write("main.x3dv",
+                                 "Inline { url \"old.wrl\" }\nInline { url \"broken.x3dv\" }\n"
+                                 "Shape { geometry Sphere { } }");
+  const LoadedScene loaded = read_x3d(main, {});
+  ASSERT_EQ(loaded.warnings.size(), 2u);
+  const auto tells = [&](size_t warning, const char* what) {
+    return loaded.warnings[warning].find(what) != std::string::npos;
+  };
+  EXPECT_TRUE(tells(0, "main.x3dv:2:1: Inline of 'old.wrl' is left out: ")) << loaded.warnings[0];
+  EXPECT_TRUE(tells(0, "old.wrl:1:1: VRML 1.0")) << loaded.warnings[0];
+  EXPECT_TRUE(tells(1, "broken.x3dv:")) << loaded.warnings[1];
+  EXPECT_EQ(loaded.scene.objects_size(), 0);
+  ReadOptions strict;
+  strict.x3d_strict = true;
+  EXPECT_THROW(read_x3d(main, strict), Error);
+}
+
+TEST_F(X3dFilesTest, FilesAreNoPartOfThemselves) {
+  const std::string self = write("self.x3dv", "Inline { url \"self.x3dv\" }");
+  EXPECT_EQ(error_reading(self),
+            "self.x3dv:2:1: Inline of 'self.x3dv', of which it is a part; expected files that are "
+            "not a part of themselves");
+  write("b.x3dv", "Inline { url \"a.x3dv\" }");
+  const std::string a = write("a.x3dv", "Inline { url \"b.x3dv\" }");
+  EXPECT_EQ(error_reading(a).substr(0, 26), "b.x3dv:2:1: Inline of 'a.x");
+  for (int i = 0; i < 20; ++i)
+    write("d" + std::to_string(i) + ".x3dv",
+          "Inline { url \"d" + std::to_string(i + 1) + ".x3dv\" }");
+  EXPECT_NE(error_reading((folder_ / "d0.x3dv").string()).find("too many Inlines"),
+            std::string::npos);
+}
+
+/// All of a file is read, or nothing of it: what its first nodes put into the scene goes too.
+TEST_F(X3dFilesTest, OfAFileThatIsWrongNothingIsLeft) {
+  write("good.x3dv", "Shape { geometry Box { } }");
+  write("broken.x3dv",
+        "DEF V Viewpoint { } Background { } Fog { visibilityRange 9 } NavigationInfo { headlight "
+        "FALSE } DEF S Shape { appearance Appearance { material Material { } texture ImageTexture "
+        "{ url \"none.png\" } } geometry Box { } } USE S Inline { url \"good.x3dv\" }\n"
+        "Shape { geometry Sphere { radius -1 } }");
+  write("outer.x3dv", "Inline { url \"broken.x3dv\" } Inline { url \"good.x3dv\" }");
+  const std::string urls = "Inline { url [ \"broken.x3dv\" \"outer.x3dv\" ] }";
+  const LoadedScene loaded = read_x3d(write("main.x3dv", urls + urls), {});
+  EXPECT_EQ(loaded.scene.textures_size(), 0);
+  EXPECT_EQ(loaded.scene.materials_size(), 1) << "of good.x3dv";
+  EXPECT_EQ(loaded.scene.background().kind_case(), v1::Background::KIND_NOT_SET);
+  EXPECT_FALSE(loaded.scene.has_fog());
+  ASSERT_EQ(loaded.scene.cameras_size(), 1);
+  EXPECT_EQ(loaded.scene.cameras(0).name(), "default") << "none of the file's";
+  EXPECT_TRUE(loaded.scene.cameras(0).has_headlight());
+  ASSERT_EQ(loaded.scene.objects_size(), 2);
+  EXPECT_EQ(loaded.scene.objects(1).name(), "outer");
+  for (const v1::Node& node : loaded.scene.nodes()) EXPECT_EQ(node.instance_of(), "outer");
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_NE(loaded.warnings[0].find("outer.x3dv:2:1: Inline of 'broken.x3dv' is left out: "),
+            std::string::npos)
+      << loaded.warnings[0];
+  EXPECT_NE(loaded.warnings[0].find("broken.x3dv:3:34: radius -1 of Sphere; expected a length"),
+            std::string::npos)
+      << loaded.warnings[0];
+}
+
+TEST_F(X3dFilesTest, OtherFormatsBecomeObjectsToo) {
+  std::ofstream(folder_ / "parts/card.obj") << "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string main = write(
+      "main.x3dv",
+      "Transform { translation 3 0 0 children DEF I Inline { url \"parts/card.obj\" } } USE I");
+  const LoadedScene loaded = read_scene(main);
+  const std::string inlined = loaded.scene.objects(0).nodes(0).instance_of();
+  EXPECT_EQ(loaded.scene.includes_size(), 0);
+  size_t triangles = 0;
+  for (const v1::Object& object : loaded.scene.objects())
+    for (const v1::Node& node : object.nodes()) triangles += node.shape().has_mesh() ? 1 : 0;
+  EXPECT_EQ(triangles, 1u);
+  EXPECT_FALSE(inlined.empty());
+  EXPECT_GT(render_loaded(loaded, 1, 1)[0], 0);
+}
+
+TEST_F(X3dFilesTest, MissingPicturesHaveAPlaceholder) {
+  const std::string main =
+      write("main.x3dv",
+            "Shape { geometry Box { } appearance DEF A Appearance { texture ImageTexture { url "
+            "\"none.png\" } } } Shape { geometry Sphere { } appearance USE A }");
+  const LoadedScene loaded = read_x3d(main, {});
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_NE(
+      loaded.warnings[0].find("main.x3dv:2:64: a placeholder stands for the picture 'none.png': "
+                              "there is no such file"),
+      std::string::npos);
+  ASSERT_EQ(loaded.scene.textures_size(), 1);
+  EXPECT_EQ(loaded.scene.textures(0).image().width(), 2u);
+}
+
+TEST_F(X3dFilesTest, StrictReadingTakesNothingForMissingFiles) {
+  ReadOptions strict;
+  strict.x3d_strict = true;
+  for (const char* missing : {"Shape { appearance Appearance { texture ImageTexture { url "
+                              "\"none.png\" } } geometry Box { } }",
+                              "Inline { url \"none.png\" }"}) {
+    const std::string main = write("main.x3dv", missing);
+    EXPECT_NO_THROW(read_x3d(main, {}));
+    try {
+      read_x3d(main, strict);
+      ADD_FAILURE() << missing;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("main.x3dv:2:"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("'none.png'"), std::string::npos) << error.what();
+    }
+  }
+}
+
+/// Decoders that take what begins with "good" for a white picture.
+ReadOptions picky_decoders() {
+  const auto decode = [](const std::string& text, const std::string& name) {
+    if (!text.starts_with("good")) throw scene_error(SourcePlace{name}, "no picture", "one");
+    return DecodedTexture{
+        .width = 1, .height = 1, .channels = 1, .bits = 8, .texels = make_blob({std::byte{255}})};
+  };
+  ReadOptions options;
+  options.decode_texture = [=](const std::string& path, bool) {
+    return decode(read_input_file(path, 1000), path);
+  };
+  options.decode_texture_bytes = [=](std::string_view bytes, const std::string& name) {
+    return decode(std::string(bytes), name);
+  };
+  return options;
+}
+
+TEST_F(X3dFilesTest, TheFirstPictureThatCanBeDecodedIsTaken) {
+  std::ofstream(folder_ / "bad.png") << "bad";
+  std::ofstream(folder_ / "good.png") << "good";
+  const auto read = [&](const std::string& urls, bool strict = false) {
+    ReadOptions options = picky_decoders();
+    options.x3d_strict = strict;
+    return read_scene(write("main.x3dv",
+                            "Shape { geometry Box { } appearance Appearance { texture "
+                            "ImageTexture { url [ " +
+                                urls + " ] } } }"),
+                      options);
+  };
+  const auto warning = [&](const LoadedScene& loaded) {
+    return loaded.warnings.size() == 1
+               ? loaded.warnings[0].substr(loaded.warnings[0].find("main.x3dv:"))
+               : std::to_string(loaded.warnings.size()) + " warnings";
+  };
+  const LoadedScene second = read("\"bad.png\" \"good.png\"");
+  EXPECT_EQ(second.scene.textures(0).image().file(), "good.png");
+  EXPECT_EQ(second.scene.textures(0).image().width(), 1u);
+  EXPECT_EQ(warning(second),
+            "main.x3dv:2:58: the picture is 'good.png', not 'bad.png': no picture; expected one");
+  const LoadedScene none = read("\"none.png\" \"bad.png\"");
+  EXPECT_EQ(none.scene.textures(0).image().width(), 2u) << "the placeholder";
+  EXPECT_EQ(
+      warning(none),
+      "main.x3dv:2:58: a placeholder stands for the picture 'none.png': there is no such file; "
+      "'bad.png': no picture; expected one");
+  EXPECT_THROW(read("\"none.png\" \"bad.png\"", true), Error);
+  EXPECT_EQ(read("\"none.png\" \"good.png\"", true).warnings.size(), 0u);
+}
+
+TEST_F(X3dFilesTest, PicturesMayStandInTheUrl) {
+  const auto read = [&](const std::string& url) {
+    return read_scene(write("main.x3dv",
+                            "Shape { geometry Box { } appearance Appearance { texture "
+                            "ImageTexture { url \"" +
+                                url + "\" } } }"),
+                      picky_decoders());
+  };
+  const LoadedScene good = read("data:image/png;base64,Z29v\n ZA==");
+  EXPECT_EQ(good.warnings.size(), 0u);
+  EXPECT_EQ(good.scene.textures(0).image().width(), 1u);
+  EXPECT_EQ(good.scene.textures(0).image().file(), "main.x3dv#picture 1");
+  for (const std::string wrong :
+       {"data:image/png;base64,", "data:image/png;base64,?", "data:text,"}) {
+    const LoadedScene bad = read(wrong + std::string(1000, 'A'));
+    ASSERT_EQ(bad.warnings.size(), 1u);
+    EXPECT_EQ(bad.scene.textures(0).image().width(), 2u) << "the placeholder";
+    EXPECT_NE(bad.warnings[0].find("AAAA...': "), std::string::npos) << bad.warnings[0];
+    EXPECT_LT(bad.warnings[0].size(), folder_.string().size() + 250) << bad.warnings[0];
+  }
+}
+
+TEST_F(X3dFilesTest, TheFirstInlineThatCanBeReadIsTaken) {
+  std::ofstream(folder_ / "broken.x3dv") << "#X3D V3.3 utf8\nShape { geometry Box {";
+  write("good.x3dv", "Shape { geometry Box { } }");
+  const LoadedScene loaded =
+      read_x3d(write("main.x3dv", "Inline { url [ \"broken.x3dv\" \"good.x3dv\" ] }"), {});
+  EXPECT_EQ(loaded.scene.nodes(0).instance_of(), "good");
+  const LoadedScene none =
+      read_x3d(write("main.x3dv", "Inline { url [ \"broken.x3dv\" \"none.x3dv\" ] }"), {});
+  ASSERT_EQ(none.warnings.size(), 1u);
+  EXPECT_NE(none.warnings[0].find("Inline of 'broken.x3dv' is left out: "), std::string::npos);
+  EXPECT_NE(none.warnings[0].find("; 'none.x3dv': there is no such file"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tessera
