@@ -9,6 +9,7 @@
 
 #include "renderer/scene/scene_builder.h"
 #include "tests/uniform_numbers.h"
+#include "tests/unit/renderer/integrator/random_scene.h"
 #include "tests/unit/renderer/scene_text.h"
 
 namespace tessera {
@@ -17,9 +18,9 @@ namespace {
 /// A random scene of simple features: shapes of all kinds that stand where they are or are moved,
 /// materials and lights of all kinds that rays are followed in rows for, before backgrounds of one
 /// ray at a time and panoramas.
-class SimpleScene {
+class SimpleScene : RandomScene {
  public:
-  explicit SimpleScene(uint32_t seed) : random_(seed), size_(std::exp2(pick(-12, 13))) {
+  explicit SimpleScene(uint32_t seed) : RandomScene(seed) {
     text_ = fmt::format(
         "settings {{ integrator {{ kind: 'whitted' max_depth: {} background_at_max_depth: {} }} "
         "}} ",
@@ -52,20 +53,6 @@ class SimpleScene {
   }
 
  private:
-  /// In [from, to).
-  int pick(int from, int to) { return static_cast<int>(std::floor(random_.between(from, to))); }
-  bool chance(double share) { return random_.between(0, 1) < share; }
-  Vec3 vec(double scale = 1) {
-    const double s = size_ * scale;
-    return {random_.between(-s, s), random_.between(-s, s), random_.between(-s, s)};
-  }
-  static std::string xyz(const Vec3& v) {
-    return fmt::format("x: {:.17g} y: {:.17g} z: {:.17g}", v.x, v.y, v.z);
-  }
-  std::string rgb() {
-    return fmt::format("r: {:.3f} g: {:.3f} b: {:.3f}", random_.between(0, 1),
-                       random_.between(0, 1), random_.between(0, 1));
-  }
   void add_panorama() {
     const int width = pick(1, 9), height = pick(1, 9);
     std::vector<std::byte> texels(size_t{3} * static_cast<size_t>(width * height));
@@ -140,8 +127,6 @@ class SimpleScene {
     text_ += " } } ";
   }
 
-  UniformNumbers random_;
-  double size_;
   std::string text_;
   BlobStore blobs_;
 };

@@ -9,6 +9,7 @@
 
 #include "renderer/scene/scene_builder.h"
 #include "tests/uniform_numbers.h"
+#include "tests/unit/renderer/integrator/random_scene.h"
 #include "tests/unit/renderer/scene_text.h"
 
 namespace tessera {
@@ -17,9 +18,9 @@ namespace {
 /// A random scene that paths are followed through in rows: shapes of all kinds where they are or
 /// moved, materials that scatter evenly or otherwise, textured or not, glass, lights with and
 /// without an extent, before backgrounds that are sampled or not.
-class UnveiledScene {
+class UnveiledScene : RandomScene {
  public:
-  UnveiledScene(uint32_t seed, bool has_lens) : random_(seed), size_(std::exp2(pick(-12, 13))) {
+  UnveiledScene(uint32_t seed, bool has_lens) : RandomScene(seed) {
     const char* const patterns[] = {"OWEN_SOBOL", "INDEPENDENT", "BLUE_NOISE"};
     is_even_ = chance(.4);
     is_textured_ = !is_even_ && chance(.5);
@@ -60,20 +61,6 @@ class UnveiledScene {
 
  private:
   static constexpr int kMaterials = 6;
-  /// In [from, to).
-  int pick(int from, int to) { return static_cast<int>(std::floor(random_.between(from, to))); }
-  bool chance(double share) { return random_.between(0, 1) < share; }
-  Vec3 vec(double scale = 1) {
-    const double s = size_ * scale;
-    return {random_.between(-s, s), random_.between(-s, s), random_.between(-s, s)};
-  }
-  static std::string xyz(const Vec3& v) {
-    return fmt::format("x: {:.17g} y: {:.17g} z: {:.17g}", v.x, v.y, v.z);
-  }
-  std::string rgb(double most = 1) {
-    return fmt::format("r: {:.3f} g: {:.3f} b: {:.3f}", random_.between(0, most),
-                       random_.between(0, most), random_.between(0, most));
-  }
   void add_material(int number) {
     const int model = is_even_ ? 0 : pick(0, 5);
     text_ += fmt::format("materials {{ name: 'm{}' ", number);
@@ -218,8 +205,6 @@ class UnveiledScene {
                                     : solid());
   }
 
-  UniformNumbers random_;
-  double size_;
   bool is_even_, is_textured_;
   std::string text_;
   BlobStore blobs_;
