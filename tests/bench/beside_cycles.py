@@ -29,15 +29,18 @@ THREADS = 4
 FACTS = {
     "eye": [0, 2.6, 6.2], "target": [0, 1.25, 0], "width_over_distance": .8, "floor_half": 10,
     "lamp_side": 2, "lamp_height": 5, "lamp_radiance": 8,
-    "under_lamp": ["lamp", "texture", "plastic", "metal", "glass"],
-    "sky": {"sky": 1, "lamp": .3, "texture": .3, "plastic": .3, "metal": .3, "glass": .3},
+    "under_lamp": ["lamp", "texture", "plastic", "metal", "glass", "tinted", "veil"],
+    "sky": {"sky": 1, "lamp": .3, "texture": .3, "plastic": .3, "metal": .3, "glass": .3,
+            "tinted": .3, "veil": .3},
     "balls": [[-1.6, .6, 1.5], [1.7, .5, 1.2], [0, 3.2, .4], [-1.2, 2.6, -1], [1.3, 2.9, .9]],
     "ball_radius": .05, "ball_radiance": 200, "mesh_radiance": 1,
+    "absorption": [.5, 1.5, 4],
 }
 KINDS = {
     "sky": "under an even sky", "lamp": "under a lamp and that sky",
     "texture": "the floor with a texture", "plastic": "of glossy plastic",
     "metal": "of brushed metal", "glass": "of glass",
+    "tinted": "of tinted glass", "veil": "half of which is not there",
     "sun": "under a picture of a sky with a sun 5 degrees wide",
     "balls": "with five small balls that shine", "mesh": "the model itself shines",
 }
@@ -144,6 +147,9 @@ def material_text(kind):
         "plastic": f"physical {{ {base} metallic {{ value: 0 }} }}",
         "metal": f"physical {{ {base} metallic {{ value: 1 }} }}",
         "glass": "dielectric { refractive_index: 1.5 }",
+        "tinted": "dielectric { refractive_index: 1.5 absorption { r: %r g: %r b: %r } }"
+                  % tuple(FACTS["absorption"]),
+        "veil": "classic { diffuse { value { %s } } } opacity { value: .5 }" % colour(.6),
         "mesh": "classic { diffuse { value { } } emission { value { %s } } }"
                 % colour(FACTS["mesh_radiance"]),
     }.get(kind, "classic { diffuse { value { %s } } }" % colour(.6))

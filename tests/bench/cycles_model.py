@@ -45,6 +45,27 @@ def glass(nodes, _):
     return surface
 
 
+def half_there(nodes, links):
+    mix = nodes.new("ShaderNodeMixShader")
+    mix.inputs["Fac"].default_value = .5
+    there = nodes.new("ShaderNodeBsdfDiffuse")
+    there.inputs["Color"].default_value = (.6, .6, .6, 1)
+    links.new(nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[1])
+    links.new(there.outputs[0], mix.inputs[2])
+    return mix
+
+
+def tinted_glass(absorption):
+    made = material("tinted", glass)
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    volume = nodes.new("ShaderNodeVolumeAbsorption")  # takes density * (1 - colour) a metre
+    volume.inputs["Density"].default_value = max(absorption)
+    volume.inputs["Color"].default_value = (*(1 - a / max(absorption) for a in absorption), 1)
+    output = next(node for node in nodes if node.bl_idname == "ShaderNodeOutputMaterial")
+    links.new(volume.outputs[0], output.inputs["Volume"])
+    return made
+
+
 def emission(radiance):
     def build(nodes, _):
         surface = nodes.new("ShaderNodeEmission")
@@ -85,13 +106,18 @@ def add_ball(center, radius, radiance):
 def build(scene, folder, kind):
     facts = json.load(open(os.path.join(folder, "facts.json"), encoding="utf-8"))
     surfaces = {"plastic": principled(0), "metal": principled(1), "glass": glass,
-                "mesh": emission(facts["mesh_radiance"])}
+                "veil": half_there, "mesh": emission(facts["mesh_radiance"])}
     bpy.ops.wm.obj_import(filepath=os.path.join(folder, "model.obj"),
                           forward_axis="NEGATIVE_Z", up_axis="Y")
     model = bpy.context.selected_objects[0]
     model.data.materials.clear()
-    model.data.materials.append(material(kind, surfaces[kind]) if kind in surfaces
-                                else diffuse("model", (.6, .6, .6)))
+    if kind == "tinted":
+        surface = tinted_glass(facts["absorption"])
+    elif kind in surfaces:
+        surface = material(kind, surfaces[kind])
+    else:
+        surface = diffuse("model", (.6, .6, .6))
+    model.data.materials.append(surface)
     floor = material("floor", textured(os.path.join(folder, "floor.png"))) if kind == "texture" \
         else diffuse("floor", (.5, .5, .5))
     half = facts["floor_half"]
