@@ -119,8 +119,15 @@ Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& r
   }
   const bool begins_beyond = dot(point.geometric_normal, ray.direction) < 0;
   const Media inside = begins_beyond ? media_beyond(media, point) : media;
-  if (occluders.clear) {
-    return clear_transmittance<kRich, false>(scene, occluders, ray, inside, width, state);
+  return ray_transmittance<kRich>(scene, ray, inside, width, state);
+}
+
+template <bool kRich>
+Color ray_transmittance(const Scene& scene, const Ray& ray, const Media& inside, double width,
+                        TraceState& state) {
+  if (scene.path_occluders.clear) {
+    return clear_transmittance<kRich, false>(scene, scene.path_occluders, ray, inside, width,
+                                             state);
   }
   // What comes from beyond all surfaces has no way through a medium.
   return std::isfinite(ray.t_max) ? through_media(inside, ray.t_max * length(ray.direction))
@@ -256,6 +263,9 @@ template Color ray_visibility<false>(const Scene&, const SurfacePoint&, const Ra
                                      double, TraceState&);
 template Color ray_visibility<true>(const Scene&, const SurfacePoint&, const Ray&, const Media&,
                                     double, TraceState&);
+template Color ray_transmittance<false>(const Scene&, const Ray&, const Media&, double,
+                                        TraceState&);
+template Color ray_transmittance<true>(const Scene&, const Ray&, const Media&, double, TraceState&);
 template Color point_visibility<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Media&,
                                        const SurfaceSample&, double, TraceState&);
 template Color point_visibility<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Media&,

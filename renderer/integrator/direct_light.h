@@ -38,6 +38,12 @@ template <bool kRich>
 Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& ray,
                      const Media& media, double width, TraceState& state);
 
+/// What of light along `ray` what lets some through leaves, and the media `inside` of which the ray
+/// begins; nothing else stops it.
+template <bool kRich>
+Color ray_transmittance(const Scene& scene, const Ray& ray, const Media& inside, double width,
+                        TraceState& state);
+
 /// Whether what lets nothing through does; what stopped the last ray to this light is asked first.
 [[gnu::always_inline]] inline bool is_stopped(const Scene& scene, const Light& light,
                                               const Ray& ray, TraceState& state) {

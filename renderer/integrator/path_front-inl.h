@@ -16,6 +16,7 @@
 #include "renderer/integrator/path_numbers.h"
 #include "renderer/integrator/row_follower-inl.h"
 #include "renderer/math/lanes-inl.h"
+#include "renderer/shading/media.h"
 #include "renderer/shapes/lane_surface-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -28,6 +29,9 @@ struct PathFront : RayFront {
   // Of the last bounce, where there was one.
   alignas(64) double density[RayRow::kRoom];
   alignas(64) double from[3][RayRow::kRoom], from_normal[3][RayRow::kRoom];
+  // Where something may be passed straight, or absorbs.
+  uint32_t bounces[RayRow::kMost];  ///< so far
+  Media media[RayRow::kMost];       ///< that the ray begins in
 };
 
 constexpr uint8_t bit_of(VertexNumbers::Pair pair) { return static_cast<uint8_t>(1u << pair); }
@@ -45,7 +49,7 @@ struct Met {
   uint8_t is_back[RayRow::kRoom / kLanes + 1];  ///< a bit for each lane
   // Numbers, and which pairs each path asked for, a bit each.
   alignas(64) double on_light[2][RayRow::kRoom], direction[2][RayRow::kRoom];
-  alignas(64) double choice[2][RayRow::kRoom], pick[RayRow::kRoom];
+  alignas(64) double choice[2][RayRow::kRoom], pick[2][RayRow::kRoom];
   uint8_t read[RayRow::kRoom];
 
   bool from_behind(size_t i) const { return (is_back[i / kLanes] >> i % kLanes & 1) != 0; }

@@ -40,7 +40,9 @@ class PathRowFollower : public PathRowSurfaces {
  public:
   using Surfaces = PathSurfaces;
   PathRowFollower(const Surfaces& surfaces, std::span<Color> found, TraceState& state)
-      : PathRowSurfaces(surfaces, found, state), lights_(scene_, state) {}
+      : PathRowSurfaces(surfaces, found, state),
+        lights_(scene_, surfaces.passes(), state),
+        passes_(surfaces.passes()) {}
 
   /// The camera's rays.
   void follow(std::span<const SampleKey> keys) {
@@ -49,31 +51,47 @@ class PathRowFollower : public PathRowSurfaces {
     if (scene_.features.rich) find_cones(keys);
     std::fill_n(now_->radiance_scale, keys.size(), 1.0);
     std::fill_n(now_->density, keys.size(), 0.0);
+    if (passes_) {
+      std::fill_n(now_->bounces, keys.size(), 0u);
+      std::fill_n(now_->media, keys.size(), surfaces_.at_camera());
+    }
     follow_all([this] HWY_ATTR { step(); });
   }
 
  private:
+  /// As PathRowLights asks for it, of surfaces that nothing is filled behind.
+  auto left() {
+    return [this](uint32_t place, const Ray& ray) {
+      const Media& inside = now_->media[place];
+      const double width = width_at(place);
+      return scene_.features.rich ? ray_transmittance<true>(scene_, ray, inside, width, state_)
+                                  : ray_transmittance<false>(scene_, ray, inside, width, state_);
+    };
+  }
+
   /// Up to the next surfaces, and what is seen there.
   void step() {
-    meet(false, [&](uint32_t* places, size_t count) HWY_ATTR { add_background(places, count); });
+    // Some may be as deep as they may get, beside others.
+    const bool goes_on = depth_ < scene_.settings.max_depth, alone = passes_ && !goes_on;
+    meet(alone, [&](uint32_t* places, size_t count) HWY_ATTR { add_background(places, count); });
     count_unread(
         (now_->rays.count - met_.count) *
         (VertexNumbers::kPairs - size_t{depth_ > 0}));  // the next direction is drawn ahead
     if (met_.count == 0) return;
     std::fill_n(met_.read, met_.count, ahead());
+    if (passes_) absorb();
     look_at_materials();
-    const bool goes_on = depth_ < scene_.settings.max_depth;
-    if (goes_on) {
+    if (goes_on || passes_) {
       draw_numbers();
       lights_.begin(now_->number);
       if (has_sampled_lights(scene_))
         lights_.choose_points(met_, [&](size_t i) { return width_at(met_.place[i]); });
       for (size_t at = 0; at < met_.even; at += kLanes) scatter(at);
-      lights_.add_not_stopped(found_);
+      lights_.add_not_stopped(found_, left());
     }
     for (size_t i = met_.even; i < met_.count; ++i) {
       now_->path_length[met_.place[i]] += hits_[met_.place[i]].t;
-      at_looked_up(i, [&](const SurfacePoint& point) { scatter_alone(i, point, goes_on); });
+      at_looked_up(i, [&](const SurfacePoint& point) { scatter_alone(i, point); });
     }
     size_t read = 0;
     for (size_t i = 0; i < met_.count; ++i)
@@ -154,7 +172,7 @@ class PathRowFollower : public PathRowSurfaces {
       if (on_light) keep(draw(VertexNumbers::kOnLight), met_.on_light);
       keep(draw(VertexNumbers::kDirection), met_.direction);
       if (some_choose) keep(draw(VertexNumbers::kChoice), met_.choice);
-      if (picks) hn::Store(draw(VertexNumbers::kPick).x, kLaneTag, met_.pick + at);
+      if (picks || passes_) keep(draw(VertexNumbers::kPick), met_.pick);
     }
   }
   void count_unread(size_t pairs) {
@@ -188,7 +206,7 @@ class PathRowFollower : public PathRowSurfaces {
     const bool is_all = environment_share(scene_) == 0 && scene_.lights.empty();
     const Lanes zero = hn::Zero(kLaneTag);
     Lanes3 light{zero, zero, zero};
-    if (has_sampled_lights(scene_)) light = lights_.brought(met_, bundle, lambert, is_all);
+    if (has_sampled_lights(scene_)) light = lights_.brought(met_, bundle, lambert, is_all, left());
     if (is_all) return;
     Stored3 sums(light);
     for (uint32_t left = bundle.bits; left != 0;) {
@@ -207,7 +225,7 @@ class PathRowFollower : public PathRowSurfaces {
     RayOrigins origins(point.surface);
     at_vertex(place, point, lambert, origins, [&](const auto& vertex) {
       const double to_sky = environment_share(scene_);
-      if (to_sky > 0 && (!picks_light(scene_) || met_.pick[i] < to_sky))
+      if (to_sky > 0 && (!picks_light(scene_) || met_.pick[0][i] < to_sky))
         sum += vertex.from_environment(to_sky, {met_.on_light[0][i], met_.on_light[1][i]});
       vertex.add_lights(sum);
     });
@@ -217,11 +235,12 @@ class PathRowFollower : public PathRowSurfaces {
   void at_vertex(uint32_t place, const SurfacePoint& point, const Scatter& scatter,
                  RayOrigins& origins, const Do& act) {
     const double path_length = now_->path_length[place], width = width_at(place);
+    const Media& media = now_->media[place];
     if (scene_.features.rich) {
-      act(PathVertex<true, Scatter>{scene_, point, scatter, origins, no_media_, path_length, width,
+      act(PathVertex<true, Scatter>{scene_, point, scatter, origins, media, path_length, width,
                                     state_});
     } else {
-      act(PathVertex<false, Scatter>{scene_, point, scatter, origins, no_media_, path_length, width,
+      act(PathVertex<false, Scatter>{scene_, point, scatter, origins, media, path_length, width,
                                      state_});
     }
   }
@@ -246,7 +265,8 @@ class PathRowFollower : public PathRowSurfaces {
     if (may_end()) {
       const Lanes chance = hn::Load(kLaneTag, met_.choice[1] + at);
       const Lanes root = hn::Sqrt(worth), most = all(kMostSurvival);
-      const Lanes survival = hn::IfThenElse(hn::Lt(most, root), most, root);
+      Lanes survival = hn::IfThenElse(hn::Lt(most, root), most, root);
+      if (passes_) survival = hn::IfThenElse(mask_of(safe(at)), all(1), survival);
       const uint32_t ends = bits_of(hn::Ge(chance, survival)) & onward;
       state_.counters.roulette_ends += static_cast<uint64_t>(std::popcount(ends));
       onward &= ~ends;
@@ -272,8 +292,20 @@ class PathRowFollower : public PathRowSurfaces {
       const uint32_t place = met_.place[at + take_lowest_lane(onward)];
       next_->path_length[rays.count] = now_->path_length[place];
       next_->radiance_scale[rays.count] = now_->radiance_scale[place];
+      if (passes_) carry(place, rays.count, 1);
       next_->number[rays.count++] = now_->number[place];
     }
+  }
+  /// A bit for each lane whose path no roulette ends yet.
+  uint32_t safe(size_t at) const {
+    uint32_t bits = 0;
+    for (size_t lane = 0; lane < kLanes; ++lane)
+      bits |= uint32_t{now_->bounces[met_.place[at + lane]] < kSafeDepth} << lane;
+    return bits;
+  }
+  void carry(uint32_t place, size_t at, uint32_t bounces) {
+    next_->bounces[at] = now_->bounces[place] + bounces;
+    next_->media[at] = now_->media[place];
   }
 
   // ----------------------------------------------------------------------- what scatters otherwise
@@ -290,7 +322,7 @@ class PathRowFollower : public PathRowSurfaces {
     Vec2 choice() const { return read(VertexNumbers::kChoice, met_.choice); }
     Vec2 pick() const {
       met_.read[i_] |= bit_of(VertexNumbers::kPick);
-      return {met_.pick[i_], 0};
+      return {met_.pick[0][i_], met_.pick[1][i_]};
     }
 
    private:
@@ -302,13 +334,20 @@ class PathRowFollower : public PathRowSurfaces {
     size_t i_;
   };
 
-  void scatter_alone(size_t i, const SurfacePoint& point, bool goes_on) {
+  void scatter_alone(size_t i, const SurfacePoint& point) {
     const uint32_t place = met_.place[i];
+    const DrawnNumbers numbers(met_, i);
+    if (passes_) {
+      note_media_before(now_->media[place], point);
+      absorb(place);
+      if (passes_straight(place, point, numbers)) return;
+    }
     add_emission(place, point);
-    if (!goes_on || point.material->model == MaterialModel::unlit) return;
+    const uint32_t bounces = passes_ ? now_->bounces[place] : depth_;
+    if (bounces >= scene_.settings.max_depth || point.material->model == MaterialModel::unlit)
+      return;
     const Bsdf bsdf(bsdf_point(place, point, surface_diffuse(point)));
     RayOrigins origins(point.surface);
-    const DrawnNumbers numbers(met_, i);
     Color throughput = this->throughput(place);
     if (bsdf.is_smooth()) {
       at_vertex(place, point, bsdf, origins, [&](const auto& vertex) {
@@ -317,7 +356,7 @@ class PathRowFollower : public PathRowSurfaces {
     }
     BsdfSample sample;
     double radiance_scale = now_->radiance_scale[place];
-    if (!choose_way(bsdf, depth_, numbers, throughput, radiance_scale, sample, state_.counters))
+    if (!choose_way(bsdf, bounces, numbers, throughput, radiance_scale, sample, state_.counters))
       return;
     RayRow& rays = next_->rays;
     const size_t at = rays.count++;
@@ -330,11 +369,52 @@ class PathRowFollower : public PathRowSurfaces {
     next_->path_length[at] = now_->path_length[place];
     next_->radiance_scale[at] = radiance_scale;
     next_->number[at] = now_->number[place];
+    if (!passes_) return;
+    carry(place, at, 1);
+    if (sample.is_beyond) pass_into(next_->media[at], point);
+  }
+
+  // ------------------------------------------------------------------- what is passed, and absorbs
+
+  /// What media take of paths up to where they scatter evenly; the surface tells nothing of them.
+  void absorb() {
+    for (size_t i = 0; i < met_.even; ++i) absorb(met_.place[i]);
+  }
+  void absorb(uint32_t place) {
+    const Color& absorption = now_->media[place].absorption();
+    if (is_black(absorption)) return;
+    put(throughput(place) * transmittance(absorption, hits_[place].t), place, now_->throughput);
+  }
+  /// As PathTracer::passes_straight().
+  bool passes_straight(uint32_t place, const SurfacePoint& point, const DrawnNumbers& numbers) {
+    const Coverage coverage = straight_coverage(point);
+    if (coverage.through <= 0) return false;
+    if (coverage.covered > 0 && numbers.pick().y >= coverage.through) return false;
+    ++state_.counters.rays_refraction;
+    if (depth_ + 1 >= kMaxPasses) {
+      ++state_.counters.paths_cut;
+      return true;
+    }
+    const Ray on = spawn_ray(point.surface, vec_at(now_->rays.direction, place));
+    RayRow& rays = next_->rays;
+    const size_t at = rays.count++;
+    put(on.origin - Point3{}, at, rays.origin);
+    put(on.direction, at, rays.direction);
+    put(throughput(place), at, next_->throughput);
+    next_->density[at] = now_->density[place];
+    put(vec_at(now_->from, place), at, next_->from);
+    put(vec_at(now_->from_normal, place), at, next_->from_normal);
+    next_->path_length[at] = now_->path_length[place];
+    next_->radiance_scale[at] = now_->radiance_scale[place];
+    next_->number[at] = now_->number[place];
+    carry(place, at, 0);
+    pass_into(next_->media[at], point);
+    return true;
   }
 
   PathRowLights lights_;
   Unmade<SampleStream, RayRow::kMost> streams_;
-  const Media no_media_{};
+  const bool passes_;  ///< PathSurfaces::passes()
 };
 
 }  // namespace HWY_NAMESPACE

@@ -37,7 +37,9 @@ HWY_INLINE Lanes power_heuristic(Lanes own, Lanes other) {
 /// Light of points of area lights, to what a front's paths meet.
 class PathRowLights {
  public:
-  PathRowLights(const Scene& scene, TraceState& state) : scene_(scene), state_(state) {}
+  /// `passes`: PathSurfaces::passes().
+  PathRowLights(const Scene& scene, bool passes, TraceState& state)
+      : scene_(scene), passes_(passes), state_(state) {}
 
   /// Before the paths of a front are lit, which have those numbers.
   void begin(const uint32_t* numbers) {
@@ -52,7 +54,7 @@ class PathRowLights {
     const double to_sky = environment_share(scene_);
     const bool picks = picks_light(scene_);
     for (size_t i = 0; i < met.even; ++i) {
-      const double which = picks ? met.pick[i] : 0;
+      const double which = picks ? met.pick[0][i] : 0;
       points_.density[i] = 0;
       if (which < to_sky) {
         met.read_on_light(i);
@@ -70,9 +72,11 @@ class PathRowLights {
       put(kBlack, i, points_.front), put(kBlack, i, points_.back);
     }
   }
-  /// What they bring. Black if it may be added later, of those that nothing stops.
+  /// What they bring. Black if it may be added later, of those that nothing stops. `left(place,
+  /// ray)` is what is left of light along such a ray, which is asked where something passes.
+  template <typename Left>
   Lanes3 brought(const Met& met, const PathBundle& bundle, const LaneLambert& lambert,
-                 bool may_wait) {
+                 bool may_wait, const Left& left) {
     const Lanes zero = hn::Zero(kLaneTag);
     const Lanes3 none{zero, zero, zero};
     const size_t at = bundle.at;
@@ -102,23 +106,43 @@ class PathRowLights {
                                hn::Mul(all(kLiftRoundings), sum(abs(back))));
     const Lanes3 origin = origin_towards(here, negate(back));
     const Lanes3 stretch = subtract(add(place, multiply(side, lift)), origin);
-    const Lanes weight = power_heuristic(density, value.density);
-    const Lanes3 light =
-        choose(is_dark, none, multiply(multiply(shine, value.share), hn::Div(weight, density)));
+    const Lanes3 light = choose(is_dark, none, multiply(shine, value.share));
+    const Lanes weight =
+        hn::IfThenZeroElse(is_dark, hn::Div(power_heuristic(density, value.density), density));
     if (may_wait) {
-      append_shadow_rays(met, bundle, asked, origin, stretch, multiply(bundle.throughput, light));
+      append_shadow_rays(met, bundle, asked, origin, stretch, light, weight);
       return none;
     }
-    return choose(mask_of(asked & ~stopped(origin, stretch, asked)), light, none);
+    const uint32_t arrives = asked & ~stopped(origin, stretch, asked);
+    if (!passes_) return choose(mask_of(arrives), multiply(light, weight), none);
+    const Stored3 origins(origin), stretches(stretch);
+    Stored3 visible(none);
+    for (uint32_t lanes = arrives; lanes != 0;) {
+      const size_t lane = take_lowest_lane(lanes);
+      const Color share =
+          left(met.place[at + lane], Ray{origins.point(lane), stretches.vec(lane), 0, 1});
+      visible.put(lane, {share.r, share.g, share.b});
+    }
+    const Lanes3 all_of_it = multiply(multiply(light, visible.load()), weight);
+    return choose(mask_of(arrives), all_of_it, none);
   }
-  /// What was to be added later.
-  void add_not_stopped(std::span<Color> found) {
+  /// What was to be added later; `left` as for brought().
+  template <typename Left>
+  void add_not_stopped(std::span<Color> found, const Left& left) {
     const Accelerator* const opaque = scene_.path_occluders.opaque.get();
     const RayRow& rays = shadows_.rays;
     if (rays.count == 0) return;
     const uint64_t stopped = opaque ? opaque->any_hits(rays, state_.counters.traversal) : 0;
-    for (uint32_t i = 0; i < rays.count; ++i)
-      if ((stopped >> i & 1) == 0) found[shadows_.number[i]] += color_at(shadows_.light, i);
+    for (uint32_t i = 0; i < rays.count; ++i) {
+      if ((stopped >> i & 1) != 0) continue;
+      Color light = color_at(shadows_.light, i);
+      const uint32_t place = shadows_.place[i];
+      if (passes_) {
+        const Color visible = left(place, rays.ray(i));
+        light = color_at(shadows_.throughput, i) * (light * visible * shadows_.weight[i]);
+      }
+      found[numbers_[place]] += light;
+    }
   }
 
  private:
@@ -131,8 +155,9 @@ class PathRowLights {
   /// The stretches from surfaces to area lights, and what light they bring to each path.
   struct ShadowRows {
     RayRow rays;
-    alignas(64) double light[3][RayRow::kRoom];
-    uint32_t number[RayRow::kMost];
+    alignas(64) double light[3][RayRow::kRoom];  ///< with what follows, unless something passes
+    alignas(64) double weight[RayRow::kRoom], throughput[3][RayRow::kRoom];
+    uint32_t place[RayRow::kMost];
   };
 
   template <typename Width>
@@ -176,18 +201,25 @@ class PathRowLights {
     return lanes;
   }
   void append_shadow_rays(const Met& met, const PathBundle& bundle, uint32_t asked,
-                          const Lanes3& origin, const Lanes3& stretch, const Lanes3& light) {
+                          const Lanes3& origin, const Lanes3& stretch, const Lanes3& light,
+                          Lanes weight) {
     RayRow& rays = shadows_.rays;
     append(origin, asked, rays.count, rays.origin);
     append(stretch, asked, rays.count, rays.direction);
-    append(light, asked, rays.count, shadows_.light);
-    while (asked != 0) {
-      const uint32_t place = met.place[bundle.at + take_lowest_lane(asked)];
-      shadows_.number[rays.count++] = numbers_[place];
+    if (passes_) {
+      append(light, asked, rays.count, shadows_.light);
+      append(weight, asked, shadows_.weight + rays.count);
+      append(bundle.throughput, asked, rays.count, shadows_.throughput);
+    } else {
+      append(multiply(bundle.throughput, multiply(light, weight)), asked, rays.count,
+             shadows_.light);
     }
+    while (asked != 0)
+      shadows_.place[rays.count++] = met.place[bundle.at + take_lowest_lane(asked)];
   }
 
   const Scene& scene_;
+  const bool passes_;
   TraceState& state_;
   const uint32_t* numbers_ = nullptr;  ///< of the paths, by place
   LightPoints points_;

@@ -1,5 +1,5 @@
-// Part of path_rows.cpp, compiled once for each instruction set: what a front's paths meet, a lane a
-// path where that is a rectangle or a mesh.
+// Part of path_rows.cpp, compiled once for each instruction set: what a front's paths meet, a lane
+// a path where that is a rectangle or a mesh.
 #if defined(TESSERA_PATH_ROW_SURFACES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TESSERA_PATH_ROW_SURFACES_INL_H
 #undef TESSERA_PATH_ROW_SURFACES_INL_H

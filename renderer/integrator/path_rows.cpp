@@ -1,6 +1,6 @@
 #include "renderer/integrator/path_rows.h"
 
-#include <algorithm>
+#include <cmath>
 
 #include "renderer/integrator/path_surfaces.h"
 #include "renderer/math/targets.h"
@@ -31,11 +31,10 @@ namespace tessera {
 
 bool can_follow_paths(const Scene& scene) {
   const bool skips_textures = !scene.features.rich || scene.skips.texture_points;
-  return scene.surfaces && !scene.features.veils && scene.fog.kind == FogKind::none &&
-         scene.skips.absent_features && skips_textures &&
-         std::ranges::all_of(scene.materials, [](const Material& material) {
-           return is_black(material.absorption);
-         });
+  // Rays of a row end at the same distance, but those that have passed a veil would have less left.
+  const bool is_endless = std::isinf(scene.camera->far_distance());
+  return scene.surfaces && (is_endless || !scene.features.veils) &&
+         scene.fog.kind == FogKind::none && scene.skips.absent_features && skips_textures;
 }
 
 std::unique_ptr<const RowTracer> make_path_rows(const Scene& scene, std::string_view instructions) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "renderer/accel/mesh_shape.h"
+#include "renderer/integrator/surface_point.h"
 #include "renderer/shapes/csg_shape.h"
 
 namespace tessera {
@@ -14,7 +15,7 @@ namespace {
 bool is_even(const Scene& scene, const Material& material) {
   Material plain = material;
   plain.inputs = kNoMaterialInputs;
-  if (!plain.is_lambert() || plain.model != MaterialModel::classic) return false;
+  if (!plain.is_lambert() || fills(plain) || plain.model != MaterialModel::classic) return false;
   if (!scene.features.lambert && is_black(material.diffuse)) return false;
   if (material.inputs == kNoMaterialInputs) return true;
   using Target = MaterialInputs::Target;
@@ -26,7 +27,14 @@ bool is_even(const Scene& scene, const Material& material) {
 
 }  // namespace
 
-PathSurfaces::PathSurfaces(const Scene& scene) : scene_(scene) {
+PathSurfaces::PathSurfaces(const Scene& scene)
+    : scene_(scene),
+      passes_(scene.path_occluders.clear ||
+              std::ranges::any_of(scene.shading, &InstanceShading::is_veil) ||
+              std::ranges::any_of(scene.materials, [](const Material& material) {
+                return !is_black(material.absorption);
+              })) {
+  if (passes_) at_camera_ = media_at_camera(scene);
   for (const Material& material : scene.materials)
     sides_.push_back({material.diffuse, !is_black(material.emission)});
   for (uint32_t i = 0; i < scene.instances.size(); ++i) placed_.push_back(place(i));
@@ -58,7 +66,7 @@ void PathSurfaces::find_sides(uint32_t number, Placed& placed) const {
   const auto back_of = [&](const Material& material) -> const Material& {
     return material.sides == Sides::two_sided ? material : scene_.materials[material.back];
   };
-  placed.is_even = true;
+  placed.is_even = !shading.is_veil;
   for (uint32_t i = 0; i < shading.material_count; ++i) {
     const Material& material = scene_.material(number, i);
     for (const Material* const side : {&material, &back_of(material)}) {

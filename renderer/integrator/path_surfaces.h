@@ -5,6 +5,7 @@
 
 #include "renderer/math/color.h"
 #include "renderer/scene/scene.h"
+#include "renderer/shading/media.h"
 #include "renderer/shapes/convex_polygon.h"
 #include "renderer/shapes/triangle_mesh.h"
 
@@ -38,12 +39,18 @@ class PathSurfaces {
   };
   const Scene& scene() const { return scene_; }
   const Placed& placed(uint32_t instance) const { return placed_[instance]; }
+  /// Whether something may be passed straight, or absorbs.
+  bool passes() const { return passes_; }
+  /// What the camera is inside of.
+  const Media& at_camera() const { return at_camera_; }
 
  private:
   Placed place(uint32_t number) const;
   void find_sides(uint32_t number, Placed& placed) const;
 
   const Scene& scene_;
+  bool passes_;
+  Media at_camera_;
   std::vector<Side> sides_;     ///< one a material
   std::vector<Placed> placed_;  ///< one an instance
 };

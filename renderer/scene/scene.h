@@ -31,6 +31,7 @@ struct InstanceShading {
   uint32_t first_material = 0;  ///< into Scene::material_slots
   uint32_t material_count = 1;
   uint32_t light_set = 0;
+  bool is_veil = false;  ///< may let any ray through unbent
 };
 
 /// What tracing this scene may leave out.

@@ -310,7 +310,7 @@ class SceneBuilder {
                                    .casts_shadow = in.casts_shadow,
                                    .cull = materials.cull,
                                    .flip_normals = graph_.shapes[in.shape].shape->flip_normals()});
-      scene_->shading.push_back({materials.first, materials.count, in.scope});
+      scene_->shading.push_back({materials.first, materials.count, in.scope, materials.is_veil});
       instance_shapes_.push_back(in.shape);
       is_clear_.push_back(materials.is_clear || !scene_->skips.opaque_as_clear);
       is_veil_.push_back(materials.is_veil || !scene_->skips.opaque_as_clear);

@@ -16,11 +16,12 @@ namespace tessera {
 namespace {
 
 /// A random scene that paths are followed through in rows: shapes of all kinds where they are or
-/// moved, materials that scatter evenly or otherwise, textured or not, glass, lights with and
-/// without an extent, before backgrounds that are sampled or not.
-class UnveiledScene : RandomScene {
+/// moved, materials that scatter evenly or otherwise, textured or not, glass, veils and what
+/// absorbs or neither, lights with and without an extent, before backgrounds that are sampled or
+/// not.
+class PathScene : RandomScene {
  public:
-  UnveiledScene(uint32_t seed, bool has_lens) : RandomScene(seed) {
+  PathScene(uint32_t seed, bool has_lens) : RandomScene(seed), passes_(seed % 3 == 1) {
     const char* const patterns[] = {"OWEN_SOBOL", "INDEPENDENT", "BLUE_NOISE"};
     is_even_ = chance(.4);
     is_textured_ = !is_even_ && chance(.5);
@@ -64,8 +65,8 @@ class UnveiledScene : RandomScene {
   void add_material(int number) {
     const int model = is_even_ ? 0 : pick(0, 5);
     text_ += fmt::format("materials {{ name: 'm{}' ", number);
-    if (number == kMaterials - 1 && chance(.5))
-      text_ += "sides: FRONT_ONLY ";  // not in solids made of others, where it would be a veil
+    if ((passes_ || number == kMaterials - 1) && chance(.5))
+      text_ += "sides: FRONT_ONLY ";  // in solids made of others it would be a veil
     else if (number > 0 && chance(.2))
       text_ += fmt::format("sides: BACK_MATERIAL back: 'm{}' ", pick(0, number));
     const bool is_textured = is_textured_ && chance(.6);
@@ -74,11 +75,16 @@ class UnveiledScene : RandomScene {
                                        : fmt::format("value {{ {} }}", constant);
     };
     if (is_textured && chance(.3)) text_ += "bump { texture: 'noise' value: .1 } ";
+    if (passes_ && chance(.3))
+      text_ += is_textured ? "opacity { texture: 'noise' } " : "opacity { value: .4 } ";
+    const auto absorption = [&] {
+      return passes_ && chance(.5) ? fmt::format("absorption {{ {} }} ", rgb(9 / size_)) : "";
+    };
     if (model == 4) {
       text_ += fmt::format(
           "dielectric {{ refractive_index: {:.2f} roughness {{ value: {:.2f} }} "
-          "thin: {} }} ",
-          random_.between(1, 2), chance(.5) ? 0 : random_.between(0, 1), chance(.2));
+          "thin: {} {} }} ",
+          random_.between(1, 2), chance(.5) ? 0 : random_.between(0, 1), chance(.2), absorption());
     } else if (model == 3) {
       text_ += fmt::format("conductor {{ eta {{ {} }} k {{ {} }} roughness {{ value: {:.2f} }} }} ",
                            rgb(2), rgb(4), chance(.3) ? 0 : random_.between(0, 1));
@@ -97,6 +103,10 @@ class UnveiledScene : RandomScene {
       if (model == 1) text_ += fmt::format("specular {{ {} }} ", value("noise", rgb(.5)));
       if (model == 1 && chance(.5))
         text_ += fmt::format("reflectivity {{ value {{ {} }} }} ", rgb(.5));
+      if (passes_ && chance(.4))
+        text_ += fmt::format("transparency {{ value: {:.2f} }} transmission: {} ",
+                             random_.between(0, 1), chance(.5) ? "STRAIGHT" : "REFRACT");
+      text_ += absorption();
       text_ += "} ";
     }
     text_ += "} ";
@@ -144,7 +154,7 @@ class UnveiledScene : RandomScene {
   std::string colors(int vertices) {
     std::vector<float> values;
     for (int i = 0; i < 4 * vertices; ++i)
-      values.push_back(i % 4 == 3 ? 1 : static_cast<float>(random_.between(0, 1)));
+      values.push_back(i % 4 == 3 && !passes_ ? 1 : static_cast<float>(random_.between(0, 1)));
     return blob("colors", values);
   }
   std::string panorama() {
@@ -205,7 +215,7 @@ class UnveiledScene : RandomScene {
                                     : solid());
   }
 
-  bool is_even_, is_textured_;
+  bool passes_, is_even_, is_textured_;
   std::string text_;
   BlobStore blobs_;
 };
@@ -225,7 +235,7 @@ TEST(PathRows, FollowsEachPathAsItIsFollowedAlone) {
   uint64_t in_rows = 0, even = 0, sampled = 0, hits = 0, shadows = 0, ended = 0;
   for (uint32_t seed = 0; seed < 400; ++seed) {
     const bool has_lens = seed % 5 == 0;
-    UnveiledScene random(seed, has_lens);
+    PathScene random(seed, has_lens);
     const auto scene = random.build(seed % 3 == 0 ? "linear" : "bvh");
     ASSERT_TRUE(can_follow_paths(*scene)) << random.text();
     const auto integrator = make_integrator(scene);
@@ -267,7 +277,7 @@ TEST(PathRows, FollowsEachPathAsItIsFollowedAlone) {
 
 TEST(PathRows, SendsRaysThroughRasterPointsAsTheCameraDoes) {
   for (uint32_t seed = 0; seed < 40; ++seed) {
-    const UnveiledScene random(seed, false);
+    const PathScene random(seed, false);
     const auto scene = random.build();
     const auto integrator = make_integrator(scene);
     const Camera& camera = *scene->camera;
@@ -322,17 +332,23 @@ TEST(PathRows, TakesNormalsThatAreTheFacetsForThese) {
   }
 }
 
-TEST(PathRows, LeavesVeilsAndWhatAbsorbsAlone) {
-  for (const char* const material :
-       {"classic { transparency { value: .5 } transmission: STRAIGHT }",
-        "dielectric { refractive_index: 1.5 absorption { r: 1 } }",
-        "opacity { value: .5 } classic {}"}) {
+TEST(PathRows, LeavesFogAndVeilsOfWhichOnlyTheNearAreSeenAlone) {
+  const char* const veil = "materials { name: 'a' opacity { value: .5 } classic {} }";
+  const char* const plain = "materials { name: 'a' classic {} }";
+  const struct {
+    const char *material, *camera, *rest;
+    bool follows;
+  } cases[] = {{veil, "", "", true},
+               {veil, "far_distance: 9", "", false},
+               {plain, "far_distance: 9", "", true},
+               {plain, "", "fog { visibility_range: 9 }", false}};
+  for (const auto& c : cases) {
     const std::string text = fmt::format(
-        "settings {{ integrator {{ kind: 'path' }} }} cameras {{}} materials {{ name: 'a' {} }} "
-        "nodes {{ shape {{ materials: 'a' sphere {{ radius: 1 }} }} }}",
-        material);
+        "settings {{ integrator {{ kind: 'path' }} }} cameras {{ {} }} {} {} nodes {{ shape {{ "
+        "materials: 'a' sphere {{ radius: 1 }} }} }}",
+        c.camera, c.material, c.rest);
     const auto scene = build_scene(parse_scene(text), {}, frame_of(4, 4), 1, {}, {});
-    EXPECT_FALSE(can_follow_paths(*scene)) << material;
+    EXPECT_EQ(can_follow_paths(*scene), c.follows) << text;
   }
 }
 
