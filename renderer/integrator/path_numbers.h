@@ -10,8 +10,6 @@ namespace tessera {
 
 /// Bounces that no roulette ends.
 inline constexpr uint32_t kSafeDepth = 3;
-/// What roulette leaves of paths, at most.
-inline constexpr double kMostSurvival = 0.95;
 
 /// The numbers that one vertex of a path draws; what it does not ask for is not worked out.
 class VertexNumbers {

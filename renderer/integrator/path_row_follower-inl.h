@@ -264,13 +264,13 @@ class PathRowFollower : public PathRowSurfaces {
     uint32_t onward = bundle.bits & bits_of(hn::Gt(worth, zero));
     if (may_end()) {
       const Lanes chance = hn::Load(kLaneTag, met_.choice[1] + at);
-      const Lanes root = hn::Sqrt(worth), most = all(kMostSurvival);
-      Lanes survival = hn::IfThenElse(hn::Lt(most, root), most, root);
-      if (passes_) survival = hn::IfThenElse(mask_of(safe(at)), all(1), survival);
+      const Lanes root = hn::Sqrt(worth), one = all(1);
+      Lanes survival = hn::IfThenElse(hn::Lt(one, root), one, root);
+      if (passes_) survival = hn::IfThenElse(mask_of(safe(at)), one, survival);
       const uint32_t ends = bits_of(hn::Ge(chance, survival)) & onward;
       state_.counters.roulette_ends += static_cast<uint64_t>(std::popcount(ends));
       onward &= ~ends;
-      throughput = multiply(throughput, hn::Div(all(1), survival));
+      throughput = multiply(throughput, hn::Div(one, survival));
     }
     for (uint32_t left = onward; left != 0;)
       met_.read[at + take_lowest_lane(left)] |= bit_of(VertexNumbers::kDirection);

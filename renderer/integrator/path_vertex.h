@@ -170,7 +170,7 @@ bool choose_way(const Scatter& scatter, uint32_t depth, const Numbers& numbers, 
   const double worth = max_component(throughput) / radiance_scale;
   if (!(worth > 0)) return false;
   if (may_end) {
-    const double survival = std::min(std::sqrt(worth), kMostSurvival);
+    const double survival = std::min(std::sqrt(worth), 1.0);
     if (choice.y >= survival) {
       ++counters.roulette_ends;
       return false;

@@ -29,9 +29,13 @@ THREADS = 4
 FACTS = {
     "eye": [0, 2.6, 6.2], "target": [0, 1.25, 0], "width_over_distance": .8, "floor_half": 10,
     "lamp_side": 2, "lamp_height": 5, "lamp_radiance": 8,
-    "under_lamp": ["lamp", "texture", "plastic", "metal", "glass", "tinted", "veil"],
+    "under_lamp": ["lamp", "texture", "plastic", "metal", "glass", "tinted", "veil",
+                   "frosted", "lens"],
     "sky": {"sky": 1, "lamp": .3, "texture": .3, "plastic": .3, "metal": .3, "glass": .3,
-            "tinted": .3, "veil": .3},
+            "tinted": .3, "veil": .3, "frosted": .3, "lens": .3},
+    "lens_radius": .15,
+    "lamps": [[-6 + 1.2 * i, 4.5, -6 + 1.2 * j] for i in range(10) for j in range(10)],
+    "small_lamp_side": .1, "small_lamp_radiance": 60,
     "balls": [[-1.6, .6, 1.5], [1.7, .5, 1.2], [0, 3.2, .4], [-1.2, 2.6, -1], [1.3, 2.9, .9]],
     "ball_radius": .05, "ball_radiance": 200, "mesh_radiance": 1,
     "absorption": [.5, 1.5, 4],
@@ -40,8 +44,9 @@ KINDS = {
     "sky": "under an even sky", "lamp": "under a lamp and that sky",
     "texture": "the floor with a texture", "plastic": "of glossy plastic",
     "metal": "of brushed metal", "glass": "of glass",
-    "tinted": "of tinted glass", "veil": "half of which is not there",
+    "frosted": "of frosted glass", "tinted": "of tinted glass", "veil": "half of which is not there",
     "sun": "under a picture of a sky with a sun 5 degrees wide",
+    "lights": "under a hundred small lamps", "lens": "under a lamp and that sky, through a lens",
     "balls": "with five small balls that shine", "mesh": "the model itself shines",
 }
 
@@ -147,6 +152,7 @@ def material_text(kind):
         "plastic": f"physical {{ {base} metallic {{ value: 0 }} }}",
         "metal": f"physical {{ {base} metallic {{ value: 1 }} }}",
         "glass": "dielectric { refractive_index: 1.5 }",
+        "frosted": "dielectric { refractive_index: 1.5 roughness { value: .3 } }",
         "tinted": "dielectric { refractive_index: 1.5 absorption { r: %r g: %r b: %r } }"
                   % tuple(FACTS["absorption"]),
         "veil": "classic { diffuse { value { %s } } } opacity { value: .5 }" % colour(.6),
@@ -155,13 +161,25 @@ def material_text(kind):
     }.get(kind, "classic { diffuse { value { %s } } }" % colour(.6))
 
 
+def lamp_texts(middles, side, radiance):
+    return ['materials { name: "lamp" sides: BACK_MATERIAL back: "black" classic { '
+            "diffuse { value { } } emission { value { %s } } } }" % colour(radiance),
+            'materials { name: "black" classic { diffuse { value { } } } }',
+            *('nodes { shape { materials: "lamp" rectangle { corner { x: %r y: %r z: %r } '
+              "edge_u { x: %r } edge_v { z: %r } } } }"
+              % (x - side / 2, y, z - side / 2, side, side) for x, y, z in middles)]
+
+
 def write_scene(path, kind):
     f = FACTS
+    lens = "lens { radius_x: %r radius_y: %r focal_distance: %r samples: 1 }" % (
+        f["lens_radius"], f["lens_radius"], math.dist(f["eye"], f["target"]))
     field = math.degrees(2 * math.atan(f["width_over_distance"] / 2))
     parts = [
         'settings { integrator { kind: "path" max_depth: 64 } sampling { filter: BOX } }',
         'cameras { name: "c" world_from_camera { steps { look_at { eye { %s } target { %s } } } } '
-        "perspective { field_of_view: %r } }" % (vector(f["eye"]), vector(f["target"]), field),
+        "perspective { field_of_view: %r } %s }"
+        % (vector(f["eye"]), vector(f["target"]), field, lens if kind == "lens" else ""),
         f'materials {{ name: "model" {material_text(kind)} }}',
         'includes { file: "model.obj" material: "model" geometry_only: true }',
     ]
@@ -181,13 +199,9 @@ def write_scene(path, kind):
     parts.append('nodes { shape { materials: "floor" rectangle { corner { x: %d z: %d } '
                  "edge_u { x: %d } edge_v { z: %d } } } }" % (-h, h, 2 * h, -2 * h))
     if kind in f["under_lamp"]:
-        s = f["lamp_side"]
-        parts += ['materials { name: "lamp" sides: BACK_MATERIAL back: "black" classic { '
-                  "diffuse { value { } } emission { value { %s } } } }" % colour(f["lamp_radiance"]),
-                  'materials { name: "black" classic { diffuse { value { } } } }',
-                  'nodes { shape { materials: "lamp" rectangle { corner { x: %r y: %r z: %r } '
-                  "edge_u { x: %r } edge_v { z: %r } } } }"
-                  % (-s / 2, f["lamp_height"], -s / 2, s, s)]
+        parts += lamp_texts([[0, f["lamp_height"], 0]], f["lamp_side"], f["lamp_radiance"])
+    if kind == "lights":
+        parts += lamp_texts(f["lamps"], f["small_lamp_side"], f["small_lamp_radiance"])
     if kind == "balls":
         parts.append('materials { name: "ball" classic { diffuse { value { } } '
                      "emission { value { %s } } } }" % colour(f["ball_radiance"]))

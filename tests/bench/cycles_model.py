@@ -38,8 +38,18 @@ def principled(metallic):
 
 
 def glass(nodes, _):
+    return glass_of(nodes, "SHARP")
+
+
+def frosted_glass(nodes, _):
+    surface = glass_of(nodes, "MULTI_GGX")
+    surface.inputs["Roughness"].default_value = .3
+    return surface
+
+
+def glass_of(nodes, distribution):
     surface = nodes.new("ShaderNodeBsdfGlass")
-    surface.distribution = "SHARP"
+    surface.distribution = distribution
     surface.inputs["Color"].default_value = (1, 1, 1, 1)
     surface.inputs["IOR"].default_value = 1.5
     return surface
@@ -106,7 +116,7 @@ def add_ball(center, radius, radiance):
 def build(scene, folder, kind):
     facts = json.load(open(os.path.join(folder, "facts.json"), encoding="utf-8"))
     surfaces = {"plastic": principled(0), "metal": principled(1), "glass": glass,
-                "veil": half_there, "mesh": emission(facts["mesh_radiance"])}
+                "frosted": frosted_glass, "veil": half_there, "mesh": emission(facts["mesh_radiance"])}
     bpy.ops.wm.obj_import(filepath=os.path.join(folder, "model.obj"),
                           forward_axis="NEGATIVE_Z", up_axis="Y")
     model = bpy.context.selected_objects[0]
@@ -134,8 +144,18 @@ def build(scene, folder, kind):
             add_ball(center, facts["ball_radius"], facts["ball_radiance"])
     scene.world = picture_world(os.path.join(folder, "sky.hdr")) if kind == "sun" \
         else blender_scene.even_world(facts["sky"].get(kind, 0))
+    if kind == "lights":
+        for i, center in enumerate(facts["lamps"]):
+            x, y, z = turned(center)
+            side = facts["small_lamp_side"]
+            rectangle(f"lamp {i}", (x - side / 2, y - side / 2, z), (0, side, 0), (side, 0, 0),
+                      blender_scene.one_sided_lamp(facts["small_lamp_radiance"]))
     camera = blender_scene.add_camera(scene, turned(facts["eye"]), facts["width_over_distance"])
     view = turned(facts["target"]) - turned(facts["eye"])
+    if kind == "lens":
+        camera.data.dof.use_dof = True
+        camera.data.dof.focus_distance = view.length
+        camera.data.dof.aperture_fstop = camera.data.lens / 2000 / facts["lens_radius"]
     camera.rotation_euler = view.to_track_quat("-Z", "Y").to_euler()
 
 
