@@ -224,7 +224,7 @@ void Bsdf::set_probabilities() {
     p_base_ = std::max(kept(base(0.6)), 1e-3);
   }
   if (has_facets_ && alpha_ > 0) {
-    p_facets_ = std::max(kept(facet_fresnel(wo_.z)) * kept_, 1e-3);
+    p_facets_ = std::max(kept(facet_fresnel(wo_.z)) * facets_o_.of_white() * kept_, 1e-3);
   }
   p_mirror_ = kept(mirror_);
   p_glass_ = glass_ * below;
@@ -257,14 +257,14 @@ BsdfValue Bsdf::evaluate_local(const Vec3& wi) const {
       const Ggx ggx(alpha_);
       const double d = ggx.distribution(half);
       value.share += coated_fresnel(cosine, wi.z) * (d * ggx.shadowing(wi, wo_) / (4 * wo_.z));
-      value.density += p_facets_ * d * ggx.masking(wo_) / (4 * wo_.z);
+      value.density += p_facets_ * ggx.reflecting_density(wo_, half);
     }
     if (p_coat_ > 0) {
       const Ggx ggx(coat_alpha_);
       const double d = ggx.distribution(half);
       value.share += fresnel_schlick(kWhite * kCoatReflectance, cosine) *
                      (coat_ * d * ggx.shadowing(wi, wo_) / (4 * wo_.z));
-      value.density += p_coat_ * d * ggx.masking(wo_) / (4 * wo_.z);
+      value.density += p_coat_ * ggx.reflecting_density(wo_, half);
     }
   }
   if (is_rough_glass()) {
@@ -294,7 +294,7 @@ bool Bsdf::sample(double choice, const Vec2& u, BsdfSample& sample) const {
     sample.is_mirror = true;
   };
   const auto off_facets = [&](double alpha) {
-    const Vec3 half = Ggx(alpha).sample_visible(wo_, u);
+    const Vec3 half = Ggx(alpha).sample_reflecting(wo_, u);
     wi = half * (2 * dot(wo_, half)) - wo_;
     return wi.z > 0;
   };

@@ -109,12 +109,12 @@ BsdfValue Bsdf::evaluate_sheet_facets(const Vec3& wi) const {
   const Vec3 half = normalize(reflected + wo_);
   const double fresnel = sheet_fresnel(dot(wo_, half)), way = beyond ? 1 - fresnel : fresnel;
   const Ggx ggx(glass_alpha_);
-  const double d = ggx.distribution(half) * way / (4 * wo_.z);
+  const double d = ggx.distribution(half) / (4 * wo_.z);
   const double passes = beyond
                             ? coat_before_beyond(reflected.z)
                             : coat_over_facets(CoatedFacets::dielectric, coat_dielectric_o_, wi.z);
-  const double share = glass_ * passes * d * ggx.shadowing(reflected, wo_);
-  return {(beyond ? tint_ : kWhite) * share, p_glass_ * d * ggx.masking(wo_)};
+  const double share = glass_ * passes * way * d * ggx.shadowing(reflected, wo_);
+  return {(beyond ? tint_ : kWhite) * share, p_glass_ * way * ggx.reflecting_density(wo_, half)};
 }
 
 bool Bsdf::sample_smooth_glass(double choice, BsdfSample& sample, Vec3& wi) const {
@@ -151,7 +151,8 @@ bool Bsdf::sample_rough_glass(double choice, const Vec2& u, Vec3& wi) const {
     return true;
   }
   choice = (choice - between_glass_) / (1 - between_glass_);
-  const Vec3 half = Ggx(glass_alpha_).sample_visible(wo_, u);
+  const Ggx ggx(glass_alpha_);
+  const Vec3 half = thin_ ? ggx.sample_reflecting(wo_, u) : ggx.sample_visible(wo_, u);
   const double cosine = std::clamp(dot(wo_, half), 0.0, 1.0);
   if (thin_) {
     wi = half * (2 * cosine) - wo_;

@@ -45,9 +45,26 @@ double Ggx::lambda(const Vec3& w) const {
   return (std::sqrt(1 + alpha_ * alpha_ * tan2) - 1) / 2;
 }
 
-Vec3 Ggx::sample_visible(const Vec3& wo, const Vec2& u) const {
+Vec3 Ggx::sample_visible(const Vec3& wo, const Vec2& u) const { return sample_cap(wo, u, 1); }
+
+Vec3 Ggx::sample_reflecting(const Vec3& wo, const Vec2& u) const {
+  return sample_cap(wo, u, bound(wo));
+}
+
+double Ggx::reflecting_density(const Vec3& wo, const Vec3& h) const {
+  const double length = std::sqrt(alpha_ * alpha_ * (wo.x * wo.x + wo.y * wo.y) + wo.z * wo.z);
+  return distribution(h) / (2 * (bound(wo) * wo.z + length));
+}
+
+double Ggx::bound(const Vec3& wo) const {
+  const double a2 = alpha_ * alpha_, s = 1 + std::sqrt(wo.x * wo.x + wo.y * wo.y), s2 = s * s;
+  return (1 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+Vec3 Ggx::sample_cap(const Vec3& wo, const Vec2& u, double bound) const {
   const Vec3 stretched = normalize(Vec3{wo.x * alpha_, wo.y * alpha_, wo.z});
-  const Vec3 cap = direction_at((1 - u.y) * (1 + stretched.z) - stretched.z, u.x);
+  const double lowest = bound * stretched.z;
+  const Vec3 cap = direction_at((1 - u.y) * (1 + lowest) - lowest, u.x);
   const Vec3 h = cap + stretched;
   return normalize(Vec3{h.x * alpha_, h.y * alpha_, std::max(h.z, 0.0)});
 }

@@ -36,9 +36,17 @@ class Ggx {
   /// A facet's normal as seen from `wo`, wo.z > 0 (Dupuy and Benyoub 2023, "Sampling Visible GGX
   /// Normals with Spherical Caps").
   Vec3 sample_visible(const Vec3& wo, const Vec2& u) const;
+  /// The same without most of those that would reflect `wo` into the surface, and the density of
+  /// the direction that `h` reflects to then (Eto and Tokuyoshi 2023, "Bounded VNDF Sampling for
+  /// Smith-GGX Reflections").
+  Vec3 sample_reflecting(const Vec3& wo, const Vec2& u) const;
+  double reflecting_density(const Vec3& wo, const Vec3& h) const;
 
  private:
   double lambda(const Vec3& w) const;
+  /// Of the stretched `wo.z`, how far down the cap goes.
+  double bound(const Vec3& wo) const;
+  Vec3 sample_cap(const Vec3& wo, const Vec2& u, double bound) const;
 
   double alpha_;
 };
