@@ -21,18 +21,17 @@ inline bool picks_light(const Scene& scene) {
   return to_sky < 1 && (to_sky > 0 || scene.area_lights.size() > 1);
 }
 
-/// The density, per steradian, with which a light's point is chosen in this one's direction from
-/// the point `from` of normal `from_normal`; 0 where the surface is in no set of lights, or this
-/// side of it.
-inline double light_density(const Scene& scene, const SurfacePoint& point, const Point3& from,
-                            const Vec3& from_normal) {
+/// The density, per steradian, with which a light's point is chosen in this one's direction, met by
+/// a hit of that primitive; 0 where the surface is in no set of lights, or this side of it.
+inline double light_density(const Scene& scene, const SurfacePoint& point, uint32_t primitive,
+                            const LitPoint& from) {
   const auto light = scene.area_lights.find(point.surface.instance, point.surface.material);
   if (!light) return 0;
   const AreaLight& of = scene.area_lights[*light];
   if (is_black(point.is_back ? of.back : of.front)) return 0;
   return (1 - environment_share(scene)) *
-         scene.area_lights.tree().probability(from, from_normal, *light) *
-         of.sampler->density(from, point.surface.point, point.geometric_normal);
+         scene.area_lights.tree().probability(from.at, from.normal, *light) *
+         of.sampler->density(from, point.surface.point, point.geometric_normal, primitive);
 }
 
 /// The weight of a sample of density `own` among those of two ways to sample (Veach 1997, 9.2.4).

@@ -139,9 +139,10 @@ class PathRowFollower : public PathRowSurfaces {
     const Color shine = emission(point);
     if (is_black(shine)) return;
     const Point3 from = Point3{} + vec_at(now_->from, place);
+    const Vec3 normal = vec_at(now_->from_normal, place);
     sum_of(place) += throughput(place) * shine *
-                     emission_weight(scene_, point, now_->density[place], from,
-                                     vec_at(now_->from_normal, place));
+                     emission_weight(scene_, point, hits_[place].primitive, now_->density[place],
+                                     {from, normal});
   }
 
   // -------------------------------------------------------------------------------------- numbers

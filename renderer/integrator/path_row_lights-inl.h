@@ -164,16 +164,16 @@ class PathRowLights {
   void choose_point(Met& met, size_t i, double u, double share, const Width& width_of) {
     const AreaLights& lights = scene_.area_lights;
     const Point3 from = Point3{} + vec_at(met.surface.point, i);
-    const Vec3 front = vec_at(met.surface.front, i);
-    const LightTree::Pick pick = lights.tree().pick(from, met.from_behind(i) ? -front : front, u);
+    const Vec3 front = vec_at(met.surface.front, i), facet = met.from_behind(i) ? -front : front;
+    const LightTree::Pick pick = lights.tree().pick(from, facet, u);
     const AreaLight& light = lights[pick.index];
     if (scene_.skips.dark_shadow_rays && light.is_dark_from(from)) {
       ++state_.counters.shadow_rays_skipped;
       return;
     }
     SurfaceSample sample;
-    const double density =
-        light.sampler->sample(from, met.read_on_light(i), sample) * pick.probability * share;
+    const double density = light.sampler->sample({from, facet}, met.read_on_light(i), sample) *
+                           pick.probability * share;
     if (!(density > 0)) return;
     points_.density[i] = density;
     put(sample.point - Point3{}, i, points_.point);

@@ -84,7 +84,7 @@ class PathTracer final : public Integrator {
     // As far as the surface is seen; light that comes to it from all sides is as if there were
     // none.
     if (path.density == 0 && scene_->fog.kind != FogKind::none) enter_fog(path);
-    add_emission(path, point);
+    add_emission(path, point, hit.primitive);
     if (path.depth >= scene_->settings.max_depth || point.material->model == MaterialModel::unlit) {
       return false;
     }
@@ -135,11 +135,12 @@ class PathTracer final : public Integrator {
                 background_weight(*scene_, path.density, path.ray.direction);
   }
 
-  void add_emission(Path& path, const SurfacePoint& point) const {
+  void add_emission(Path& path, const SurfacePoint& point, uint32_t primitive) const {
     const Color shine = emission(point);
     if (is_black(shine)) return;
-    path.sum += path.throughput * shine *
-                emission_weight(*scene_, point, path.density, path.from, path.from_normal);
+    path.sum +=
+        path.throughput * shine *
+        emission_weight(*scene_, point, primitive, path.density, {path.from, path.from_normal});
   }
 
   bool bounce(Path& path, const SurfacePoint& point, const Scatter& scatter, RayOrigins& origins,

@@ -21,11 +21,11 @@ inline double background_weight(const Scene& scene, double density, const Vec3& 
   return power_heuristic(density,
                          environment_share(scene) * scene.environment->density(direction, place));
 }
-/// Of what shines at `point`, from where the path scattered last.
-inline double emission_weight(const Scene& scene, const SurfacePoint& point, double density,
-                              const Point3& from, const Vec3& from_normal) {
+/// Of what shines at `point`, met by a hit of that primitive, from where the path scattered last.
+inline double emission_weight(const Scene& scene, const SurfacePoint& point, uint32_t primitive,
+                              double density, const LitPoint& from) {
   if (!(density > 0)) return 1;
-  return power_heuristic(density, light_density(scene, point, from, from_normal));
+  return power_heuristic(density, light_density(scene, point, primitive, from));
 }
 
 /// Where a path is scattered. Numbers are VertexNumbers, or what has its functions. Without kRich
@@ -61,7 +61,8 @@ struct PathVertex {
         } else {
           SurfaceSample there;
           const double density =
-              light.sampler->sample(point.surface.point, numbers.on_light(), there) *
+              light.sampler->sample({point.surface.point, point.geometric_normal},
+                                    numbers.on_light(), there) *
               pick.probability * (1 - to_sky);
           sum += from_area_light(light, there, density);
         }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "renderer/scene/scene.h"
+#include "renderer/shapes/triangle_sampler.h"
 
 namespace tessera {
 
@@ -22,11 +23,16 @@ bool has_texture(const Scene& scene, const Material& material) {
   });
 }
 
+LitSides lit_sides(const AreaLight& light) {
+  if (is_black(light.back)) return LitSides::front;
+  return is_black(light.front) ? LitSides::back : LitSides::both;
+}
+
 /// Makes what all instances of a mesh share once.
 class Samplers {
  public:
   std::shared_ptr<const SurfaceSampler> make(const Instance& instance, const TriangleMesh* mesh,
-                                             uint32_t slot) {
+                                             uint32_t slot, LitSides sides) {
     const Transform& to_world = instance.world_from_object;
     if (mesh == nullptr) {
       if (slot > 0) return nullptr;
@@ -34,7 +40,7 @@ class Samplers {
     }
     auto& triangles = triangles_[{mesh, slot}];
     if (!triangles) triangles = std::make_shared<TriangleSet>(TriangleSet::of(*mesh, slot));
-    return make_triangle_sampler(triangles, to_world, instance.flip_normals);
+    return make_triangle_sampler(triangles, to_world, instance.flip_normals, sides);
   }
 
  private:
@@ -67,7 +73,7 @@ AreaLights find_area_lights(const Scene& scene, std::span<const TriangleMesh* co
         light.has_texture |= has_texture(scene, scene.materials[material.back]);
       }
       if (is_black(light.front) && is_black(light.back)) continue;
-      light.sampler = samplers.make(scene.instances[i], meshes[i], slot);
+      light.sampler = samplers.make(scene.instances[i], meshes[i], slot, lit_sides(light));
       if (!light.sampler) continue;
       set_dark_side(light);
       lights.push_back(std::move(light));

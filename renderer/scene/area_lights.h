@@ -9,6 +9,7 @@
 #include "renderer/math/color.h"
 #include "renderer/scene/light_tree.h"
 #include "renderer/shapes/surface_sampler.h"
+#include "renderer/shapes/triangle_mesh.h"
 
 namespace tessera {
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
+
+#include "renderer/shapes/light_halves.h"
 
 namespace tessera {
 
@@ -38,11 +41,10 @@ uint32_t LightTree::build(const std::vector<Light>& lights, std::vector<uint32_t
                           size_t from, size_t to, uint32_t parent) {
   const auto index = static_cast<uint32_t>(nodes_.size());
   nodes_.emplace_back();
-  Bounds3 box, centers;
+  Bounds3 box;
   double power = 0;
   for (size_t i = from; i < to; ++i) {
     box.extend(lights[order[i]].bounds);
-    centers.extend(lights[order[i]].bounds.center());
     power += lights[order[i]].power;
   }
   Node node;
@@ -56,25 +58,18 @@ uint32_t LightTree::build(const std::vector<Light>& lights, std::vector<uint32_t
     nodes_[index] = node;
     return index;
   }
-  // Halves along the longest side: lights are few beside what they light.
-  const Vec3 size = centers.diagonal();
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  // Halves: lights are few beside what they light.
+  halve(std::span(order).subspan(from, to - from),
+        [&](uint32_t light) { return lights[light].bounds.center(); });
   const size_t middle = from + (to - from) / 2;
-  const auto key = [&](uint32_t light) {
-    return std::pair(lights[light].bounds.center()[axis], light);
-  };
-  std::nth_element(order.begin() + static_cast<std::ptrdiff_t>(from),
-                   order.begin() + static_cast<std::ptrdiff_t>(middle),
-                   order.begin() + static_cast<std::ptrdiff_t>(to),
-                   [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
   nodes_[index] = node;
   build(lights, order, from, middle, index);
   nodes_[index].right = build(lights, order, middle, to, index);
   return index;
 }
 
-double LightTree::first_share(const Node& node, uint32_t index, const Point3& p,
-                              const Vec3& n) const {
+double LightTree::share_of_first(const Node& node, uint32_t index, const Point3& p,
+                                 const Vec3& n) const {
   const auto worth = [&](const Node& child) {
     const Vec3 way = child.center - p;
     const double squared = length_squared(way);
@@ -82,27 +77,21 @@ double LightTree::first_share(const Node& node, uint32_t index, const Point3& p,
     return near > 0 ? child.power * cosine_bound(way, squared, child.radius, n) / near
                     : child.power;
   };
-  const double first = worth(nodes_[index + 1]), second = worth(nodes_[node.right]);
-  const double share = first / (first + second);
-  // Extremes of distance may leave no number: then halves. None is given up for good.
-  return share >= 0 ? std::clamp(share, 1e-4, 1 - 1e-4) : 0.5;
+  return first_share(worth(nodes_[index + 1]), worth(nodes_[node.right]));
 }
 
 LightTree::Pick LightTree::pick(const Point3& p, const Vec3& n, double u) const {
   Pick pick;
   uint32_t index = 0;
   while (nodes_[index].right != 0) {
-    const double share = first_share(nodes_[index], index, p, n);
-    if (u < share) {
-      u /= share;
+    const double share = share_of_first(nodes_[index], index, p, n);
+    if (chooses_first(share, u)) {
       pick.probability *= share;
       ++index;
     } else {
-      u = (u - share) / (1 - share);
       pick.probability *= 1 - share;
       index = nodes_[index].right;
     }
-    u = std::min(u, 0x1.fffffffffffffp-1);
   }
   pick.index = nodes_[index].light;
   return pick;
@@ -112,7 +101,7 @@ double LightTree::probability(const Point3& p, const Vec3& n, uint32_t light) co
   double probability = 1;
   for (uint32_t index = leaves_[light]; index != 0;) {
     const uint32_t parent = nodes_[index].parent;
-    const double share = first_share(nodes_[parent], parent, p, n);
+    const double share = share_of_first(nodes_[parent], parent, p, n);
     probability *= index == parent + 1 ? share : 1 - share;
     index = parent;
   }

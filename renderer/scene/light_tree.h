@@ -44,7 +44,7 @@ class LightTree {
   uint32_t build(const std::vector<Light>& lights, std::vector<uint32_t>& order, size_t from,
                  size_t to, uint32_t parent);
   /// The share of the first child of `node`.
-  double first_share(const Node& node, uint32_t index, const Point3& p, const Vec3& n) const;
+  double share_of_first(const Node& node, uint32_t index, const Point3& p, const Vec3& n) const;
 
   std::vector<Node> nodes_;
   std::vector<uint32_t> leaves_;  ///< the node of each light

@@ -29,16 +29,17 @@ class CurvedSampler : public SurfaceSampler {
         flip_(flip),
         bounds_(to_world.bounds(box)),
         reach_(length(bounds_.diagonal())) {}
-  double sample(const Point3& from, const Vec2& u, SurfaceSample& sample) const override {
+  double sample(const LitPoint& from, const Vec2& u, SurfaceSample& sample) const override {
     const CurvedPoint chosen = choose(u);
     sample.point = to_world_.point(chosen.point);
     sample.point_error = rounding_of(sample.point, reach_);
     const Vec3 normal = normalize(static_cast<Vec3>(to_world_.normal(to_normal(chosen.normal))));
     sample.normal = flip_ ? -normal : normal;
-    return density(from, sample.point, sample.normal);
+    return density(from, sample.point, sample.normal, 0);
   }
-  double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
-    return density_by_area(own_area_ * area_growth(to_world_.matrix(), normal), from, there,
+  double density(const LitPoint& from, const Point3& there, const Vec3& normal,
+                 uint32_t) const override {
+    return density_by_area(own_area_ * area_growth(to_world_.matrix(), normal), from.at, there,
                            normal);
   }
   /// About, where the transform is no similarity.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "renderer/math/frame.h"
 #include "renderer/math/warp.h"
@@ -14,6 +13,7 @@
 #include "renderer/shapes/sphere.h"
 #include "renderer/shapes/spherical_rectangle.h"
 #include "renderer/shapes/torus.h"
+#include "renderer/shapes/triangle_sampler.h"
 
 namespace tessera {
 
@@ -22,12 +22,13 @@ namespace {
 /// Spread evenly: each kind gives its points.
 class AreaSampler : public SurfaceSampler {
  public:
-  double sample(const Point3& from, const Vec2& u, SurfaceSample& sample) const override {
+  double sample(const LitPoint& from, const Vec2& u, SurfaceSample& sample) const override {
     choose(u, sample);
-    return density_by_area(area(), from, sample.point, sample.normal);
+    return density_by_area(area(), from.at, sample.point, sample.normal);
   }
-  double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
-    return density_by_area(area(), from, there, normal);
+  double density(const LitPoint& from, const Point3& there, const Vec3& normal,
+                 uint32_t) const override {
+    return density_by_area(area(), from.at, there, normal);
   }
 
  private:
@@ -39,12 +40,12 @@ class SphereSampler final : public SurfaceSampler {
   SphereSampler(const Point3& center, double radius, bool flip)
       : center_(center), radius_(radius), side_(flip ? -1 : 1) {}
 
-  double sample(const Point3& from, const Vec2& u, SurfaceSample& sample) const override {
-    const Vec3 way = center_ - from;
+  double sample(const LitPoint& from, const Vec2& u, SurfaceSample& sample) const override {
+    const Vec3 way = center_ - from.at;
     const double squared = length_squared(way);
     if (!is_outside(squared)) {  // evenly
       place(direction_at(1 - 2 * u.x, u.y), sample);
-      return density_by_area(area(), from, sample.point, sample.normal);
+      return density_by_area(area(), from.at, sample.point, sample.normal);
     }
     const double sin2 = radius_ * radius_ / squared;
     const double from_axis = one_minus_cosine(sin2);  // exact for the smallest of cones too
@@ -57,10 +58,11 @@ class SphereSampler final : public SurfaceSampler {
     place(Frame(-way / std::sqrt(squared)).from_local(local), sample);
     return 1 / (2 * portable::kPi * from_axis);
   }
-  double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
-    const double squared = length_squared(center_ - from);
-    if (!is_outside(squared)) return density_by_area(area(), from, there, normal);
-    if (dot(there - from, there - center_) > 0) return 0;  // the half that looks away
+  double density(const LitPoint& from, const Point3& there, const Vec3& normal,
+                 uint32_t) const override {
+    const double squared = length_squared(center_ - from.at);
+    if (!is_outside(squared)) return density_by_area(area(), from.at, there, normal);
+    if (dot(there - from.at, there - center_) > 0) return 0;  // the half that looks away
     return 1 / (2 * portable::kPi * one_minus_cosine(radius_ * radius_ / squared));
   }
   double area() const override { return 4 * portable::kPi * radius_ * radius_; }
@@ -158,26 +160,27 @@ class RectangleSampler final : public SurfaceSampler {
     const bool is_square = std::abs(dot(a, b)) <= 1e-12 * length(a) * length(b);
     near_ = is_square ? kFar * area_ : 0;
   }
-  double sample(const Point3& from, const Vec2& u, SurfaceSample& sample) const override {
-    if (!is_near(from)) {
-      const Seen seen = seen_from(from);
+  double sample(const LitPoint& from, const Vec2& u, SurfaceSample& sample) const override {
+    if (!is_near(from.at)) {
+      const Seen seen = seen_from(from.at);
       const Vec2 at{seen.a.point(u.x), seen.b.point(u.y)};
       place(corner_ + a_ * at.x + b_ * at.y, sample);
-      return density_by_area(area_, from, sample.point, sample.normal) * seen.density(at);
+      return density_by_area(area_, from.at, sample.point, sample.normal) * seen.density(at);
     }
-    const SphericalRectangle seen(corner_, a_, b_, from);
+    const SphericalRectangle seen(corner_, a_, b_, from.at);
     if (!(seen.solid_angle() > 0)) return 0;
     place(seen.point(u), sample);
     return 1 / seen.solid_angle();
   }
-  double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
-    if (!is_near(from)) {
+  double density(const LitPoint& from, const Point3& there, const Vec3& normal,
+                 uint32_t) const override {
+    if (!is_near(from.at)) {
       const Vec3 way = there - corner_;
       const auto inside = [](double share) { return std::min(std::max(share, 0.0), 1.0); };
       const Vec2 at{inside(dot(way, share_a_)), inside(dot(way, share_b_))};
-      return density_by_area(area_, from, there, normal) * seen_from(from).density(at);
+      return density_by_area(area_, from.at, there, normal) * seen_from(from.at).density(at);
     }
-    const double angle = SphericalRectangle(corner_, a_, b_, from).solid_angle();
+    const double angle = SphericalRectangle(corner_, a_, b_, from.at).solid_angle();
     return angle > 0 ? 1 / angle : 0;
   }
   double area() const override { return area_; }
@@ -222,45 +225,6 @@ class RectangleSampler final : public SurfaceSampler {
   double near_;  ///< the square of the distance of its middle up to which it is seen as near
 };
 
-/// By area in the triangles' own frame; a transform that is no similarity spreads them unevenly.
-class TriangleSampler final : public SurfaceSampler {
- public:
-  TriangleSampler(std::shared_ptr<const TriangleSet> triangles, const Transform& to_world,
-                  bool flip)
-      : triangles_(std::move(triangles)),
-        to_world_(to_world),
-        determinant_(to_world.matrix().determinant()),
-        side_(flip != (determinant_ < 0) ? -1 : 1) {}
-
-  double sample(const Point3& from, const Vec2& u, SurfaceSample& sample) const override {
-    Vec2 rest = u;
-    const auto& [p, q, r] = triangles_->choose(rest);
-    const Point3 a = to_world_.point(p), b = to_world_.point(q), c = to_world_.point(r);
-    const Vec2 w = triangle_point(rest);
-    sample.point = a + (b - a) * w.x + (c - a) * w.y;
-    sample.point_error = rounding_of(sample.point, length(b - a) + length(c - a));
-    const Vec3 across = cross(b - a, c - a);
-    if (!(length_squared(across) > 0)) return 0;  // flat once it is placed
-    sample.normal = normalize(across) * side_;
-    return density(from, sample.point, sample.normal);
-  }
-  double density(const Point3& from, const Point3& there, const Vec3& normal) const override {
-    const double growth = area_growth(to_world_.matrix(), normal);
-    return density_by_area(triangles_->area() * growth, from, there, normal);
-  }
-  /// About, where the transform is no similarity.
-  double area() const override {
-    const double scale = portable::pow(std::abs(determinant_), 2.0 / 3);
-    return std::max(triangles_->area() * scale, 1e-300);
-  }
-  Bounds3 bounds() const override { return to_world_.bounds(triangles_->bounds()); }
-
- private:
-  std::shared_ptr<const TriangleSet> triangles_;
-  Transform to_world_;
-  double determinant_, side_;
-};
-
 /// Two triangles a face, counter-clockwise seen from outside.
 void add_faces(const Bounds3& extent, TriangleSet& triangles) {
   const Vec3 size = extent.diagonal();
@@ -271,8 +235,8 @@ void add_faces(const Bounds3& extent, TriangleSet& triangles) {
     u[next] = size[next];
     v[last] = size[last];
     const auto add = [&](const Point3& p, const Vec3& s, const Vec3& t) {
-      triangles.add(p, p + s, p + s + t);
-      triangles.add(p, p + s + t, p + t);
+      triangles.add({p, p + s, p + s + t}, 0);
+      triangles.add({p, p + s + t, p + t}, 0);
     };
     add(extent.min + across, u, v);
     add(extent.min, v, u);
@@ -329,44 +293,12 @@ std::unique_ptr<const SurfaceSampler> make_surface_sampler(const Shape& shape,
   const auto triangles = std::make_shared<TriangleSet>();
   if (const auto* polygon = dynamic_cast<const ConvexPolygon*>(&shape)) {
     const auto points = polygon->points();
-    for (size_t i = 2; i < points.size(); ++i) triangles->add(points[0], points[i - 1], points[i]);
+    for (size_t i = 2; i < points.size(); ++i)
+      triangles->add({points[0], points[i - 1], points[i]}, 0);
   } else if (const auto* box = dynamic_cast<const Box*>(&shape)) {
     add_faces(box->bounds(), *triangles);
   }
   return make_triangle_sampler(triangles, world_from_object, flip_normals);
-}
-
-std::unique_ptr<const SurfaceSampler> make_triangle_sampler(
-    std::shared_ptr<const TriangleSet> triangles, const Transform& world_from_object,
-    bool flip_normals) {
-  if (triangles->empty()) return nullptr;
-  return std::make_unique<TriangleSampler>(std::move(triangles), world_from_object, flip_normals);
-}
-
-TriangleSet TriangleSet::of(const TriangleMesh& mesh, uint32_t material) {
-  TriangleSet set;
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if ((mesh.face_materials.empty() ? 0 : mesh.face_materials[i]) != material) continue;
-    const auto [a, b, c] = mesh.corners(i);
-    set.add(a, b, c);
-  }
-  return set;
-}
-
-void TriangleSet::add(const Point3& a, const Point3& b, const Point3& c) {
-  const double size = length(cross(b - a, c - a)) / 2;
-  if (!(size > 0) || !std::isfinite(area() + size)) return;
-  corners_.push_back({a, b, c});
-  sums_.push_back(area() + size);
-  for (const Point3& p : {a, b, c}) bounds_.extend(p);
-}
-
-const TriangleSet::Corners& TriangleSet::choose(Vec2& u) const {
-  const double at = u.x * area();
-  const auto found = std::upper_bound(sums_.begin(), sums_.end() - 1, at);
-  const double below = found == sums_.begin() ? 0 : *(found - 1);
-  u.x = *found > below ? std::clamp((at - below) / (*found - below), 0.0, 0x1.fffffffffffffp-1) : 0;
-  return corners_[static_cast<size_t>(found - sums_.begin())];
 }
 
 }  // namespace tessera

@@ -132,6 +132,42 @@ TEST(Emitters, MeshesWhereverTheyStand) {
                   estimate(kLampAndWall + material("both", 0, 2) + mesh));
 }
 
+TEST(Emitters, MeshesOfManyTrianglesThatBothWaysOfSamplingFind) {
+  // A wall of light of 128 triangles near by, shining from its front: what scattering finds must
+  // know how seldom its triangle would have been chosen.
+  const Patch patch{{0.8, -1, -0.5}, {0, 0, 1.5}, {0, 2, 0}};
+  constexpr int kSide = 8;
+  std::string positions, triangles;
+  for (int i = 0; i <= kSide; ++i) {
+    for (int j = 0; j <= kSide; ++j)
+      positions += number(static_cast<double>(i) / kSide) + ", 0, " +
+                   number(static_cast<double>(j) / kSide) + ", ";
+  }
+  for (int i = 0; i < kSide; ++i) {
+    for (int j = 0; j < kSide; ++j) {
+      const int a = i * (kSide + 1) + j, b = a + kSide + 1;
+      for (const int corner : {a, b, b + 1, a, b + 1, a + 1})
+        triangles += std::to_string(corner) + ", ";
+    }
+  }
+  positions.resize(positions.size() - 2), triangles.resize(triangles.size() - 2);
+  const std::string mesh =
+      "mesh { inline_positions: [" + positions + "] inline_triangles: [" + triangles + "] } ";
+  const double truth = wall(2 * irradiance(patch.corners()));
+  // x becomes z and z becomes y, so that its front looks down -x.
+  const std::string turn =
+      "steps { translate { x: .8 y: -1 z: -.5 } } steps { rotate { axis { x: 1 y: 1 z: 1 } angle: "
+      "240 } } ";
+  const auto of_lamp = [&](const std::string& height, const std::string& more) {
+    return estimate(kLampAndWall + "nodes { transform { " + turn +
+                    "steps { scale { x: 1.5 z: 2 y: " + height +
+                    " } } } shape { materials: 'lamp' " + mesh + more + "} } ");
+  };
+  expect_estimate(truth, of_lamp("1", ""));
+  expect_estimate(truth, of_lamp("7", ""));
+  expect_estimate(truth, of_lamp("-1", "flip_normals: true"));
+}
+
 TEST(Emitters, RingsAreDiscsWithoutDiscs) {
   const double outer = 1.5, inner = 0.9, h = 2;
   const auto of_disc = [&](double r) { return kPi * r * r / (r * r + h * h); };

@@ -16,13 +16,16 @@
 #include "renderer/shapes/sphere.h"
 #include "renderer/shapes/surface_interaction.h"
 #include "renderer/shapes/surface_sampler.h"
+#include "renderer/shapes/triangle_sampler.h"
 #include "tests/chi_square.h"
 #include "tests/uniform_numbers.h"
+#include "tests/unit/renderer/shapes/shining_meshes.h"
 
 namespace tessera {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+const Vec3 kNormal{0, -0.6, -0.8};  // of what is lit
 constexpr int kCells = 16, kFine = 32, kCount = 60000;
 
 struct Case {
@@ -37,16 +40,20 @@ Case placed(const std::string& name, std::shared_ptr<const Shape> shape, const A
   return {name, shape, make_surface_sampler(*shape, place, false), place};
 }
 
-/// An open tent of three triangles of different size, askew.
-Case mesh(const Affine& to_world) {
-  auto tent = std::make_shared<TriangleMesh>();
-  tent->positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}, {0.3, 0.2, 1}};
-  tent->triangles = {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+Case mesh(const std::string& name, const TriangleMesh& of, const Affine& to_world) {
+  const auto shared = std::make_shared<TriangleMesh>(of);
   const Transform place(to_world);
   return {
-      "mesh", std::make_shared<MeshShape>(tent, std::make_unique<MeshLinearScan>(tent)),
-      make_triangle_sampler(std::make_shared<TriangleSet>(TriangleSet::of(*tent, 0)), place, false),
+      name, std::make_shared<MeshShape>(shared, std::make_unique<MeshLinearScan>(shared)),
+      make_triangle_sampler(std::make_shared<TriangleSet>(TriangleSet::of(of, 0)), place, false),
       place};
+}
+/// An open tent of three triangles of different size, askew.
+TriangleMesh tent() {
+  TriangleMesh mesh;
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}, {0.3, 0.2, 1}};
+  mesh.triangles = {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  return mesh;
 }
 
 std::vector<Case> cases() {
@@ -67,7 +74,9 @@ std::vector<Case> cases() {
                  {0, 0, 0}, {1, 0, 0}, {1.4, 0.7, 0}, {0.5, 1.2, 0}, {-0.2, 0.6, 0}}),
              skewed),
       placed("box", std::make_shared<Box>(Bounds3{{-0.3, -0.4, -0.5}, {0.3, 0.2, 0.6}}), skewed),
-      mesh(skewed)};
+      mesh("tent", tent(), skewed),
+      mesh("bumps", bumpy_sheet(8), turned),
+      mesh("skewed bumps", bumpy_sheet(8), skewed)};
 }
 
 /// Cells of equal solid angle in a cone about all that is seen of a shape.
@@ -126,7 +135,9 @@ Expected expected_counts(const Case& c, const Cone& cone, const Point3& from) {
       double count = 0;
       if (c.shape->closest_hit(ray, hit, counters)) {
         const SurfaceInteraction s = to_world(c.shape->surface(ray, hit), c.place, false, 0);
-        count = c.sampler->density(from, s.point, static_cast<Vec3>(s.geometric_normal)) * each;
+        count = c.sampler->density({from, kNormal}, s.point, static_cast<Vec3>(s.geometric_normal),
+                                   hit.primitive) *
+                each;
       }
       const auto cell = static_cast<size_t>(row / kFine * kCells + column / kFine);
       out.counts[cell] += count;
@@ -159,7 +170,7 @@ TEST(SurfaceSampler, DirectionsFollowTheDensityThatItTells) {  // N28
       for (int i = 0; i < kCount; ++i) {
         const double x = random(), y = random();
         SurfaceSample sample;
-        ASSERT_GT(c.sampler->sample(from, {x, y}, sample), 0);
+        ASSERT_GT(c.sampler->sample({from, kNormal}, {x, y}, sample), 0);
         // Is it what is seen first? To within the millionth that edges and rounding take.
         const Vec3 way = sample.point - from;
         Ray ray;

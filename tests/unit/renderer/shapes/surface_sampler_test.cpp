@@ -14,11 +14,13 @@
 #include "renderer/shapes/frustum.h"
 #include "renderer/shapes/sphere.h"
 #include "renderer/shapes/torus.h"
+#include "renderer/shapes/triangle_sampler.h"
 
 namespace tessera {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+const Vec3 kNormal{0, 0, 1};  // of what is lit: none of these asks for it
 
 struct Case {
   std::string name;
@@ -88,10 +90,11 @@ TEST(SurfaceSampler, PointsLieOnTheSurfaceAndTheirDensitiesAddUp) {
           // Roberts' R2 sequence: even in both, whatever u is cut into.
           const Vec2 u{std::fmod(i * 0.7548776662466927, 1), std::fmod(i * 0.5698402909980532, 1)};
           SurfaceSample sample;
-          const double density = sampler->sample(from, u, sample);
+          const double density = sampler->sample({from, kNormal}, u, sample);
           ASSERT_GT(density, 0);
           ASSERT_NEAR(length(sample.normal), 1, 1e-9);
-          EXPECT_NEAR(sampler->density(from, sample.point, sample.normal), density, 1e-6 * density);
+          EXPECT_NEAR(sampler->density({from, kNormal}, sample.point, sample.normal, 0), density,
+                      1e-6 * density);
           // A ray that comes down on the point meets the shape there.
           Ray ray;
           ray.origin = transform.inverse_point(sample.point + sample.normal * 1e-4);
@@ -113,9 +116,10 @@ TEST(SurfaceSampler, PointsLieOnTheSurfaceAndTheirDensitiesAddUp) {
 TEST(SurfaceSampler, FrontsAreThoseOfTheShape) {
   const Rectangle rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   SurfaceSample sample;
+  const Point3 from{9, 9, 9};
   const auto normal = [&](const Affine& to_world, bool flip) {
     make_surface_sampler(rectangle, Transform(to_world), flip)
-        ->sample({9, 9, 9}, {0.5, 0.5}, sample);
+        ->sample({from, kNormal}, {0.5, 0.5}, sample);
     return sample.normal;
   };
   EXPECT_NEAR(normal({}, false).z, 1, 1e-12);
@@ -123,7 +127,7 @@ TEST(SurfaceSampler, FrontsAreThoseOfTheShape) {
   EXPECT_NEAR(normal(scaling({-1, 1, 1}), false).z, 1, 1e-12);  // the front stays the front
   const ConvexPolygon polygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}});
   make_surface_sampler(polygon, Transform(scaling({-1, 1, 1})), false)
-      ->sample({9, 9, 9}, {0.5, 0.5}, sample);
+      ->sample({from, kNormal}, {0.5, 0.5}, sample);
   EXPECT_NEAR(sample.normal.z, 1, 1e-12);
   EXPECT_EQ(make_surface_sampler(Torus(0.2, 1), {}, false), nullptr);  // some of it lies inside
 }
@@ -151,8 +155,9 @@ double sampled_light_of(const Shape& shape, const Affine& to_world, const Point3
   for (int i = 0; i < kCount; ++i) {
     const Vec2 u{std::fmod(i * 0.7548776662466927, 1), std::fmod(i * 0.5698402909980532, 1)};
     SurfaceSample sample;
-    const double density = sampler->sample(from, u, sample);
-    EXPECT_NEAR(sampler->density(from, sample.point, sample.normal), density, 1e-6 * density);
+    const double density = sampler->sample({from, kNormal}, u, sample);
+    EXPECT_NEAR(sampler->density({from, kNormal}, sample.point, sample.normal, 0), density,
+                1e-6 * density);
     if (density > 0) sum += 1 / density;
   }
   return sum / kCount;
@@ -186,10 +191,11 @@ TEST(SurfaceSampler, ChoosesThePartsThatAreThere) {
   const auto parts = [](const OpenParts& open) {
     const auto sampler = make_surface_sampler(Cylinder(1, 2, open), {}, false);
     std::array<int, 3> found{};
+    const Point3 from{4, 5, 6};
     for (int i = 0; i < 1000; ++i) {
       const Vec2 u{std::fmod(i * 0.7548776662466927, 1), std::fmod(i * 0.5698402909980532, 1)};
       SurfaceSample sample;
-      EXPECT_GT(sampler->sample({4, 5, 6}, u, sample), 0);
+      EXPECT_GT(sampler->sample({from, kNormal}, u, sample), 0);
       ++found[sample.normal.y > 0.5 ? 1 : sample.normal.y < -0.5 ? 2 : 0];
     }
     return found;
