@@ -12,7 +12,7 @@ namespace tessera {
 
 namespace {
 
-/// About how much longer a map makes what it maps: the mean of squares over all directions.
+/// About how much longer a map makes what it maps: the root of the mean square over all directions.
 double stretch_of(const Affine& m) {
   double sum = 0;
   for (const auto& row : m.m) sum += row[0] * row[0] + row[1] * row[1] + row[2] * row[2];

@@ -7,7 +7,8 @@ A knotted tube of 69,600 triangles stands on a floor; KIND says of what it is ma
 (all unless told). Both programs get the same model, texture and picture of a sky, and 64 bounces, a
 box filter, nothing clamped, denoised or stopped early. Times are of processors over four threads,
 medians of the turns: of Cycles from the call of its renderer to the end, of ours the whole command,
-loading and writing included. Errors are of pictures of two seeds against each other. The last column
+loading and writing included. Errors are of each turn's
+picture against the next one's, which has another seed. The last column
 supposes that four times the samples halve the error. `means` is ours over that of Cycles.
 """
 import argparse
