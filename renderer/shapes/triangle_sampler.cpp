@@ -42,17 +42,15 @@ class TriangleSampler final : public SurfaceSampler {
                   bool flip, LitSides sides)
       : triangles_(std::move(triangles)),
         to_world_(to_world),
-        determinant_(to_world.matrix().determinant()),
-        side_(flip != (determinant_ < 0) ? -1 : 1),
+        side_(flip != (to_world.matrix().determinant() < 0) ? -1 : 1),
         lit_side_(flip ? -side_of(sides) : side_of(sides)),
         is_similar_(is_similarity(to_world.matrix())),
-        growth_(portable::pow(std::abs(determinant_), 2.0 / 3)),
+        growth_(portable::pow(std::abs(to_world.matrix().determinant()), 2.0 / 3)),
         stretch_(stretch_of(to_world.matrix())) {}
 
   double sample(const LitPoint& from, const Vec2& u, SurfaceSample& sample) const override {
     Vec2 rest = u;
-    const TriangleTree* const tree = triangles_->tree();
-    const TriangleTree::Part part = tree ? tree->pick(view(from), rest.x) : triangles_->all();
+    const TriangleTree::Part part = triangles_->pick([&] { return view(from); }, rest.x);
     const auto& [p, q, r] = triangles_->choose(part, rest);
     const Point3 a = to_world_.point(p), b = to_world_.point(q), c = to_world_.point(r);
     const Vec2 w = triangle_point(rest);
@@ -65,10 +63,8 @@ class TriangleSampler final : public SurfaceSampler {
   }
   double density(const LitPoint& from, const Point3& there, const Vec3& normal,
                  uint32_t primitive) const override {
-    const TriangleTree* const tree = triangles_->tree();
-    if (!tree) return density_in(triangles_->all(), from.at, there, normal);
-    const auto place = triangles_->place_of(primitive);
-    return place ? density_in(tree->holding(view(from), *place), from.at, there, normal) : 0;
+    const auto part = triangles_->holding([&] { return view(from); }, primitive);
+    return part ? density_in(*part, from.at, there, normal) : 0;
   }
   /// About, where the transform is no similarity.
   double area() const override { return std::max(triangles_->area() * growth_, 1e-300); }
@@ -98,7 +94,7 @@ class TriangleSampler final : public SurfaceSampler {
 
   std::shared_ptr<const TriangleSet> triangles_;
   Transform to_world_;
-  double determinant_, side_;
+  double side_;
   double lit_side_;  ///< TriangleTree::View::side
   bool is_similar_;
   double growth_;  ///< of areas; about, where it is no similarity
