@@ -1,6 +1,7 @@
 #include "renderer/shapes/triangle_sampler.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -32,6 +33,28 @@ bool is_similarity(const Affine& m) {
 double side_of(LitSides sides) {
   if (sides == LitSides::both) return 0;
   return sides == LitSides::front ? 1 : -1;
+}
+
+/// Which triangles lie where others do that come before them; of those that face the same way, or
+/// `either_way`.
+std::vector<bool> behind_others(const TriangleMesh& mesh, bool either_way) {
+  using Key = std::array<std::array<float, 3>, 3>;
+  std::vector<std::pair<Key, uint32_t>> keys(mesh.triangles.size());
+  for (uint32_t i = 0; i < keys.size(); ++i) {
+    auto& [key, number] = keys[i];
+    number = i;
+    for (size_t corner = 0; corner < 3; ++corner) {
+      const Float3& p = mesh.positions[mesh.triangles[i][corner]];
+      key[corner] = {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};  // no -0
+    }
+    std::rotate(key.begin(), std::min_element(key.begin(), key.end()), key.end());
+    if (either_way && key[2] < key[1]) std::swap(key[1], key[2]);
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<bool> behind(keys.size());
+  for (size_t i = 1; i < keys.size(); ++i)
+    behind[keys[i].second] = keys[i].first == keys[i - 1].first;
+  return behind;
 }
 
 /// By area in the triangles' own frame within what the tree picks; a transform that is no
@@ -111,9 +134,11 @@ std::unique_ptr<const SurfaceSampler> make_triangle_sampler(
                                            sides);
 }
 
-TriangleSet TriangleSet::of(const TriangleMesh& mesh, uint32_t material) {
+TriangleSet TriangleSet::of(const TriangleMesh& mesh, uint32_t material, bool has_backs) {
   TriangleSet set;
+  const std::vector<bool> is_behind = behind_others(mesh, has_backs);
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (is_behind[i]) continue;
     if ((mesh.face_materials.empty() ? 0 : mesh.face_materials[i]) != material) continue;
     set.add(mesh.corners(i), static_cast<uint32_t>(i));
   }

@@ -19,8 +19,10 @@ namespace tessera {
 class TriangleSet {
  public:
   /// Those of `mesh` that have an area and whose face material is `material`, with a tree where
-  /// there are enough to choose from.
-  static TriangleSet of(const TriangleMesh& mesh, uint32_t material);
+  /// there are enough to choose from. Of triangles with the same corners, by whatever turn, hits
+  /// tell the first alone, and so does the set: if `has_backs`, of those that face the other way
+  /// too.
+  static TriangleSet of(const TriangleMesh& mesh, uint32_t material, bool has_backs = true);
   /// If it has an area. Without a tree hits need not tell it apart.
   void add(const TriangleCorners& corners) { add(corners, 0); }
   bool empty() const { return corners_.empty(); }

@@ -54,7 +54,7 @@ class TriangleTree::Builder {
     const Vec3 center = (bounded.center - tree_.all_.center) / tree_.all_.radius;
     for (int axis = 0; axis < 3; ++axis) {
       node.center[axis][child] = static_cast<float>(center[axis]);
-      node.axis[axis][child] = static_cast<float>(bounded.axis[axis]);
+      node.normal[axis][child] = static_cast<float>(bounded.mean_normal[axis]);
     }
     node.reach[child] = static_cast<float>(bounded.radius / 2 / tree_.all_.radius);
     node.spread[child] = static_cast<float>(bounded.spread);
@@ -74,10 +74,8 @@ class TriangleTree::Builder {
     }
     bounded.center = box.center();
     bounded.radius = length(box.diagonal()) / 2;
-    bounded.axis = sum == Vec3{} ? normals_[order[0]] : normalize(sum);
-    double cosine = 1;
-    for (const uint32_t i : order) cosine = std::min(cosine, dot(bounded.axis, normals_[i]));
-    bounded.spread = cosine > 0 ? std::sqrt(1 - cosine * cosine) : 1;
+    bounded.mean_normal = sum / bounded.area;
+    bounded.spread = std::max(1 - length_squared(bounded.mean_normal), 0.0) / 4;
     return bounded;
   }
 
@@ -104,10 +102,11 @@ inline TriangleTree::Range TriangleTree::child_of(const Range& range, size_t chi
   return {from, to};
 }
 
-/// With estimates of both cosines, times the distance, that need no sines: half the radius of the
-/// ball, and cos a + sin b for cos(a - b), above it for a up to a right angle. `from` is in the
-/// nodes' frame. kMeasured: where there is View::measure. Written for compilers that work out
-/// several children at once.
+/// With estimates of both cosines, times the distance: at the point that of the middle, and half
+/// the radius; at the surface what the mean of the normals m, in a direction where it is t, tells
+/// of the mean of what of their cosines is above 0: (t + sqrt(t^2 + (1 - m^2) / 4)) / 2, which is
+/// right for one normal and for those of a whole ball. `from` is in the nodes' frame. kMeasured:
+/// where there is View::measure. Written for compilers that work out several children at once.
 template <bool kMeasured>
 inline void TriangleTree::look(const View& view, const Vec3& from, const Node& node, Seen& seen) {
   // What is turned away keeps some of its worth: these are estimates, surfaces may let light
@@ -121,7 +120,7 @@ inline void TriangleTree::look(const View& view, const Vec3& from, const Node& n
   const float x0 = to_float(from.x), y0 = to_float(from.y), z0 = to_float(from.z);
   const float nx = to_float(view.normal.x), ny = to_float(view.normal.y),
               nz = to_float(view.normal.z);
-  const float front = view.side < 0 ? -1 : 1, back = view.side > 0 ? 1 : -1;
+  const float side = to_float(view.side), sides = view.side == 0 ? 1.0f : 0.5f;
   float m[3][3] = {};
   if constexpr (kMeasured) {
     for (size_t row = 0; row < 3; ++row)
@@ -132,13 +131,9 @@ inline void TriangleTree::look(const View& view, const Vec3& from, const Node& n
     const float x = node.center[0][i] - x0, y = node.center[1][i] - y0, z = node.center[2][i] - z0;
     const float reach = node.reach[i], in_reach = reach * reach + kLeastSquare;
     const float squared = x * x + y * y + z * z + in_reach, distance = std::sqrt(squared);
-    const float across = x * node.axis[0][i] + y * node.axis[1][i] + z * node.axis[2][i];
-    const float first = -across * front, second = -across * back;
-    const float towards = first > second ? first : second;
-    // Normals to all sides have no axis but what rounding leaves of it.
-    const float spread = node.spread[i];
-    const float facing =
-        spread >= 1 ? distance : likely(towards + spread * distance + reach, distance);
+    const float across = x * node.normal[0][i] + y * node.normal[1][i] + z * node.normal[2][i];
+    const float steep = std::sqrt(across * across + node.spread[i] * squared);
+    const float facing = likely(sides * (steep - across * side) + reach, distance);
     // Area times distance times the cosine at the surface is a volume: the map makes each as much
     // larger. The rest goes by distances as they are measured.
     float px = x, py = y, pz = z, placed_squared = squared, placed = distance;
@@ -157,8 +152,9 @@ inline void TriangleTree::look(const View& view, const Vec3& from, const Node& n
 
 template <typename Choose>
 inline TriangleTree::Part TriangleTree::descend(const View& view, const Choose& choose) const {
-  // In reaches, and 30 degrees: finer parts cost more than their noise.
-  constexpr double kFar = 3, kNarrow = 0.5;
+  // In reaches, and what normals within about 30 degrees have: finer parts cost more than their
+  // noise.
+  constexpr double kFar = 3, kNarrow = 0.03;
   const auto is_even = [](double squared, double reach, double spread) {
     return spread < kNarrow && squared > kFar * kFar * reach * reach;
   };

@@ -14,7 +14,7 @@ namespace tessera {
 using TriangleCorners = std::array<Point3, 3>;
 
 /// Picks triangles of a shining surface by what they can bring to a point: area by the cosine at
-/// the triangle (of a cone of normals) and that at the point, over the square of the distance, from
+/// the triangle and that at the point, over the square of the distance, from
 /// the root of a tree downwards (Conty Estevez and Kulla 2018, "Importance Sampling of
 /// Many Lights with Adaptive Tree Splitting", without the splitting). What is far and about flat is
 /// left whole, to be chosen from by area. Immutable; thread-safe; does not allocate once built.
@@ -53,11 +53,10 @@ class TriangleTree {
     float center[3][kChildren];
     /// Half the radius of a ball about it: most lies as near to the centre.
     float reach[kChildren];
-    /// Unit, of a cone about all normals, and the sine of its angle; 1 where that is a right one or
-    /// more.
-    float axis[3][kChildren], spread[kChildren];
-    float area[kChildren];     ///< of all of 1
-    uint32_t next[kChildren];  ///< kNone: no more than one triangle
+    float normal[3][kChildren];  ///< the mean of the unit ones, by area
+    float spread[kChildren];     ///< (1 - its square) / 4
+    float area[kChildren];       ///< of all of 1
+    uint32_t next[kChildren];    ///< kNone: no more than one triangle
   };
   struct Range {
     size_t from = 0, to = 0;
@@ -66,7 +65,7 @@ class TriangleTree {
   struct Bounded {
     Point3 center;
     double radius = 0;
-    Vec3 axis;
+    Vec3 mean_normal;
     double spread = 0, area = 0;
   };
   /// Of a node's children: what each is worth, and where they are.

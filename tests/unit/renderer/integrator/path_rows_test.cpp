@@ -334,6 +334,26 @@ TEST(PathRows, TakesNormalsThatAreTheFacetsForThese) {
   }
 }
 
+TEST(PathRows, TakesWhatFillsSolidsThatScatterEvenlyAsSinglePathsDo) {
+  const std::string text =
+      "settings { integrator { kind: 'path' } } cameras {} materials { name: 'a' classic { diffuse "
+      "{ value { r: .5 g: .5 b: .5 } } emission { value { r: 1 g: 1 b: 1 } } absorption { r: 1 g: "
+      "1 "
+      "b: 1 } } } nodes { shape { materials: 'a' sphere { radius: 2 } } }";
+  const auto scene = build_scene(parse_scene(text), {}, frame_of(4, 4), 1, {}, {});
+  const auto integrator = make_integrator(scene);
+  const Ray rays[] = {{{0, 0, 0}, {0, 0, -1}}};
+  const SampleKey keys[] = {{0, 0, 0}};
+  TraceState state;
+  integrator->make_room(state);
+  const Color expected = integrator->radiance(rays[0], keys[0], state);
+  for (const BvhKernels& code : all_kernels()) {
+    Color found[1];
+    make_path_rows(*scene, code.name)->radiances(rays, keys, found, state);
+    EXPECT_EQ(found[0], expected) << code.name;
+  }
+}
+
 TEST(PathRows, LeavesFogAndVeilsOfWhichOnlyTheNearAreSeenAlone) {
   const char* const veil = "materials { name: 'a' opacity { value: .5 } classic {} }";
   const char* const plain = "materials { name: 'a' classic {} }";
