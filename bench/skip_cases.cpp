@@ -106,11 +106,12 @@ LoadedScene black_lamps() {
   return scene_of(text);
 }
 
-LoadedScene ground_under_lamps() {
-  std::string text =
-      settings(400, 300) + camera(2, 1.5, 3) + kGround + sphere(0, 0, 0, .3) +
-      "nodes { shape { materials: 'ground' plane { normal { x: 1 } offset: -1 } } }\n"
-      "nodes { shape { materials: 'ground' plane { normal { z: 1 } offset: -1 } } }\n";
+LoadedScene room_with_lamps() {
+  std::string text = settings(400, 300) + camera(2, 1.5, 3) + kGround + sphere(0, 0, 0, .3);
+  for (const char* wall : {"x: 1 } offset: -1", "z: 1 } offset: -1", "x: -1 } offset: -5",
+                           "y: -1 } offset: -5", "z: -1 } offset: -5"})
+    text +=
+        fmt::format("nodes {{ shape {{ materials: 'ground' plane {{ normal {{ {} }} }} }}\n", wall);
   for (int i = 0; i < 8; ++i) text += lamp(-.8 + .5 * i, 3, 2, "intensity: .2");
   return scene_of(text);
 }
@@ -244,9 +245,9 @@ const std::vector<SkipCase>& skip_cases() {
        {"lights_culled"},
        {"lights_culled", "shadow_rays_skipped", "rays_shadow"}},
       {"shadowless-planes",
-       "a corner of three walls, eight lamps",
+       "a room of six walls, eight lamps",
        &Skips::shadowless_planes,
-       ground_under_lamps,
+       room_with_lamps,
        {"planes_without_shadow"},
        {"instances"}},
       {"opaque-as-clear",

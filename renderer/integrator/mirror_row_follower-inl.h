@@ -163,8 +163,8 @@ class MirrorRowFollower : public RowFollower<RayFront> {
     const Seen seen{surface, material, choose(is_back, negate(surface.front), surface.front),
                     choose(is_back, negate(surface.shading), surface.shading)};
     state_.counters.hits += static_cast<uint64_t>(std::popcount(bundle.bits));
-    const Lanes3 result = multiply(bundle.throughput,
-                                   local_radiance(seen, surfaces_.placed(instance).lights, bundle));
+    const Lanes3 result = multiply(
+        bundle.throughput, local_radiance(seen, surfaces_.placed(instance).light_set, bundle));
     if (material.is_mirror()) {
       go_on(bundle, seen, result);
     } else {
@@ -191,16 +191,47 @@ class MirrorRowFollower : public RowFollower<RayFront> {
   }
 
   /// tessera::local_radiance() of simple features.
-  Lanes3 local_radiance(const Seen& seen, std::span<const uint32_t> lights,
-                        const MirrorBundle& bundle) {
+  Lanes3 local_radiance(const Seen& seen, uint32_t light_set, const MirrorBundle& bundle) {
     const Material& material = seen.material;
-    Color ambient = scene_.settings.ambient;
     Lanes3 result = all(material.emission);
     uint32_t answered = 0;
     if (has_shadows() && scene_.occluders.few) answered = answered_by_buffers(seen.surface);
-    for (const uint32_t index : lights) {
+    const LightReach& reach = scene_.global_lights;
+    if (reach.is_everywhere()) {
+      add_lights(seen, light_set, reach.all(), answered, bundle, result);
+    } else {
+      add_lights_in_reach(seen, light_set, answered, bundle, result);
+    }
+    const Color& part = material.ambient_times_diffuse ? material.diffuse : kWhite;
+    return add(result, all(surfaces_.ambient(light_set) * material.ambient * part));
+  }
+  /// Points that have one list of lights together.
+  void add_lights_in_reach(const Seen& seen, uint32_t light_set, uint32_t answered,
+                           MirrorBundle bundle, Lanes3& result) {
+    const LightReach& reach = scene_.global_lights;
+    const Stored3 points(seen.surface.point);
+    std::span<const uint32_t> lists[kLanes];
+    for (size_t lane = 0; lane < kLanes; ++lane) lists[lane] = reach.at(points.point(lane));
+    for (uint32_t left = bundle.bits; left != 0; left &= ~bundle.bits) {
+      const std::span<const uint32_t> lights = lists[std::countr_zero(left)];
+      bundle.bits = 0;
+      for (uint32_t bits = left; bits != 0;) {
+        const size_t lane = take_lowest_lane(bits);
+        const bool is_same =
+            lists[lane].data() == lights.data() && lists[lane].size() == lights.size();
+        bundle.bits |= uint32_t{is_same} << lane;
+      }
+      state_.counters.lights_culled +=
+          static_cast<uint64_t>(std::popcount(bundle.bits)) * (reach.all().size() - lights.size());
+      add_lights(seen, light_set, lights, answered, bundle, result);
+    }
+  }
+  /// Of `globals` and the scope, in the lanes of the bundle.
+  void add_lights(const Seen& seen, uint32_t light_set, std::span<const uint32_t> globals,
+                  uint32_t answered, const MirrorBundle& bundle, Lanes3& result) {
+    const Material& material = seen.material;
+    Scene::for_each_light(globals, scene_.scoped_lights[light_set], [&](uint32_t index) HWY_ATTR {
       const Light& light = scene_.lights[index];
-      ambient += light.ambient;
       Arriving sampled;
       const uint32_t reached = sample(light, seen.surface.point, bundle.path_length, sampled);
       uint32_t lit = bundle.bits & reached;
@@ -214,16 +245,14 @@ class MirrorRowFollower : public RowFollower<RayFront> {
       lit &= ~bits_of(hn::Or(is_black(arriving), is_black(share)));
       state_.counters.shadow_rays_skipped +=
           static_cast<uint64_t>(std::popcount(bundle.bits & ~lit));
-      if (lit == 0) continue;
+      if (lit == 0) return;
       if (has_shadows()) {
         const uint32_t shaded = shaded_of(seen.surface, index, sampled, lit, answered);
         if (shaded != 0)
           arriving = multiply(arriving, hn::IfThenElse(mask_of(shaded), zero, all(1)));
       }
       result = choose(mask_of(lit), add(result, multiply(arriving, share)), result);
-    }
-    const Color& part = material.ambient_times_diffuse ? material.diffuse : kWhite;
-    return add(result, all(ambient * material.ambient * part));
+    });
   }
   bool has_shadows() const { return scene_.features.shadows; }
 

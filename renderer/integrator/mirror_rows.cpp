@@ -34,8 +34,7 @@ bool can_follow_mirrors(const Scene& scene) {
   const auto is_even = [](const Light& light) {
     return light.kind == LightKind::point || light.kind == LightKind::directional;
   };
-  return scene.features.simple && scene.surfaces && scene.global_lights.is_everywhere() &&
-         std::ranges::all_of(scene.lights, is_even) &&
+  return scene.features.simple && scene.surfaces && std::ranges::all_of(scene.lights, is_even) &&
          std::ranges::none_of(scene.instances, [](const Instance& instance) {
            return dynamic_cast<const MeshShape*>(instance.shape.get());
          });

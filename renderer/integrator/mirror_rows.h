@@ -25,7 +25,7 @@ class MirrorPathFollower {
 };
 
 /// Whether rays through the scene can be followed in rows from mirror to mirror: of simple
-/// features, with lights near and far, without beams and not sorted out by place, and no meshes.
+/// features, with lights near and far, without beams, and no meshes.
 bool can_follow_mirrors(const Scene& scene);
 /// Rows of rays through such a scene, by the instructions of the set that BvhKernels of that name
 /// are of. The counts are those of single rays but those that integrator.h names. `scene` and

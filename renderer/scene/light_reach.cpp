@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace tessera {
 
@@ -53,28 +54,47 @@ LightReach::LightReach(std::span<const Light> lights, std::vector<uint32_t> indi
   fill(lights);
 }
 
-void LightReach::fill(std::span<const Light> lights) {
+template <typename Visit>
+void LightReach::for_each_cell(const Light& light, const Visit& visit) const {
   const Vec3 cell = (box_.max - box_.min) / side_;
-  first_.push_back(0);
-  for (int z = 0; z < side_; ++z) {
-    for (int y = 0; y < side_; ++y) {
-      for (int x = 0; x < side_; ++x) {
+  const double reach = ends(light) ? reach_of(light) : Bounds3::kInfinity;
+  std::array<int, 3> first{}, last{};
+  for (int a = 0; a < 3; ++a) {
+    // Another one on either side, for rounding. Not a number where the box is flat.
+    const auto nearest = [&](double at) {
+      return at >= 0 ? static_cast<int>(std::min(at, side_ - 1.0)) : 0;
+    };
+    const double middle = light.position[a] - box_.min[a];
+    first[a] = nearest((middle - reach) / cell[a] - 1);
+    last[a] = nearest((middle + reach) / cell[a] + 1);
+  }
+  for (int z = first[2]; z <= last[2]; ++z) {
+    for (int y = first[1]; y <= last[1]; ++y) {
+      for (int x = first[0]; x <= last[0]; ++x) {
         const Point3 low = box_.min + Vec3{cell.x * x, cell.y * y, cell.z * z};
-        for (const uint32_t i : all_) {
-          double squares = 0;  // of the distance from the cell
-          for (int a = 0; a < 3; ++a) {
-            const double below = low[a] - lights[i].position[a];
-            const double above = lights[i].position[a] - (low[a] + cell[a]);
-            const double apart = std::max({below, above, 0.0}) - kMargin * cell[a];
-            squares += apart > 0 ? apart * apart : 0;
-          }
-          const double reach = ends(lights[i]) ? reach_of(lights[i]) : Bounds3::kInfinity;
-          if (squares <= reach * reach) lists_.push_back(i);
+        double squares = 0;  // of the distance from the cell
+        for (int a = 0; a < 3; ++a) {
+          const double below = low[a] - light.position[a];
+          const double above = light.position[a] - (low[a] + cell[a]);
+          const double apart = std::max({below, above, 0.0}) - kMargin * cell[a];
+          squares += apart > 0 ? apart * apart : 0;
         }
-        first_.push_back(static_cast<uint32_t>(lists_.size()));
+        if (squares <= reach * reach) visit(static_cast<size_t>((z * side_ + y) * side_ + x));
       }
     }
   }
+}
+
+void LightReach::fill(std::span<const Light> lights) {
+  const auto cells = static_cast<size_t>(side_ * side_ * side_);
+  first_.assign(cells + 1, 0);
+  for (const uint32_t i : all_)
+    for_each_cell(lights[i], [&](size_t number) { ++first_[number + 1]; });
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  lists_.resize(first_.back());
+  std::vector<uint32_t> next(first_.begin(), first_.end() - 1);
+  for (const uint32_t i : all_)
+    for_each_cell(lights[i], [&](size_t number) { lists_[next[number]++] = i; });
 }
 
 std::span<const uint32_t> LightReach::at_cell(const Point3& p) const {

@@ -33,6 +33,9 @@ class LightReach {
  private:
   std::span<const uint32_t> at_cell(const Point3& p) const;
   void fill(std::span<const Light> lights);
+  /// Calls `visit` with the number of each cell that the light may reach.
+  template <typename Visit>
+  void for_each_cell(const Light& light, const Visit& visit) const;
 
   std::vector<uint32_t> all_;
   std::vector<uint32_t> endless_;  ///< of all, those that reach everywhere

@@ -103,7 +103,14 @@ struct Scene {
   [[gnu::always_inline]] uint64_t for_each_light(uint32_t instance, const Point3& point,
                                                  const Visit& visit) const {
     const std::span<const uint32_t> globals = global_lights.at(point);
-    const std::span<const uint32_t> scope = scoped_lights[shading[instance].light_set];
+    for_each_light(globals, scoped_lights[shading[instance].light_set], visit);
+    return global_lights.all().size() - globals.size();
+  }
+  /// Of both, one of the lists of global_lights and one of scoped_lights, in ascending order.
+  template <typename Visit>
+  [[gnu::always_inline]] static void for_each_light(std::span<const uint32_t> globals,
+                                                    std::span<const uint32_t> scope,
+                                                    const Visit& visit) {
     auto global = globals.begin(), scoped = scope.begin();
     // From one place, so that it is compiled where it stands.
     while (global != globals.end() || scoped != scope.end()) {
@@ -111,7 +118,6 @@ struct Scene {
           scoped != scope.end() && (global == globals.end() || *scoped < *global);
       visit(from_scope ? *scoped++ : *global++);
     }
-    return global_lights.all().size() - globals.size();
   }
 };
 

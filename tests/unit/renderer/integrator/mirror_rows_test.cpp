@@ -35,6 +35,9 @@ class SimpleScene : RandomScene {
     for (int i = 0; i < 5; ++i) add_material(i);
     const int lights = pick(0, 5), planes = pick(0, 6), others = pick(1, 12);
     for (int i = 0; i < lights; ++i) add_light();
+    // So many that they are sorted out by place.
+    const int lamps = chance(.3) ? pick(4, 40) : 0;
+    for (int i = 0; i < lamps; ++i) add_lamp();
     for (int i = 0; i < planes; ++i) add_plane();
     for (int i = 0; i < others; ++i) add_solid();
   }
@@ -97,6 +100,12 @@ class SimpleScene : RandomScene {
                            chance(.5) ? "quadratic" : "linear", chance(.5) ? "distance: PATH" : "");
     text_ += "} } ";
   }
+  /// Of short reach.
+  void add_lamp() {
+    text_ += fmt::format(
+        "nodes {{ light {{ {} color {{ {} }} radius: {:.17g} point {{ position {{ {} }} }} }} }} ",
+        chance(.2) ? "scoped: true" : "", rgb(), size_ * random_.between(0, 1), xyz(vec()));
+  }
   std::string material() { return fmt::format("materials: 'm{}'", pick(0, 5)); }
   void add_plane() {
     text_ += fmt::format("nodes {{ shape {{ {} plane {{ normal {{ {} }} offset: {:.17g} }} }} }} ",
@@ -145,7 +154,8 @@ Counts counts_of(const TraceCounters& c) {
 }
 
 TEST(MirrorRows, FollowsEachRayAsItIsFollowedAlone) {
-  uint64_t in_rows = 0, panoramas = 0, hits = 0, reflections = 0, shadows = 0;
+  uint64_t in_rows = 0, panoramas = 0, sorted_out = 0, hits = 0, reflections = 0, shadows = 0;
+  uint64_t culled = 0;
   for (uint32_t seed = 0; seed < 400; ++seed) {
     SimpleScene random(seed);
     const auto scene = built(random, seed % 3 == 0 ? "linear" : "bvh", {});
@@ -168,6 +178,8 @@ TEST(MirrorRows, FollowsEachRayAsItIsFollowedAlone) {
     hits += state.counters.hits;
     reflections += state.counters.rays_reflection;
     shadows += state.counters.rays_shadow;
+    sorted_out += !scene->global_lights.is_everywhere();
+    culled += state.counters.lights_culled;
     for (const BvhKernels& code : all_kernels()) {
       SCOPED_TRACE(fmt::format("seed {}, {}", seed, code.name));
       const auto tracer = make_mirror_rows(*scene, *alone, code.name);
@@ -184,6 +196,8 @@ TEST(MirrorRows, FollowsEachRayAsItIsFollowedAlone) {
   EXPECT_GT(hits, 5'000u);
   EXPECT_GT(reflections, 1'000u);
   EXPECT_GT(shadows, 5'000u);
+  EXPECT_GT(sorted_out, 50u);
+  EXPECT_GT(culled, 10'000u);
 }
 
 TEST(MirrorRows, SendsRaysThroughRasterPointsAsTheCameraDoes) {
