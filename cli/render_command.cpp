@@ -173,7 +173,9 @@ class RenderRun {
   void check_settings(std::optional<int> frame) const {
     const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
     crop_window(options_, settings);
-    if (!options_.denoise || settings.samples_per_pixel() > 1) return;
+    if (!options_.denoise) return;
+    check_shows_light(settings);
+    if (settings.samples_per_pixel() > 1) return;
     throw usage_error("--denoise: one sample tells nothing of its noise; expected --spp 2 or more");
   }
 

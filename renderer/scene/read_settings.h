@@ -22,6 +22,8 @@ enum class View { none, normals, depth, albedo, ids, cost, samples, error };
 
 /// The names of --integrator; the first is the default.
 const std::vector<std::string>& integrator_names();
+/// Whether a picture by that name shows light; the others are views.
+bool shows_light(const std::string& integrator);
 
 /// The names of --filter, in the order of PixelFilter and of v1::Sampling::Filter; the first is the
 /// default.

@@ -47,6 +47,18 @@ class BadCommandLine(TesseraTest):
 
     def test_what_goes_with_nothing(self):
         self.refused("render", self.scene, "--min-spp", "4", says=["--min-spp", "--target-error"])
+        self.refused("render", self.scene, "--target-error", ".1", "--min-spp", "2000",
+                     says=["--min-spp", "1024", "--spp"])
+        self.refused("render", self.scene, "--gamma", "2", "--transfer", "srgb",
+                     says=["--gamma", "--transfer", "srgb"])
+        self.refused("render", self.scene, "--denoise", "--spp", "4", "--integrator", "samples",
+                     says=["--denoise", "--integrator", "samples"])
+
+    def test_what_goes_not_together_is_no_fault_of_the_scene(self):
+        for options in (["--pattern", "centered-grid", "--spp", "10"],
+                        ["--pattern", "centered-grid", "--target-error", "0.01"],
+                        ["--integrator", "cost", "--accel", "embree"]):
+            self.refused("render", self.scene, *options, says=options)
 
     def test_sizes(self):
         for size in ["0x10", "10x0", "1000000000x1", "65537x1", "65536x65536", "-5x5", "8", "8x",

@@ -134,6 +134,18 @@ class Darkness(TesseraTest):
                     self.assertEqual(count, (result.out + result.err).count("will be black"))
 
 
+class Views(TesseraTest):
+    def test_numbers_that_the_file_cannot_hold(self):
+        scene = self.write("s.tessera", scenes.ONE_SPHERE)
+        for view, name, count in [("depth", "x.png", 1), ("cost", "x.png", 1), ("samples", "x.png", 1),
+                                  ("error", "x.png", 1), ("depth", "x.exr", 0), ("ids", "x.png", 0),
+                                  ("path", "x.png", 0)]:
+            with self.subTest(view=view, name=name):
+                result = self.run_program("render", scene, *SMALL, "--integrator", view, "-o", name)
+                self.assertEqual(0, result.code, result.err)
+                self.assertEqual(count, result.err.count(f"'{view}' shows numbers"), result.err)
+
+
 class Pipes(TesseraTest):
     def setUp(self):
         super().setUp()
