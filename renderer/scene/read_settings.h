@@ -17,6 +17,8 @@ namespace tessera {
 
 /// What follows light; `automatic` until the scene has been looked at.
 enum class IntegratorKind { automatic, whitted, path };
+/// The counter of building where that was done: 1 for path, 0 for whitted.
+inline constexpr char kAutoChosePath[] = "auto_chose_path";
 /// What is shown instead of light.
 enum class View { none, normals, depth, albedo, ids, cost, samples, error };
 
