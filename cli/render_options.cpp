@@ -49,7 +49,7 @@ void assign_filter(RenderOptions& options, const std::string& text) {
   options.filter = parse_choice("--filter", text.substr(0, colon), pixel_filter_names());
   options.filter_radius = 0;
   if (colon == std::string::npos) return;
-  const double radius = parse_number("--filter", text.substr(colon + 1));
+  const double radius = parse_number("--filter NAME:RADIUS", text.substr(colon + 1));
   if (!(radius > 0 && radius <= kMaxFilterRadius)) {
     throw usage_error(fmt::format("--filter: '{}'; expected a radius above 0, at most {} pixels",
                                   text, kMaxFilterRadius));
