@@ -63,12 +63,6 @@ class BadCommandLine(TesseraTest):
         for command in (["render", self.scene, "--connect"], ["status", "--connect"]):
             self.refused(*command, endpoint, says=[endpoint, "unknown"])
 
-    def test_keys_are_not_replaced(self):
-        self.assertEqual(0, self.run_program("keygen", "farm.key").code)
-        self.assert_error(self.run_program("keygen", "farm.key"), 2, "'farm.key' is there already")
-        (self.folder / "farm.key").unlink()
-        self.assert_error(self.run_program("keygen", "farm.key"), 2, "'farm.pub' is there already")
-
     def test_cameras_without_names_have_numbers(self):
         self.write("scene.tessera", "cameras { } cameras { description: 'side' }")
         # The scene is dark too, which is not what counts.
