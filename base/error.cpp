@@ -59,6 +59,35 @@ size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// Whether each character of `name` is in `whole`, in that order.
+bool is_in_order(std::string_view name, std::string_view whole) {
+  size_t found = 0;
+  for (const char c : whole) {
+    if (found < name.size() && lower_case(c) == lower_case(name[found])) ++found;
+  }
+  return found == name.size();
+}
+
+/// Whether a word of `text` begins so.
+bool has_word(std::string_view text, std::string_view beginning) {
+  for (size_t at = 0; at + beginning.size() <= text.size(); ++at) {
+    const bool begins = at == 0 || std::string_view("-_ ").find(text[at - 1]) != text.npos;
+    if (begins && edit_distance(text.substr(at, beginning.size()), beginning) == 0) return true;
+  }
+  return false;
+}
+
+/// One name for the other's beginning or word, or one of which letters were left out.
+bool is_short_for(std::string_view name, std::string_view candidate) {
+  constexpr size_t kShortest = 3;
+  if (std::min(name.size(), candidate.size()) < kShortest) return false;
+  const bool same_letter = lower_case(name.front()) == lower_case(candidate.front());
+  const bool lacks_letters = same_letter && 2 * name.size() > candidate.size();
+  return has_word(candidate, name) ||
+         edit_distance(name.substr(0, candidate.size()), candidate) == 0 ||
+         (lacks_letters && is_in_order(name, candidate));
+}
+
 }  // namespace
 
 std::optional<std::string> nearest_name(std::string_view name,
@@ -75,7 +104,11 @@ std::optional<std::string> nearest_name(std::string_view name,
       best = &candidate;
     }
   }
-  return best ? std::optional(*best) : std::nullopt;
+  if (best) return *best;
+  for (const std::string& candidate : candidates) {
+    if (candidate.size() <= kLongestName && is_short_for(name, candidate)) return candidate;
+  }
+  return std::nullopt;
 }
 
 std::string suggestion(std::string_view name, std::span<const std::string> candidates) {

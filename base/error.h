@@ -41,7 +41,8 @@ Error usage_error(std::string_view message);
 /// Rendering or writing failed (exit code 3).
 Error render_error(std::string_view message);
 
-/// The candidate nearest to `name` by edit distance, if near enough to be a likely slip of the pen.
+/// The candidate nearest to `name` by edit distance, if near enough to be a likely slip of the pen;
+/// else the first that it may be short for, or that is short for it: 'sobol' for 'owen-sobol'.
 std::optional<std::string> nearest_name(std::string_view name,
                                         std::span<const std::string> candidates);
 

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/monotonic.h"
+#include "base/plural.h"
 #include "bench/error/closed_forms.h"
 #include "bench/error_render.h"
 
@@ -45,7 +46,11 @@ class SceneBench {
   SceneErrors run() {
     for (int samples = options_.least_samples; samples <= options_.most_samples; samples *= 2) {
       const int seeds = seeds_for(samples);
-      if (seeds == 0) break;
+      if (seeds == 0) {
+        for (size_t i = 0; i < contestants_.size(); ++i)
+          if (!contestants_[i].is_done) out_.curves[i].end = "the budget is spent";
+        break;
+      }
       row(samples, seeds);
     }
     for (ErrorCurve& curve : out_.curves) fit_slope(curve);
@@ -192,14 +197,14 @@ class SceneBench {
     for (int seed = 1; seed <= seeds; ++seed) {
       for (size_t i = 0; i < contestants_.size(); ++i) {
         if (contestants_[i].is_done) continue;
-        tell(fmt::format("{}: {} samples, seed {} of {}", contestants_[i].method.name, samples,
-                         seed, seeds),
+        tell(fmt::format("{}: {}, seed {} of {}", contestants_[i].method.name,
+                         counted(samples, "sample"), seed, seeds),
              share_done(samples, double(seed - 1) / seeds));
         shoot(contestants_[i], samples, seed, seeds, rows[i], biases[i]);
       }
     }
     for (size_t i = 0; i < contestants_.size(); ++i)
-      if (!contestants_[i].is_done) finish(i, biases[i].result(), std::move(rows[i]));
+      if (!contestants_[i].is_done) finish(i, samples, biases[i].result(), std::move(rows[i]));
   }
 
   void shoot(const Contestant& contestant, int samples, int seed, int seeds, ErrorRow& row,
@@ -236,7 +241,8 @@ class SceneBench {
     sum.max_error = std::max(sum.max_error, one.max_error);
   }
 
-  void finish(size_t i, const BiasEstimator::Result& bias, ErrorRow row) {
+  /// The row of method `i`, of which so many samples a pixel were asked.
+  void finish(size_t i, int asked, const BiasEstimator::Result& bias, ErrorRow row) {
     Contestant& contestant = contestants_[i];
     row.bias = bias.bias;
     row.bias_sigmas = bias.sigmas;
@@ -244,7 +250,12 @@ class SceneBench {
     auto& rows = out_.curves[i].rows;
     if (row.rmse < kReferenceMargin * contestant.truth_error) {
       contestant.is_done = true;
-      if (!rows.empty()) return;
+      const bool is_left_out = !rows.empty();
+      if (is_left_out || asked < options_.most_samples)
+        out_.curves[i].end =
+            fmt::format("its error comes within {} times the reference's own, {:.2g}",
+                        kReferenceMargin, contestant.truth_error);
+      if (is_left_out) return;
     }
     const auto& base = out_.curves.front().rows;
     if (i > 0 && !base.empty() && base.back().samples == row.samples) compare(row, base.back());

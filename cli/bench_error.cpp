@@ -87,6 +87,17 @@ std::vector<AccuracyScene> scenes_of(const ErrorCommandOptions& options) {
   return out;
 }
 
+/// What cannot be read is no scene: it is the command line that is wrong.
+Picture picture_of(const std::string& option, const std::string& file) {
+  try {
+    check_input_file(file, UINT64_MAX);
+    return read_picture(file);
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::bad_scene) throw;
+    throw usage_error(fmt::format("{}: {}", option, error.what()));
+  }
+}
+
 /// "NAME:SECONDS:SAMPLES:FILE"; only the file may have colons.
 ErrorPeer read_peer(const std::string& text) {
   std::vector<std::string> parts;
@@ -101,7 +112,7 @@ ErrorPeer read_peer(const std::string& text) {
   ErrorPeer out{parts[0], parse_number("--peer", parts[1]), parse_number("--peer", parts[2]), {}};
   if (!(out.seconds > 0) || !(out.samples > 0))
     throw usage_error(fmt::format("--peer: '{}'; expected seconds and samples above 0", text));
-  out.picture = read_picture(text.substr(start));
+  out.picture = picture_of("--peer", text.substr(start));
   return out;
 }
 
@@ -168,7 +179,7 @@ ErrorBenchOptions bench_options(const ErrorCommandOptions& options) {
   out.reference_samples = std::clamp(16 * out.most_samples, kLeastReference, kMostReference);
   out.cache_folder = options.cache.empty() ? usual_cache() : options.cache;
   for (const std::string& file : options.references)
-    out.given_reference.push_back(read_picture(file));
+    out.given_reference.push_back(picture_of("--reference", file));
   for (const std::string& peer : options.peers) out.peers.push_back(read_peer(peer));
   return out;
 }
@@ -208,6 +219,7 @@ ExitCode bench_error_command(const ErrorCommandOptions& options) {
     all.push_back(bench_error(scenes[i], bench));
     progress.clear();
     say("{}", error_table(all.back()));
+    flush_output();  // before the next scene's progress, where both go to one file
     if (!options.svg_folder.empty()) {
       const fs::path folder = options.svg_folder;
       const std::string name = scenes[i].name + (options.peers.empty() ? "" : "-peers");

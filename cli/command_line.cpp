@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "base/log.h"
@@ -42,11 +43,12 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
+/// Long ones that --help shows, without their dashes.
 std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+    if (option->get_group().empty()) continue;
+    for (const std::string& name : option->get_lnames()) names.push_back(name);
   }
   return names;
 }
@@ -55,6 +57,20 @@ std::vector<std::string> option_names(const CLI::App& app) {
 std::string hint(const std::string& name, const std::vector<std::string>& names) {
   const std::string nearest = suggestion(name, names);
   return nearest.empty() ? "." : nearest;
+}
+
+/// The same for an option, which may be known by the name that another renderer has for it.
+std::string option_hint(const std::string& typed, const CLI::App& command) {
+  constexpr std::pair<std::string_view, std::string_view> kElsewhere[] = {
+      {"samples", "spp"},     {"width", "size"},       {"height", "size"},   {"res", "size"},
+      {"resolution", "size"}, {"nthreads", "threads"}, {"outfile", "output"}};
+  const std::vector<std::string> names = option_names(command);
+  const std::string name = typed.substr(std::min(typed.find_first_not_of('-'), typed.size()));
+  std::string meant = name.size() > 1 ? nearest_name(name, names).value_or("") : "";
+  for (const auto& [theirs, ours] : kElsewhere) {
+    if (name == theirs && std::find(names.begin(), names.end(), ours) != names.end()) meant = ours;
+  }
+  return meant.empty() ? "." : fmt::format("; did you mean '--{}'?", meant);
 }
 
 /// CLI11 would take an unknown command, or kind of one, for a stray argument; its name is the
@@ -111,6 +127,16 @@ std::vector<const char*> with_help_as_option(int argc, const char* const* argv) 
   return arguments;
 }
 
+/// For an option without its value, or with several.
+std::string wrong_count(const CLI::App& command, const CLI::ArgumentMismatch& error) {
+  const std::string_view what = error.what();
+  const std::string name(what.substr(0, what.find(':')));
+  const CLI::Option* option = command.get_option_no_throw(name);
+  if (option == nullptr) return error.what();
+  if (option->count() > 1) return fmt::format("{}: given more than once", name);
+  return fmt::format("{}: needs a value {}", name, option->get_type_name());
+}
+
 /// One clear line for what CLI11 found wrong.
 Error usage_error_from(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;
@@ -128,7 +154,10 @@ Error usage_error_from(const CLI::App& app, const CLI::ParseError& error) {
       return usage_error(fmt::format("'{}' is one argument too many{}", extra, help));
     }
     return usage_error(fmt::format("'{}' is no option{} Try 'tessera {}--help'", name,
-                                   hint(name, option_names(*command)), of_command));
+                                   option_hint(name, *command), of_command));
+  }
+  if (const auto* count = dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
+    return usage_error(wrong_count(*command, *count) + help);
   }
   return usage_error(error.what() + help);
 }

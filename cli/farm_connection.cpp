@@ -63,9 +63,9 @@ void add_connection_options(CLI::App& command, FarmConnection& connection,
             parse_endpoint(text);  // an empty text would be no coordinator at all
             connection.endpoint = text;
           },
-          "The coordinator of a running 'tessera serve', tcp://HOST:PORT or ipc://PATH")
+          "The coordinator of a running 'tessera serve', tcp://HOST:PORT or ipc://PATH" +
+              (connection.endpoint.empty() ? "" : fmt::format(" [{}]", connection.endpoint)))
       ->type_name("ENDPOINT")
-      ->default_str(connection.endpoint)
       ->group(group);
   command
       .add_option(

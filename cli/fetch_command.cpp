@@ -134,8 +134,11 @@ class Fetch {
     }
     Film film = std::move(*fetched);
     const bool denoised = options_.denoise && report.holes.empty();
-    if (denoised) smooth(film);
     const v1::JobFrame& frame = status.frame();
+    if (denoised) {
+      check_shows_light(frame.settings());
+      smooth(film);
+    }
     const ImageMetadata metadata{.scene_digest = frame.scene_digest(),
                                  .seed = frame.settings().seed(),
                                  .samples_per_pixel = frame.settings().samples_per_pixel(),

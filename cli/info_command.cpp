@@ -35,7 +35,8 @@ struct InfoOptions {
 struct SceneInfo {
   std::string digest;
   v1::FrameSettings frame;
-  uint32_t lens_samples = 0;  ///< rays of each sample; 0: there is no lens
+  std::string integrator_chosen;  ///< what the frame's comes to
+  uint32_t lens_samples = 0;      ///< rays of each sample; 0: there is no lens
   SceneSummary summary;
   Bounds3 bounds;  ///< of every surface, at the scene's instant
   std::vector<std::string> cameras, materials, textures;
@@ -54,6 +55,11 @@ std::shared_ptr<const Scene> build(const std::string& path, const LoadedScene& l
   }
 }
 
+std::string chosen_integrator(const std::string& asked, const Scene& scene) {
+  if (asked != "auto") return asked;
+  return scene.settings.integrator == IntegratorKind::path ? "path" : "whitted";
+}
+
 template <typename Messages>
 std::vector<std::string> names_of(const Messages& messages) {
   std::vector<std::string> names;
@@ -68,6 +74,7 @@ SceneInfo inspect(const InfoOptions& wanted) {
   const LoadedScene loaded = read_scene(path, wanted.reading);
   SceneInfo info{.digest = Digest::of(serialize_scene(loaded.scene)).hex(),
                  .frame = frame_settings(options, loaded.scene, std::nullopt),
+                 .integrator_chosen = {},
                  .summary = summarize(loaded.scene, loaded.blobs),
                  .bounds = {},
                  .cameras = names_of(loaded.scene.cameras()),
@@ -76,6 +83,7 @@ SceneInfo inspect(const InfoOptions& wanted) {
                  .warnings = loaded.warnings};
   info.summary.unused.insert(info.summary.unused.end(), loaded.unused.begin(), loaded.unused.end());
   const auto scene = build(path, loaded, info.frame);
+  info.integrator_chosen = chosen_integrator(info.frame.integrator(), *scene);
   info.lens_samples = scene->camera->lens_samples();
   if (scene->surfaces) info.bounds = scene->surfaces->bounds();
   for (const std::string& warning : picture_warnings(options, loaded)) {
@@ -117,6 +125,8 @@ void print_json(const SceneInfo& info) {
                               {"height", info.frame.height()},
                               {"samples_per_pixel", info.frame.samples_per_pixel()},
                               {"lens_samples", info.lens_samples},
+                              {"integrator", info.frame.integrator()},
+                              {"integrator_chosen", info.integrator_chosen},
                               {"counts", counts},
                               {"bounds", bounds_json(info.bounds)},
                               {"cameras", info.cameras},
@@ -139,6 +149,8 @@ void print_text(const SceneInfo& info) {
       counted(info.frame.samples_per_pixel(), "sample"),
       info.lens_samples > 1 ? fmt::format(", each of {} rays through the lens", info.lens_samples)
                             : "");
+  const bool is_auto = info.frame.integrator() == "auto";
+  say("{:<20} {}{}\n", "integrator", info.integrator_chosen, is_auto ? ", chosen by auto" : "");
   for (const auto& [what, count] : info.summary.counts) say("{:<20} {}\n", what, count);
   say("{:<20} {}\n", "bounds", bounds_text(info.bounds));
   if (info.cameras.empty()) {

@@ -24,9 +24,22 @@ std::optional<uint64_t> whole(const std::string& text) {
   return all ? std::optional(value) : std::nullopt;
 }
 
+constexpr size_t kMostListed = 8;
+
+/// "there are 2 jobs: 1 knot, 2 mosaic", of many the latest.
+std::string those_there(const v1::JobList& list) {
+  std::vector<std::string> jobs;
+  for (const v1::JobStatus& job : list.jobs()) {
+    jobs.push_back(fmt::format("{} {}", job.job(), printable(job.name())));
+  }
+  const size_t listed = std::min(jobs.size(), kMostListed);
+  return fmt::format("there {} {}: {}{}", jobs.size() == 1 ? "is" : "are",
+                     counted(jobs.size(), "job"), jobs.size() > listed ? "... " : "",
+                     fmt::join(jobs.end() - static_cast<ptrdiff_t>(listed), jobs.end(), ", "));
+}
+
 /// Of several jobs of that name, the latest is meant.
 void tell_which(const std::string& name, const std::vector<uint64_t>& jobs) {
-  constexpr size_t kMostListed = 8;
   const size_t others = jobs.size() - 1, listed = std::min(others, kMostListed);
   const auto last = jobs.end() - 1;
   say(stderr, "tessera: {} have the name '{}': job {}, the latest, is meant, not {}{}\n",
@@ -48,12 +61,9 @@ uint64_t find_job(FarmClient& client, const std::string& text) {
   if (found.size() > 1) tell_which(text, found);
   if (!found.empty()) return found.back();
   if (list.jobs().empty()) throw usage_error(fmt::format("JOB: '{}': there are no jobs", text));
-  const std::string there =
-      fmt::format("there are {}, from {} to {}", counted(list.jobs_size(), "job"),
-                  list.jobs(0).job(), list.jobs(list.jobs_size() - 1).job());
   const bool forgotten = number && *number >= 1 && *number <= list.last();
   throw usage_error(fmt::format("JOB: '{}' is {}; {}{}", text, forgotten ? "forgotten" : "no job",
-                                there, number ? "" : suggestion(text, names)));
+                                those_there(list), number ? "" : suggestion(text, names)));
 }
 
 }  // namespace tessera

@@ -64,9 +64,10 @@ ExitCode keygen(const KeygenOptions& options) {
   fs::path open = secret;
   open.replace_extension(".pub");
   if (open == secret) throw usage_error("keygen: .pub is for the public key; expected NAME.key");
-  if (fs::exists(open)) {
+  for (const fs::path& path : {secret, open}) {
+    if (!fs::exists(path)) continue;
     throw usage_error(
-        fmt::format("keygen: '{}' is there already; expected a new file", open.string()));
+        fmt::format("keygen: '{}' is there already; expected a new file", path.string()));
   }
   const KeyPair keys = make_key_pair();
   const std::string line =
@@ -106,10 +107,10 @@ void add_keygen_command(CLI::App& app, Action& action) {
       ->type_name("NAME");
   command
       ->add_option("--role", options->role,
-                   "worker, submitter or viewer: that line is for the coordinator's list; its own "
-                   "key is on none")
-      ->type_name("ROLE")
-      ->capture_default_str();
+                   fmt::format("worker, submitter or viewer: that line is for the coordinator's "
+                               "list; its own key is on none [{}]",
+                               kCoordinator))
+      ->type_name("ROLE");
   command->callback([options, &action] { action = [options] { return keygen(*options); }; });
 }
 

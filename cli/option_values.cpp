@@ -133,6 +133,7 @@ AovSet parse_aovs(std::string_view option, const std::string& text) {
   AovSet aovs;
   for (size_t at = 0; at <= text.size();) {
     const size_t end = std::min(text.find(',', at), text.size());
+    at = std::min(text.find_first_not_of(' ', at), end);
     const std::string name = parse_choice(option, text.substr(at, end - at), names);
     aovs = aovs.with(static_cast<Aov>(std::find(names.begin(), names.end(), name) - names.begin()));
     at = end + 1;

@@ -44,7 +44,7 @@ FrameRange parse_frames(std::string_view option, std::string_view text);
 /// `text`, if it is one of `names`.
 std::string parse_choice(std::string_view option, const std::string& text,
                          std::span<const std::string> names);
-/// "NAME,NAME ..." of aov_names(), or "all".
+/// "NAME, NAME ..." of aov_names(), or "all".
 AovSet parse_aovs(std::string_view option, const std::string& text);
 
 /// Adds an option that is a whole number in [least, most].

@@ -66,17 +66,21 @@ OutputSettings output_settings(const std::string& scene_file, const v1::Output& 
 }
 
 v1::Output with_options(v1::Output output, const OutputOptions& options) {
+  if (options.gamma && options.transfer && *options.transfer != "gamma") {
+    throw usage_error(fmt::format(
+        "--gamma: is for --transfer gamma; expected that beside it, not {}", *options.transfer));
+  }
   if (options.tone_map) {
     output.set_tone_map(
         static_cast<v1::Output::ToneMap>(index_of(tone_map_names(), *options.tone_map)));
   }
-  if (options.gamma) {
-    output.set_gamma(*options.gamma);
-    output.set_transfer(v1::Output::GAMMA);
-  }
   if (options.transfer) {
     output.set_transfer(
         static_cast<v1::Output::Transfer>(index_of(transfer_names(), *options.transfer)));
+  }
+  if (options.gamma) {
+    output.set_gamma(*options.gamma);
+    output.set_transfer(v1::Output::GAMMA);
   }
   if (options.exposure) output.set_exposure(*options.exposure);
   return output;

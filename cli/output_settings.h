@@ -17,7 +17,7 @@ namespace tessera {
 /// names are among those below.
 struct OutputOptions {
   std::optional<std::string> tone_map{}, transfer{};
-  std::optional<double> gamma{};  ///< > 0; asks for the gamma curve too, unless `transfer` is there
+  std::optional<double> gamma{};     ///< > 0; asks for the gamma curve too
   std::optional<double> exposure{};  ///< stops
   /// OpenColorIO in place of tone map and transfer curve. The view may be "default".
   std::optional<std::string> ocio_view{}, ocio_display{}, ocio_space{}, ocio_input{};
@@ -29,7 +29,8 @@ const std::vector<std::string>& transfer_names();
 /// Adds them to a command. Formats of floats hold the linear picture whatever they say.
 void add_output_options(CLI::App& command, OutputOptions& options);
 
-/// What the scene asks, with the options laid over it.
+/// What the scene asks, with the options laid over it. Throws usage_error for a gamma beside
+/// another transfer curve.
 v1::Output with_options(v1::Output of_scene, const OutputOptions& options);
 /// What the numbers of a linear picture stand for, as its metadata tell.
 const char* colors_of(const v1::Output& of_scene);

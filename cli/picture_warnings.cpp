@@ -8,6 +8,7 @@
 
 #include "job/scene_motion.h"
 #include "renderer/image/image_file.h"
+#include "renderer/scene/read_settings.h"
 
 namespace tessera {
 namespace {
@@ -73,7 +74,7 @@ std::string kind_of(const RenderOptions& options, const v1::Scene& scene) {
 bool is_all_black(const RenderOptions& options, const v1::Scene& scene) {
   const v1::IntegratorSettings& integrator = scene.settings().integrator();
   const std::string kind = kind_of(options, scene);
-  if (!kind.empty() && kind != "auto" && kind != "whitted" && kind != "path") return false;
+  if (!shows_light(kind)) return false;
   return is_black(integrator.ambient()) && !shines(scene.background()) &&
          !any_message(scene, may_shine);
 }
@@ -95,7 +96,7 @@ std::vector<std::string> picture_warnings(const RenderOptions& options, const Lo
 std::vector<std::string> file_warnings(const RenderOptions& options, const LoadedScene& loaded) {
   std::vector<std::string> warnings;
   const std::string kind = kind_of(options, loaded.scene);
-  if (kind != "cost" && kind != "samples" && kind != "error") return warnings;
+  if (kind != "depth" && kind != "cost" && kind != "samples" && kind != "error") return warnings;
   for (const auto& path : picture_paths(options)) {
     if (holds_floats(path)) continue;
     warnings.push_back(fmt::format(

@@ -123,7 +123,7 @@ void add_place_option(CLI::App& command, std::vector<v1::Include>& placements) {
             for (const std::string& text : texts) placements.push_back(parse_placement(text));
           },
           "Place another scene or model into this one: FILE, then any of :at=X,Y,Z "
-          ":rotate=X,Y,Z (degrees) :scale=S or X,Y,Z :mirror=AXES. Without FILE: SCENE itself. "
+          ":rotate=X,Y,Z (degrees) :scale=S or X,Y,Z :mirror=AXES. Without FILE: the scene itself. "
           "May be given more than once")
       ->type_name("FILE[:...]")
       ->allow_extra_args(false)

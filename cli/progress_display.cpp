@@ -4,6 +4,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -44,16 +45,8 @@ std::string duration_text(double seconds) {
   return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-std::string progress_text(const JobProgress& progress, bool with_bar) {
-  constexpr int kBarWidth = 24;
-  const double share = done_share(progress);
-  std::string text;
-  if (with_bar) {
-    const int filled = static_cast<int>(share * kBarWidth);
-    text = fmt::format("[{:=<{}}{}{: <{}}] ", "", filled, filled < kBarWidth ? ">" : "", "",
-                       filled < kBarWidth ? kBarWidth - filled - 1 : 0);
-  }
-  text += fmt::format("{:3.0f} %", share * 100);
+std::string progress_text(const JobProgress& progress) {
+  std::string text = fmt::format("{:3.0f} %", done_share(progress) * 100);
   if (progress.tiles_total > 0) {
     text += fmt::format("  {}/{} tiles", progress.tiles_done, progress.tiles_total);
   }
@@ -65,6 +58,23 @@ std::string progress_text(const JobProgress& progress, bool with_bar) {
     text += fmt::format("  ETA {}", duration_text(progress.remaining_seconds));
   }
   return text;
+}
+
+std::string progress_bar(const JobProgress& progress, const std::string& label, size_t columns) {
+  constexpr size_t kBarWidth = 24, kLeastBarWidth = 4, kAroundBar = 3;
+  std::string text = progress_text(progress);
+  const size_t room = columns - std::min(columns, label.size() + text.size() + kAroundBar);
+  if (room >= kLeastBarWidth) {
+    const size_t width = std::min(room, kBarWidth);
+    const auto filled = static_cast<size_t>(done_share(progress) * static_cast<double>(width));
+    return fmt::format("{}[{:=<{}}{}{: <{}}] {}", label, "", filled, filled < width ? ">" : "", "",
+                       filled < width ? width - filled - 1 : 0, text);
+  }
+  text = label + text;
+  while (text.size() > columns && text.rfind("  ") != std::string::npos) {
+    text.resize(text.rfind("  "));
+  }
+  return text.substr(0, columns);
 }
 
 ProgressDisplay::ProgressDisplay(ProgressStyle style, std::FILE* stream, std::string label,
@@ -88,13 +98,12 @@ void ProgressDisplay::show(const JobProgress& progress, Time now) {
   last_shown_ = now;
   last_tenth_ = static_cast<int>(done_share(progress) * 10);
   const bool bar = style_ == ProgressStyle::bar;
-  const std::string text = label_ + progress_text(progress, bar);
   if (bar) {
     // A longer one would wrap and be left behind; the texts are ASCII but for names of endpoints.
-    say(stream_, "\r\x1b[K{}", text.substr(0, columns_of(stream_) - 1));
+    say(stream_, "\r\x1b[K{}", progress_bar(progress, label_, columns_of(stream_) - 1));
     bar_is_drawn_ = true;
   } else {
-    say(stream_, "{}\n", text);
+    say(stream_, "{}{}\n", label_, progress_text(progress));
   }
   std::fflush(stream_);
 }

@@ -41,9 +41,11 @@ class ProgressDisplay {
 /// What to do on `stream`: nothing if `quiet`, a bar on a terminal, lines elsewhere.
 ProgressStyle progress_style(std::FILE* stream, bool quiet);
 
-/// One progress line without its end, such as "[=====>     ]  42%  21/50 tiles  4 workers  ETA
-/// 0:07".
-std::string progress_text(const JobProgress& progress, bool with_bar);
+/// One progress line without its end, such as " 42 %  21/50 tiles  4 workers  ETA 0:07".
+std::string progress_text(const JobProgress& progress);
+/// That behind a label and a bar, "[=====>     ]", in at most so many columns: first the bar
+/// becomes shorter, then the last parts of the text are left out.
+std::string progress_bar(const JobProgress& progress, const std::string& label, size_t columns);
 
 /// "0.42 s", "12.3 s", "2:05", "1:02:05".
 std::string duration_text(double seconds);

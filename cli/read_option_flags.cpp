@@ -47,8 +47,8 @@ void add_read_options(CLI::App& command, ReadOptions& options) {
                                             failure ? ": " + failure.message() : ""));
             options.assets = folder;
           },
-          "The folder that holds all files which SCENE names: pictures, materials, other scenes "
-          "[SCENE's own]")
+          "The folder that holds all files which the scene names: pictures, materials, other "
+          "scenes [the scene's own]")
       ->type_name("DIR")
       ->group("Scene");
   add_choice(command, "--x3d-color", "display|linear",

@@ -173,7 +173,9 @@ class RenderRun {
   void check_settings(std::optional<int> frame) const {
     const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
     crop_window(options_, settings);
-    if (!options_.denoise || settings.samples_per_pixel() > 1) return;
+    if (!options_.denoise) return;
+    check_shows_light(settings);
+    if (settings.samples_per_pixel() > 1) return;
     throw usage_error("--denoise: one sample tells nothing of its noise; expected --spp 2 or more");
   }
 
@@ -213,7 +215,7 @@ class RenderRun {
     const std::string kept =
         store_ ? fmt::format("{} of {} tiles are kept in '{}': --resume goes on from there",
                              report.tiles_done, report.tiles_total, store_path().string())
-               : "no tile was kept, as --resume does";
+               : "no tile was kept: --resume keeps those that are finished";
     if (!options_.frames && pass_samples_ > 0) {
       return fmt::format("the picture has {} a pixel; {}", counted(pass_samples_, "sample"), kept);
     }
@@ -344,9 +346,12 @@ class RenderRun {
       const JobReport& report = result.report;
       const std::string retries =
           report.retries == 1 ? "1 retry" : fmt::format("{} retries", report.retries);
-      say("{}  {}x{}, {} by {}, {}, {}\n", path_for(path, frame).string(), result.film.width(),
+      const std::string kept =
+          store_ ? fmt::format("{} kept from before, ", report.tiles_restored) : "";
+      say("{}  {}x{}, {} by {}, {}, {}{}\n", path_for(path, frame).string(), result.film.width(),
           result.film.height(), counted(report.tiles_done, "tile"),
-          counted(report.workers_seen, "worker"), retries, duration_text(statistics.seconds.total));
+          counted(report.workers_seen, "worker"), retries, kept,
+          duration_text(statistics.seconds.total));
     }
     flush_output();
   }

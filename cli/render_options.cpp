@@ -49,7 +49,7 @@ void assign_filter(RenderOptions& options, const std::string& text) {
   options.filter = parse_choice("--filter", text.substr(0, colon), pixel_filter_names());
   options.filter_radius = 0;
   if (colon == std::string::npos) return;
-  const double radius = parse_number("--filter", text.substr(colon + 1));
+  const double radius = parse_number("--filter NAME:RADIUS", text.substr(colon + 1));
   if (!(radius > 0 && radius <= kMaxFilterRadius)) {
     throw usage_error(fmt::format("--filter: '{}'; expected a radius above 0, at most {} pixels",
                                   text, kMaxFilterRadius));
@@ -244,6 +244,42 @@ double frame_time(const RenderOptions& options, const v1::Settings& settings,
   return *frame / rate;
 }
 
+/// Those that may contradict the scene or each other, as they were typed.
+std::string choices_made(const RenderOptions& options) {
+  std::string out;
+  const auto add = [&out](const char* name, const auto& value) {
+    if (value) out += fmt::format("{}{} {}", out.empty() ? "" : " ", name, *value);
+  };
+  add("--spp", options.samples_per_pixel);
+  add("--pattern", options.pattern);
+  add("--target-error", options.target_error);
+  add("--integrator", options.integrator);
+  add("--accel", options.accelerator);
+  return out;
+}
+
+bool can_be_rendered(const v1::Settings& settings) {
+  try {
+    read_settings(settings, {});
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// `asked` completed. What the scene by itself is not to blame for is the options' fault.
+v1::FrameSettings checked_settings(const RenderOptions& options, const v1::Settings& settings,
+                                   const v1::FrameSettings& asked) {
+  try {
+    read_settings(settings, asked);
+    return complete(asked, settings);
+  } catch (const Error& error) {
+    const std::string choices = choices_made(options);
+    if (choices.empty() || !can_be_rendered(settings)) throw located(options.scene, error.what());
+    throw usage_error(fmt::format("{}: {}", choices, error.what()));
+  }
+}
+
 }  // namespace
 
 void add_scene_options(CLI::App& command, RenderOptions& options) {
@@ -301,11 +337,6 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
   asked.set_samples_per_pixel(options.samples_per_pixel.value_or(0));
   if (options.target_error) asked.set_target_error(*options.target_error);
   asked.set_min_samples(options.min_samples.value_or(0));
-  if (options.min_samples && options.samples_per_pixel &&
-      *options.min_samples > static_cast<uint32_t>(*options.samples_per_pixel)) {
-    throw usage_error(fmt::format("--min-spp: {}; expected at most --spp, {}", *options.min_samples,
-                                  *options.samples_per_pixel));
-  }
   asked.set_pattern(options.pattern.value_or(""));
   asked.set_pixel_filter(options.filter.value_or(""));
   asked.set_filter_radius(options.filter_radius);
@@ -317,15 +348,24 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
   if (options.camera) check_camera(*options.camera, scene);
   asked.set_camera(options.camera.value_or(""));
   asked.set_time(frame_time(options, settings, frame));
-  try {
-    asked = complete(std::move(asked), settings);
-  } catch (const Error& error) {
-    throw located(options.scene, error.what());
-  }
+  asked = checked_settings(options, settings, asked);
   if (options.min_samples && asked.target_error() == 0) {
     throw usage_error("--min-spp: is for --target-error; expected that beside it, above 0");
   }
+  if (options.min_samples && *options.min_samples > asked.samples_per_pixel()) {
+    throw usage_error(
+        fmt::format("--min-spp: {}; expected at most {}, the most samples, or more "
+                    "--spp",
+                    *options.min_samples, asked.samples_per_pixel()));
+  }
   return asked;
+}
+
+void check_shows_light(const v1::FrameSettings& frame) {
+  if (shows_light(frame.integrator())) return;
+  throw usage_error(fmt::format(
+      "--denoise: is for light; expected --integrator auto, whitted or path beside it, not {}",
+      frame.integrator()));
 }
 
 PixelRect crop_window(const RenderOptions& options, const v1::FrameSettings& frame) {

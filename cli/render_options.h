@@ -81,6 +81,9 @@ std::filesystem::path numbered_path(const std::filesystem::path& path, int frame
 v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& scene,
                                  std::optional<int> frame);
 
+/// Throws usage_error where --denoise would smooth a view in place of light.
+void check_shows_light(const v1::FrameSettings& frame);
+
 /// The part of the frame to render. Throws usage_error where the crop reaches beyond it.
 PixelRect crop_window(const RenderOptions& options, const v1::FrameSettings& frame);
 

@@ -158,9 +158,11 @@ void add_serve_command(CLI::App& app, Action& action) {
       "  tessera serve --store farm\n"
       "  tessera worker --connect tcp://127.0.0.1:7117 --threads 4\n"
       "  tessera submit bunny.obj && tessera fetch bunny --wait");
-  command->add_option("--bind", options->endpoint, "Where to listen, tcp://HOST:PORT or ipc://PATH")
-      ->type_name("ENDPOINT")
-      ->capture_default_str();
+  command
+      ->add_option(
+          "--bind", options->endpoint,
+          fmt::format("Where to listen, tcp://HOST:PORT or ipc://PATH [{}]", options->endpoint))
+      ->type_name("ENDPOINT");
   command->add_option("--key", options->key, "The coordinator's secret key, of 'tessera keygen'")
       ->type_name("FILE");
   command

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/version.h"
+#include "renderer/scene/read_settings.h"
 
 namespace tessera {
 namespace {
@@ -53,6 +54,14 @@ json skips_json(const CounterMap& counters) {
   return skips;
 }
 
+/// What `auto` came to; null where nobody built the scene, as all tiles were kept from before.
+json integrator_chosen(const FrameStatistics& statistics) {
+  if (statistics.frame.integrator() != "auto") return statistics.frame.integrator();
+  const CounterMap& built = statistics.report.build_counters;
+  if (built.count(kAutoChosePath) == 0) return nullptr;
+  return counter(built, kAutoChosePath) == 1 ? "path" : "whitted";
+}
+
 }  // namespace
 
 json statistics_json(const FrameStatistics& statistics) {
@@ -66,6 +75,7 @@ json statistics_json(const FrameStatistics& statistics) {
   result["samples_per_pixel"] = frame.samples_per_pixel();
   result["seed"] = frame.seed();
   result["integrator"] = frame.integrator();
+  result["integrator_chosen"] = integrator_chosen(statistics);
   result["accelerator"] = frame.accelerator();
   result["seconds"] = {{"parse", statistics.seconds.parse}, {"build", report.build_seconds},
                        {"trace", report.trace_seconds},     {"assemble", report.assemble_seconds},

@@ -18,6 +18,7 @@
 
 #include "base/process.h"
 #include "cli/interrupt.h"
+#include "client/refusal.h"
 #include "client/run_remote_job.h"
 #include "coordinator/local_workers.h"
 #include "coordinator/render_loop.h"
@@ -193,7 +194,9 @@ class InProcessFarm : public TracingFarm {
 class RemoteFarm : public TracingFarm {
  public:
   explicit RemoteFarm(const FarmConnection& connection)
-      : endpoint_(connection.endpoint), transport_(connect(connection)) {}
+      : endpoint_(connection.endpoint), transport_(connect(connection)) {
+    check_host_is_known(endpoint_);
+  }
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {

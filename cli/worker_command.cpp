@@ -74,6 +74,7 @@ ExitCode work(const WorkerCommandOptions& options) {
   worker.make_renderer = [&sharing](const auto&... scene) {
     return make_tile_renderer(scene..., sharing);
   };
+  worker.endpoint = options.connection.endpoint;
   worker.shares_memory = options.connection.endpoint.starts_with("ipc://");
   if (!options.cache.empty()) {
     const uint64_t budget = options.cache_budget.value_or(kDefaultCacheBudget);
@@ -94,7 +95,9 @@ ExitCode work(const WorkerCommandOptions& options) {
   const auto transport = connect(options.connection);
   spdlog::info("connecting to {}", options.connection.endpoint);
   const WorkerEnd end = run_worker(*transport, worker, interrupted());
-  if (end.exit_code != ExitCode::done) throw Error(end.exit_code, end.reason);
+  if (end.exit_code != ExitCode::done) {
+    throw Error(end.exit_code, fmt::format("{}: {}", worker.endpoint, end.reason));
+  }
   if (interrupted()) {
     spdlog::info("stopped");
   } else if (end.reason.empty()) {

@@ -8,6 +8,12 @@
 
 namespace tessera {
 
+void check_host_is_known(const std::string& endpoint) {
+  if (!is_unknown_host(endpoint)) return;
+  throw usage_error(fmt::format(
+      "endpoint '{}': the name of the host is unknown; expected tcp://HOST:PORT", endpoint));
+}
+
 void check_not_refused(const v1::Envelope& message, const std::string& endpoint) {
   if (!message.has_reject()) return;
   throw usage_error(fmt::format("the coordinator at {} refused: {}", endpoint,

@@ -8,6 +8,8 @@
 
 namespace tessera {
 
+/// Throws usage_error where the host of the endpoint is certain to have no address.
+void check_host_is_known(const std::string& endpoint);
 /// Throws usage_error if that is a coordinator's word that our key is not for what we asked.
 void check_not_refused(const v1::Envelope& message, const std::string& endpoint);
 /// Throws usage_error if the coordinator at `endpoint` does not let us in.

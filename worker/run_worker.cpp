@@ -16,6 +16,7 @@
 #include "base/process_usage.h"
 #include "base/tally.h"
 #include "base/version.h"
+#include "proto/transport/listening.h"
 #include "proto/wire/frame.h"
 #include "proto/wire/version.h"
 #include "worker/blob_loader.h"
@@ -30,6 +31,8 @@ namespace {
 constexpr uint32_t kTilesPerThread = 5;
 // How soon `stop` is noticed.
 constexpr Time kLongestWait = std::chrono::milliseconds(100);
+// Then it is told what is known of a coordinator that has not answered.
+constexpr Time kFirstPatience = std::chrono::seconds(2);
 // After so many messages, what is traced and what is due by the clock has its turn.
 constexpr size_t kMessagesPerRound = 256;
 
@@ -81,6 +84,7 @@ class WorkerLoop {
         loader_(options.cache, [&transport] { transport.wake(); }),
         spool_(open_spool(options)),
         session_(session_options(options, spool_.get()), monotonic_now()),
+        endpoint_(options.endpoint),
         threads_(options.threads),
         idle_timeout_(options.idle_timeout),
         drain_(options.drain) {}
@@ -118,6 +122,7 @@ class WorkerLoop {
       }
       if (session_.next_deadline() <= monotonic_now()) session_.on_tick(monotonic_now());
       tell_connection();
+      tell_silence();
     }
     if (spool_) leave_results();
     // Nothing waits for the tiles any more.
@@ -184,6 +189,17 @@ class WorkerLoop {
     }
   }
 
+  /// Once: it may be starting, and its name may come to be known, so that neither is an error.
+  void tell_silence() {
+    if (told_welcome_ || monotonic_now() < look_for_coordinator_) return;
+    look_for_coordinator_ = Time::max();
+    if (is_unknown_host(endpoint_)) {
+      spdlog::warn("the name of the host of {} is unknown; trying again", endpoint_);
+    } else if (nobody_listens(endpoint_)) {
+      spdlog::warn("nothing listens at {}; trying again", endpoint_);
+    }
+  }
+
   /// True once the session wants to end.
   bool perform() {
     for (SessionAction& action : session_.take_actions()) {
@@ -227,6 +243,8 @@ class WorkerLoop {
   WorkerSession session_;
   WorkerEnd end_;
   Tally garbage_;
+  std::string endpoint_;
+  Time look_for_coordinator_ = monotonic_now() + kFirstPatience;
   int threads_;
   Time idle_timeout_;
   Time last_work_ = monotonic_now();

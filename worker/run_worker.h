@@ -24,6 +24,8 @@ using TileRendererFactory = std::function<std::shared_ptr<const TileRenderer>(
 
 struct WorkerOptions {
   int threads = 1;
+  /// Where the coordinator is, to be told while it does not answer; empty: not told.
+  std::string endpoint{};
   /// Told to stop, how long what is being traced may take.
   Time drain = std::chrono::seconds(25);
   /// Ends after so long without a word from the coordinator; Time::max(): never.

@@ -40,6 +40,7 @@ struct ErrorCurve {
   std::vector<ErrorRow> rows;  ///< by rising samples
   double slope = 0;            ///< of log RMSE over log samples; 0 with fewer than three rows
   Band slope_band;
+  std::string end{};  ///< why there are fewer rows than asked for; empty: there are not
 };
 
 /// A picture of another renderer.

@@ -103,6 +103,7 @@ std::string error_table(const SceneErrors& scene) {
           fmt::format("[{:.3g}, {:.3g}]", r.rmse_band.low, r.rmse_band.high), r.bias, r.bias_sigmas,
           r.error.rel_mse, r.error.flip, r.efficiency, gain_text(r),
           r.not_finite > 0 ? fmt::format("  {} not finite", r.not_finite) : "");
+    if (!curve.end.empty()) text += fmt::format("{:28} ends here: {}\n", curve.method, curve.end);
     if (slope_text(curve) != "-")
       text += fmt::format("{:28} slope of RMSE over samples {}\n", curve.method, slope_text(curve));
   }

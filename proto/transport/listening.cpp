@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <optional>
 
 #include "base/error.h"
 #include "proto/transport/endpoint.h"
@@ -42,31 +43,54 @@ bool no_socket(const std::string& path) {
   return error == ENOENT || error == ECONNREFUSED;
 }
 
-bool all_refuse(const Endpoint& endpoint) {
+struct Addresses {
+  int error = 0;  ///< as getaddrinfo() tells it
+  std::unique_ptr<addrinfo, void (*)(addrinfo*)> first{nullptr, freeaddrinfo};
+};
+
+Addresses addresses_of(const Endpoint& endpoint) {
   std::string host = endpoint.host;
   if (host.starts_with("[")) host = host.substr(1, host.size() - 2);
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  if (getaddrinfo(host.c_str(), std::to_string(endpoint.port).c_str(), &hints, &found) != 0) {
-    return false;
-  }
-  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> addresses(found, freeaddrinfo);
-  for (const addrinfo* a = addresses.get(); a; a = a->ai_next) {
+  Addresses addresses;
+  const std::string port = std::to_string(endpoint.port);
+  addresses.error = getaddrinfo(host.c_str(), port.c_str(), &hints, &found);
+  if (addresses.error == 0) addresses.first.reset(found);
+  return addresses;
+}
+
+bool all_refuse(const Endpoint& endpoint) {
+  const Addresses addresses = addresses_of(endpoint);
+  if (addresses.error != 0) return false;
+  for (const addrinfo* a = addresses.first.get(); a; a = a->ai_next) {
     if (connect_error(a->ai_addr, a->ai_addrlen) != ECONNREFUSED) return false;
   }
   return true;
 }
 
+std::optional<Endpoint> endpoint_of(const std::string& text) {
+  try {
+    return parse_endpoint(text);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
+bool is_unknown_host(const std::string& text) {
+  const auto endpoint = endpoint_of(text);
+  if (!endpoint || !endpoint->tcp) return false;
+  const int error = addresses_of(*endpoint).error;
+  return error == EAI_NONAME || error == EAI_NODATA;
+}
+
 bool nobody_listens(const std::string& text) {
-  try {
-    const Endpoint endpoint = parse_endpoint(text);
-    return endpoint.tcp ? all_refuse(endpoint) : no_socket(endpoint.path);
-  } catch (const Error&) {
-    return false;
-  }
+  const auto endpoint = endpoint_of(text);
+  if (!endpoint) return false;
+  return endpoint->tcp ? all_refuse(*endpoint) : no_socket(endpoint->path);
 }
 
 }  // namespace tessera

@@ -49,6 +49,10 @@ const Format& format_of(const fs::path& path) {
     if (ending == format.ending) return format;
     known.emplace_back(format.ending);
   }
+  if (ending.empty()) {
+    throw usage_error(fmt::format("'{}' has no ending, which names the format; expected .{}",
+                                  path.string(), fmt::join(known, ", .")));
+  }
   throw usage_error(
       fmt::format("{}: '{}' is no image format that can be written; expected one of {}{}",
                   path.string(), ending, fmt::join(known, ", "), suggestion(ending, known)));

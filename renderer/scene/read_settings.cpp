@@ -153,6 +153,8 @@ const std::vector<std::string>& integrator_names() {
   return names;
 }
 
+bool shows_light(const std::string& integrator) { return view_of(integrator) == View::none; }
+
 const std::vector<std::string>& sample_pattern_names() {
   static const std::vector<std::string> names{"center",      "owen-sobol",  "centered-grid",
                                               "corner-grid", "independent", "blue-noise"};

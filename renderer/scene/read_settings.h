@@ -17,11 +17,15 @@ namespace tessera {
 
 /// What follows light; `automatic` until the scene has been looked at.
 enum class IntegratorKind { automatic, whitted, path };
+/// The counter of building where that was done: 1 for path, 0 for whitted.
+inline constexpr char kAutoChosePath[] = "auto_chose_path";
 /// What is shown instead of light.
 enum class View { none, normals, depth, albedo, ids, cost, samples, error };
 
 /// The names of --integrator; the first is the default.
 const std::vector<std::string>& integrator_names();
+/// Whether a picture by that name shows light; the others are views.
+bool shows_light(const std::string& integrator);
 
 /// The names of --filter, in the order of PixelFilter and of v1::Sampling::Filter; the first is the
 /// default.

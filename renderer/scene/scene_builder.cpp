@@ -97,6 +97,7 @@ class SceneBuilder {
       }
       settings.integrator =
           shines && scatters && !has_lights ? IntegratorKind::path : IntegratorKind::whitted;
+      scene_->counters[kAutoChosePath] = settings.integrator == IntegratorKind::path ? 1 : 0;
     }
     constexpr uint32_t kPathDepth = 64;
     if (settings.integrator == IntegratorKind::path &&

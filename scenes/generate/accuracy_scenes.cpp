@@ -272,16 +272,16 @@ std::string fixed() {
 }
 
 constexpr Recipe kRecipes[] = {
-    {"edge", "one straight edge and nothing else; closed form", fixed<kEdge>},
+    {"edge", "one straight edge and nothing else", fixed<kEdge>},
     {"checker", "a chequered floor up to the horizon", fixed<kChecker>},
     {"textured", "marble, wood and bumps in sunlight", fixed<kTextured>},
     {"lens", "balls out of focus", lens},
     {"mirrors", "a mirror and a glass ball", fixed<kMirrors>},
     {"cornell", "the Cornell box: colours bleed from wall to wall", fixed<kCornell>},
-    {"furnace", "inside a ball that glows, half of it reflected; closed form", fixed<kFurnace>},
-    {"sphere-light", "a floor under a round lamp; closed form", fixed<kSphereLight>},
-    {"rectangle-light", "a floor under a square lamp; closed form", fixed<kRectangleLight>},
-    {"sky-wall", "a floor before a black wall under a white sky; closed form", fixed<kSkyWall>},
+    {"furnace", "inside a ball that glows, half of it reflected", fixed<kFurnace>},
+    {"sphere-light", "a floor under a round lamp", fixed<kSphereLight>},
+    {"rectangle-light", "a floor under a square lamp", fixed<kRectangleLight>},
+    {"sky-wall", "a floor before a black wall under a white sky", fixed<kSkyWall>},
     {"plates", "four glossy plates mirror four lamps (after Veach and Guibas 1995)", plates},
     {"glossy", "brushed metal and plastic under a lamp and a sky", fixed<kGlossy>},
     {"caustic", "light through a glass ball", fixed<kCaustic>},

@@ -38,6 +38,31 @@ class BadCommandLine(TesseraTest):
         self.refused("help", "bench", "ray", says=["did you mean 'rays'?"])
         self.refused("bench", "farm", "--worker", "2", says=["'--workers'", "bench farm --help"])
 
+    def test_names_that_are_near_or_of_other_programs(self):
+        for typed, meant in [("--samples", "--spp"), ("--width", "--size"), ("--res", "--size"),
+                             ("--nthreads", "--threads"), ("--outfile", "--output"), ("--out", "--output")]:
+            self.refused("render", self.scene, typed, "4", says=[f"'{typed}'", f"did you mean '{meant}'?"])
+        for option, typed, meant in [("--pattern", "sobol", "owen-sobol"), ("--pattern", "blue", "blue-noise"),
+                                     ("--integrator", "pathtracer", "path")]:
+            self.refused("render", self.scene, option, typed, says=[f"did you mean '{meant}'?"])
+        self.refused("convert", "frst:100", "x.tessera", says=["did you mean 'forest'?"])
+        for typed in ("-x", "--x", "--maxdepth", "-"):
+            result = self.run_program("render", self.scene, typed, "4")
+            self.assertEqual(2, result.code)
+            self.assertNotIn("did you mean", result.err)
+
+    def test_values_that_lack_or_are_too_many(self):
+        self.refused("render", self.scene, "--spp", "16", "--spp", "4", says=["--spp: given more than once"])
+        self.refused("render", self.scene, "--spp", says=["--spp: needs a value N"])
+        self.refused("render", self.scene, "-o", says=["--output: needs a value FILE"])
+        self.refused("render", self.scene, "-o", "x", says=["'x' has no ending", ".png, .exr"])
+        self.refused("render", self.scene, "--filter", "gaussian:abc", says=["NAME:RADIUS", "'abc'"])
+
+    def test_hosts_without_an_address(self):
+        endpoint = "tcp://nowhere.invalid:7117"
+        for command in (["render", self.scene, "--connect"], ["status", "--connect"]):
+            self.refused(*command, endpoint, says=[endpoint, "unknown"])
+
     def test_cameras_without_names_have_numbers(self):
         self.write("scene.tessera", "cameras { } cameras { description: 'side' }")
         # The scene is dark too, which is not what counts.
@@ -47,6 +72,18 @@ class BadCommandLine(TesseraTest):
 
     def test_what_goes_with_nothing(self):
         self.refused("render", self.scene, "--min-spp", "4", says=["--min-spp", "--target-error"])
+        self.refused("render", self.scene, "--target-error", ".1", "--min-spp", "2000",
+                     says=["--min-spp", "1024", "--spp"])
+        self.refused("render", self.scene, "--gamma", "2", "--transfer", "srgb",
+                     says=["--gamma", "--transfer", "srgb"])
+        self.refused("render", self.scene, "--denoise", "--spp", "4", "--integrator", "samples",
+                     says=["--denoise", "--integrator", "samples"])
+
+    def test_what_goes_not_together_is_no_fault_of_the_scene(self):
+        for options in (["--pattern", "centered-grid", "--spp", "10"],
+                        ["--pattern", "centered-grid", "--target-error", "0.01"],
+                        ["--integrator", "cost", "--accel", "embree"]):
+            self.refused("render", self.scene, *options, says=options)
 
     def test_sizes(self):
         for size in ["0x10", "10x0", "1000000000x1", "65537x1", "65536x65536", "-5x5", "8", "8x",
@@ -275,6 +312,15 @@ class LittleMemory(TesseraTest):
 
 
 class BadWorkers(TesseraTest):
+    def test_nobody_there(self):
+        for endpoint, what in [("tcp://127.0.0.1:1", "nothing listens at"),
+                               ("tcp://nowhere.invalid:7117", "the name of the host of")]:
+            with self.subTest(endpoint=endpoint):
+                worker = self.run_program("worker", "--connect", endpoint, "--orphan-timeout", "3")
+                self.assertEqual(3, worker.code)
+                self.assertIn(f"{what} {endpoint}", worker.err)
+                self.assertIn(f"tessera: {endpoint}: the coordinator is silent", worker.err)
+
     def test_another_protocol_version_is_told_so(self):
         serve = self.start("serve", "--bind", "tcp://127.0.0.1:*")
         endpoint = serve.stdout.readline().split()[-1]

@@ -58,6 +58,21 @@ class BenchError(TesseraTest):
         self.assertEqual(told, self.run_program("compare", "one.EXR", "s.EXR", "--metrics").out)
         self.assertEqual(("twin", 1.5, 64, 0), tuple(peer[k] for k in ("method", "seconds", "samples", "rmse")))
 
+    def test_tells_why_a_curve_ends(self):
+        self.run_program("convert", "error:edge", "edge.tessera")
+        for seed in "1", "2":
+            done = self.run_program("render", "edge.tessera", "--size", "16x16", "--spp", "4", "--seed",
+                                    seed, "-o", f"{seed}.exr")
+            self.assertEqual(0, done.code, done.err)
+        noisy = self.run_program(*EDGE, "--reference", "1.exr", "--reference", "2.exr")
+        self.assertEqual(0, noisy.code, noisy.err)
+        self.assertIn("edge: one straight edge and nothing else (16x16)\nreference: two given", noisy.out)
+        self.assertRegex(noisy.out, "owen +ends here: its error comes within 5 times the reference's own, 0")
+        exact = self.run_program(*EDGE)
+        self.assertEqual(0, exact.code, exact.err)
+        self.assertIn("reference: closed form", exact.out)
+        self.assertNotIn("ends here", exact.out)
+
     def test_its_scenes_can_be_written(self):
         done = self.run_program("convert", "error:edge", "edge.tessera")
         self.assertEqual(0, done.code, done.err)
@@ -76,6 +91,8 @@ class BenchError(TesseraTest):
                 (("edge", "--svg", "/dev/null/missing"), "is no folder"),
                 (("edge", "--peer", "x:1:2"), "expected NAME:SECONDS:SAMPLES:FILE"),
                 (("edge", "--peer", "x:0:2:y.exr"), "above 0"),
+                (("edge", "--peer", "x:1:2:nosuch.exr"), "--peer: nosuch.exr: no such file"),
+                (("edge", "--reference", "nosuch.exr"), "--reference: nosuch.exr: no such file"),
                 (("--reference", "a.exr"), "expected one SCENE"),
                 (("edge", "--seeds", "1"), "--seeds")):
             with self.subTest(arguments):

@@ -49,6 +49,13 @@ class Help(TesseraTest):
         self.assertNotIn("?;", self.run_program("rendr").err + self.run_program("render", "--sise").err)
 
 
+    def test_defaults_are_in_brackets(self):
+        for command in ("serve", "worker", "status", "keygen", "render", "bench farm"):
+            for line in self.run_program("help", *command.split()).out.splitlines():
+                self.assertNotRegex(line, r"^ +-\S+ \S+=\S")
+        self.assertIn("[tcp://127.0.0.1:7117]", self.run_program("help", "status").out)
+
+
 class Names(TesseraTest):
     def test_the_file_beside_it(self):
         self.write("temple.x3d", "")
@@ -134,6 +141,18 @@ class Darkness(TesseraTest):
                     self.assertEqual(count, (result.out + result.err).count("will be black"))
 
 
+class Views(TesseraTest):
+    def test_numbers_that_the_file_cannot_hold(self):
+        scene = self.write("s.tessera", scenes.ONE_SPHERE)
+        for view, name, count in [("depth", "x.png", 1), ("cost", "x.png", 1), ("samples", "x.png", 1),
+                                  ("error", "x.png", 1), ("depth", "x.exr", 0), ("ids", "x.png", 0),
+                                  ("path", "x.png", 0)]:
+            with self.subTest(view=view, name=name):
+                result = self.run_program("render", scene, *SMALL, "--integrator", view, "-o", name)
+                self.assertEqual(0, result.code, result.err)
+                self.assertEqual(count, result.err.count(f"'{view}' shows numbers"), result.err)
+
+
 class Pipes(TesseraTest):
     def setUp(self):
         super().setUp()
@@ -215,6 +234,8 @@ class Terminal(TesseraTest):
         self.assertGreater(len(bars), 6)
         for bar in bars:
             self.assertLess(len(bar), 40, bar)
+            self.assertRegex(bar, r"^(\[=*> *\] )? *\d+ %  \d+/\d+ tiles(  waiting for workers|"
+                                  r"  [12] workers?(  ETA [\d.:]+( s)?)?)?$")
             self.assertNotIn("0/0", bar)
 
 
@@ -277,6 +298,24 @@ class Info(TesseraTest):
         shown = self.run_program("info", scene).out
         self.assertRegex(shown, r"camera +none: from \(0, 0, 10\) along -z")
         self.assertEqual(0, shown.count("bytes of blobs"))
+
+
+class ChosenIntegrator(TesseraTest):
+    def test_is_told(self):
+        ball = 'nodes { shape { materials: "m" sphere { } } } materials { name: "m" classic { %s } }\n'
+        glowing = ball % "diffuse { value { r: 1 } } emission { value { r: 1 } }"
+        for text, asked, chosen in [
+                (glowing, "auto", "path"), (glowing + scenes.SUN, "auto", "whitted"),
+                (glowing + scenes.SUN + 'settings { integrator { kind: "path" } }', "path", "path"),
+                (glowing + 'settings { integrator { kind: "depth" } }', "depth", "depth")]:
+            with self.subTest(text=text):
+                scene = self.write("scene.tessera", text)
+                found = json.loads(self.run_program("info", scene, "--json").out)
+                self.assertEqual((asked, chosen), (found["integrator"], found["integrator_chosen"]))
+                told = chosen + (", chosen by auto" if asked == "auto" else "")
+                self.assertRegex(self.run_program("info", scene).out, f"integrator +{told}\n")
+                stats = self.render(scene, *SMALL)
+                self.assertEqual((asked, chosen), (stats["integrator"], stats["integrator_chosen"]))
 
 
 class HostileNames(TesseraTest):

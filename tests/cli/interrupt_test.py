@@ -42,7 +42,8 @@ class Interrupt(TesseraTest):
                 with self.subTest(signal=sent.name, workers=workers):
                     process = self.start_long_render(workers)
                     process.send_signal(sent)
-                    self.assertIn("interrupted", self.assert_interrupted(process))
+                    self.assertIn("interrupted; no picture was written; no tile was kept: --resume",
+                                  self.assert_interrupted(process))
 
     def test_from_the_terminal_it_reaches_all(self):
         """Ctrl-C goes to the whole process group, workers included."""

@@ -62,9 +62,10 @@ class Resume(TesseraTest):
     def finish_beside_others(self):
         (self.folder / "stats.json").unlink(missing_ok=True)
         process = self.start_render(2)
-        _, err = process.communicate(timeout=PATIENCE)
+        out, err = process.communicate(timeout=PATIENCE)
         self.assertEqual(0, process.returncode, err)
         stats = self.stats()
+        self.assertIn(f", {stats['tiles']['restored']} kept from before, ", out)
         self.assertEqual(self.reference["pixels_sha256"], stats["pixels_sha256"])
         self.assertEqual(self.reference["rays"], stats["rays"])
         self.assertEqual(TILES, stats["tiles"]["done"])

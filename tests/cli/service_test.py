@@ -368,7 +368,7 @@ class Jobs(ServiceTest):
         result = self.run_program("fetch", "agian", "--connect", self.endpoint)
         self.assert_error(result, 2, "'agian' is no job", "did you mean 'again'?")
         self.assert_error(self.run_program("pause", 9, "--connect", self.endpoint), 2,
-                          "'9' is no job", "2 jobs, from 1 to 2")
+                          "'9' is no job", "there are 2 jobs: 1 ")
         self.ask("cancel", first, "--forget")
         self.assert_error(self.run_program("status", first, "--connect", self.endpoint), 2, "forgotten")
         # render waits for its job, fetches it, and leaves nothing.

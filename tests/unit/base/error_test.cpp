@@ -40,5 +40,17 @@ TEST(NearestName, FindsASlipOfThePenAndNothingFarther) {
   EXPECT_EQ(suggestion("normal", names), "; did you mean 'normals'?");
 }
 
+TEST(NearestName, FindsWhatANameIsShortFor) {
+  const std::array<std::string, 5> names{"owen-sobol", "blue-noise", "path", "forest", "id"};
+  EXPECT_EQ(nearest_name("sobol", names), "owen-sobol");
+  EXPECT_EQ(nearest_name("Owen", names), "owen-sobol");
+  EXPECT_EQ(nearest_name("blue", names), "blue-noise");
+  EXPECT_EQ(nearest_name("pathtracer", names), "path");
+  EXPECT_EQ(nearest_name("frst", names), "forest");
+  EXPECT_EQ(nearest_name("obol", names), std::nullopt) << "within a word";
+  EXPECT_EQ(nearest_name("fst", names), std::nullopt) << "half of it";
+  EXPECT_EQ(nearest_name("identity", names), std::nullopt) << "too short a name";
+}
+
 }  // namespace
 }  // namespace tessera

@@ -55,6 +55,15 @@ TEST(OptionValues, FramesAreARangeOrOne) {
   }
 }
 
+TEST(OptionValues, ChannelsMayHaveSpacesBetween) {
+  const AovSet two = AovSet().with(Aov::albedo).with(Aov::depth);
+  EXPECT_EQ(parse_aovs("--aovs", "albedo,depth"), two);
+  EXPECT_EQ(parse_aovs("--aovs", "albedo,  depth"), two);
+  for (const char* wrong : {"", " ", "albedo,", "albedo depth", ",depth"}) {
+    EXPECT_NE(usage_error_of([&] { parse_aovs("--aovs", wrong); }), "no error") << wrong;
+  }
+}
+
 TEST(OptionValues, AChoiceSuggestsTheNearest) {
   const std::array<std::string, 2> names{"bvh", "linear"};
   EXPECT_EQ(parse_choice("--accel", "bvh", names), "bvh");

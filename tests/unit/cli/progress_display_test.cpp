@@ -21,8 +21,8 @@ JobProgress half_done() {
 }
 
 TEST(ProgressDisplay, TellsTilesWorkersAndTimeLeft) {
-  EXPECT_EQ(progress_text(half_done(), false), " 50 %  21/42 tiles  4 workers  ETA 1:23");
-  EXPECT_EQ(progress_text(half_done(), true),
+  EXPECT_EQ(progress_text(half_done()), " 50 %  21/42 tiles  4 workers  ETA 1:23");
+  EXPECT_EQ(progress_bar(half_done(), "", 100),
             "[============>           ]  50 %  21/42 tiles  4 workers  ETA 1:23");
 }
 
@@ -30,26 +30,38 @@ TEST(ProgressDisplay, LeavesOutWhatIsNotKnown) {
   JobProgress progress = half_done();
   progress.workers = 0;
   progress.remaining_seconds = -1;
-  EXPECT_EQ(progress_text(progress, false), " 50 %  21/42 tiles");
-  EXPECT_EQ(progress_text({}, false), "  0 %");
+  EXPECT_EQ(progress_text(progress), " 50 %  21/42 tiles");
+  EXPECT_EQ(progress_text({}), "  0 %");
 }
 
 TEST(ProgressDisplay, TellsWhatItWaitsFor) {
   JobProgress progress;
   progress.waiting_for = "the coordinator at tcp://127.0.0.1:1";
-  EXPECT_EQ(progress_text(progress, false),
-            "  0 %  waiting for the coordinator at tcp://127.0.0.1:1");
+  EXPECT_EQ(progress_text(progress), "  0 %  waiting for the coordinator at tcp://127.0.0.1:1");
   progress.tiles_total = 42;
   progress.waiting_for = "workers";
-  EXPECT_EQ(progress_text(progress, false), "  0 %  0/42 tiles  waiting for workers");
+  EXPECT_EQ(progress_text(progress), "  0 %  0/42 tiles  waiting for workers");
 }
 
 TEST(ProgressDisplay, AFullBarHasNoHead) {
   JobProgress progress = half_done();
   progress.tiles_done = 42;
   progress.workers = 1;
-  EXPECT_EQ(progress_text(progress, true),
+  EXPECT_EQ(progress_bar(progress, "", 100),
             "[========================] 100 %  42/42 tiles  1 worker");
+}
+
+TEST(ProgressDisplay, TheBarIsFirstToBecomeShorterThenTheLastPartsGo) {
+  const auto in = [](size_t columns) { return progress_bar(half_done(), "frame 7  ", columns); };
+  EXPECT_EQ(in(77), "frame 7  [============>           ]  50 %  21/42 tiles  4 workers  ETA 1:23");
+  EXPECT_EQ(in(60), "frame 7  [====>    ]  50 %  21/42 tiles  4 workers  ETA 1:23");
+  EXPECT_EQ(in(54), "frame 7   50 %  21/42 tiles  4 workers  ETA 1:23");
+  EXPECT_EQ(in(47), "frame 7   50 %  21/42 tiles  4 workers");
+  EXPECT_EQ(in(30), "frame 7   50 %  21/42 tiles");
+  EXPECT_EQ(in(20), "frame 7   50 %");
+  EXPECT_EQ(in(9), "frame 7 ");
+  EXPECT_EQ(in(3), "fra");
+  for (size_t columns = 1; columns < 90; ++columns) EXPECT_LE(in(columns).size(), columns);
 }
 
 TEST(ProgressDisplay, Durations) {

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "cli/output_settings.h"
+#include "tests/error_of.h"
 
 namespace tessera {
 namespace {
@@ -138,6 +139,14 @@ TEST(RenderOptions, TheLeastSamplesAreForATargetError) {
   EXPECT_EQ(code_of([&] { frame_settings(options, scene, std::nullopt); }), ExitCode::bad_usage);
   options.target_error = .1;
   EXPECT_EQ(frame_settings(options, scene, std::nullopt).min_samples(), 4u);
+  options.min_samples = 1024;
+  EXPECT_EQ(frame_settings(options, scene, std::nullopt).min_samples(), 1024u);
+  options.min_samples = 1025;
+  EXPECT_EQ(code_of([&] { frame_settings(options, scene, std::nullopt); }), ExitCode::bad_usage);
+  options.samples_per_pixel = 2000;
+  EXPECT_EQ(frame_settings(options, scene, std::nullopt).min_samples(), 1025u);
+  options.samples_per_pixel.reset();
+  options.min_samples = 4;
   options.target_error.reset();
   scene.mutable_settings()->mutable_sampling()->set_target_error(.1);
   EXPECT_EQ(frame_settings(options, scene, std::nullopt).min_samples(), 4u);
@@ -191,6 +200,28 @@ TEST(RenderOptions, NamesThatTheSceneGetsWrongAreItsFault) {
   EXPECT_EQ(frame_settings(options, scene, std::nullopt).integrator(), "depth");
 }
 
+TEST(RenderOptions, WhatTheSceneIsNotToBlameForIsTheOptionsFault) {
+  v1::Scene scene;
+  RenderOptions options;
+  options.pattern = "centered-grid";
+  options.samples_per_pixel = 10;
+  const auto blamed = [&] {
+    return usage_error_of([&] { frame_settings(options, scene, std::nullopt); });
+  };
+  EXPECT_TRUE(blamed().starts_with("--spp 10 --pattern centered-grid: ")) << blamed();
+  options.samples_per_pixel = 9;
+  EXPECT_EQ(frame_settings(options, scene, std::nullopt).pattern(), "centered-grid");
+  options.target_error = .01;
+  EXPECT_NE(blamed().find("--target-error 0.01"), std::string::npos) << blamed();
+  options = {};
+  options.samples_per_pixel = 3;
+  scene.mutable_settings()->mutable_sampling()->set_pattern(v1::Sampling::CORNER_GRID);
+  EXPECT_TRUE(blamed().starts_with("--spp 3: ")) << blamed();
+  scene.mutable_settings()->mutable_sampling()->set_samples_per_pixel(5);
+  options = {};
+  EXPECT_EQ(code_of([&] { frame_settings(options, scene, std::nullopt); }), ExitCode::bad_scene);
+}
+
 TEST(RenderOptions, ACropLiesInTheFrame) {
   v1::FrameSettings frame;
   frame.set_width(20);
@@ -239,8 +270,10 @@ TEST(OutputSettings, OptionsAreLaidOverTheScene) {
   EXPECT_EQ(laid_over.tone_curve, ToneCurve::reinhard_luminance);
   EXPECT_EQ(laid_over.transfer, TransferCurve::gamma);
   EXPECT_EQ(laid_over.gamma, 1.8);
-  EXPECT_EQ(output_settings("a.tessera", output, {.transfer = "srgb", .gamma = 3}).transfer,
-            TransferCurve::srgb);
+  EXPECT_EQ(output_settings("a.tessera", output, {.transfer = "gamma", .gamma = 3}).gamma, 3);
+  EXPECT_EQ(
+      code_of([&] { output_settings("a.tessera", output, {.transfer = "srgb", .gamma = 3}); }),
+      ExitCode::bad_usage);
   const ToneCurve curves[] = {ToneCurve::clamp, ToneCurve::reinhard, ToneCurve::reinhard_luminance,
                               ToneCurve::filmic, ToneCurve::linear};
   for (size_t i = 0; i < tone_map_names().size(); ++i) {
