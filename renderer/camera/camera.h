@@ -81,6 +81,7 @@ class Camera {
   const Vec3& right() const { return right_; }
   const Vec3& up() const { return up_; }
   const Point3& position() const { return eye_; }
+  /// Metres along a ray at which it ends; infinite: nowhere.
   double far_distance() const { return far_; }
   /// Unit; the way that the camera looks.
   const Vec3& view() const { return view_; }

@@ -28,6 +28,7 @@ void trace_for_nothing(const Scene& scene, const SurfacePoint& point, const Medi
 /// the point's own error: what rounding makes of the stretch.
 inline constexpr double kLiftRoundings = 0x1p-48;
 /// The share of light from a point of a surface that arrives. What refracts lets nothing through.
+/// Also a lane each, of LambertBsdf, in path_row_lights-inl.h, to the bit.
 template <bool kRich>
 Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Media& media, const SurfaceSample& there, double width,
@@ -38,8 +39,8 @@ template <bool kRich>
 Color ray_visibility(const Scene& scene, const SurfacePoint& point, const Ray& ray,
                      const Media& media, double width, TraceState& state);
 
-/// What of light along `ray` what lets some through leaves, and the media `inside` of which the ray
-/// begins; nothing else stops it.
+/// The share of light that transparent surfaces on `ray`, and media, leave; the ray begins in
+/// `inside`. What is opaque is not asked here.
 template <bool kRich>
 Color ray_transmittance(const Scene& scene, const Ray& ray, const Media& inside, double width,
                         TraceState& state);

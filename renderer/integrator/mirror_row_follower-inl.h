@@ -185,7 +185,7 @@ class MirrorRowFollower : public RowFollower<RayFront> {
       const uint32_t place = bundle.places[take_lowest_lane(bits)];
       Color& sum = sum_of(place);
       sum = surfaces_.alone().follow_to_end(
-          {now_->rays.ray(place), sum, throughput(place), now_->path_length[place], depth_},
+          {now_->rays.ray(place), sum, throughput(place), now_->path_length[place], vertex_},
           state_);
     }
   }
@@ -398,7 +398,7 @@ class MirrorRowFollower : public RowFollower<RayFront> {
       onward &= ~faint;
     }
     const Stored3 results(result);
-    const bool ends = depth_ >= scene_.settings.max_depth;
+    const bool ends = vertex_ >= scene_.settings.max_depth;
     const bool sees_beyond = scene_.settings.background_at_max_depth;
     if (ends && !sees_beyond) onward = 0;
     if (!ends) state_.counters.rays_reflection += static_cast<uint64_t>(std::popcount(onward));

@@ -19,8 +19,8 @@
 #include "renderer/integrator/lane_row-inl.h"
 #include "renderer/integrator/path_front-inl.h"
 #include "renderer/integrator/path_numbers.h"
+#include "renderer/integrator/path_row_hits-inl.h"
 #include "renderer/integrator/path_row_lights-inl.h"
-#include "renderer/integrator/path_row_surfaces-inl.h"
 #include "renderer/integrator/path_surfaces.h"
 #include "renderer/integrator/path_vertex.h"
 #include "renderer/integrator/row_follower-inl.h"
@@ -36,11 +36,11 @@ namespace tessera {
 namespace HWY_NAMESPACE {
 
 /// Follows paths from surface to surface.
-class PathRowFollower : public PathRowSurfaces {
+class PathRowFollower : public PathRowHits {
  public:
   using Surfaces = PathSurfaces;
   PathRowFollower(const Surfaces& surfaces, std::span<Color> found, TraceState& state)
-      : PathRowSurfaces(surfaces, found, state),
+      : PathRowHits(surfaces, found, state),
         lights_(scene_, surfaces.passes(), state),
         passes_(surfaces.passes()) {}
 
@@ -60,7 +60,7 @@ class PathRowFollower : public PathRowSurfaces {
 
  private:
   /// As PathRowLights asks for it, of surfaces that nothing is filled behind.
-  auto left() {
+  auto transmittance_along() {
     return [this](uint32_t place, const Ray& ray) {
       const Media& inside = now_->media[place];
       const double width = width_at(place);
@@ -71,12 +71,12 @@ class PathRowFollower : public PathRowSurfaces {
 
   /// Up to the next surfaces, and what is seen there.
   void step() {
-    // Some may be as deep as they may get, beside others.
-    const bool goes_on = depth_ < scene_.settings.max_depth, alone = passes_ && !goes_on;
+    // With veils, paths of one front differ in bounces: at the limit each is asked by itself.
+    const bool goes_on = vertex_ < scene_.settings.max_depth, alone = passes_ && !goes_on;
     meet(alone, [&](uint32_t* places, size_t count) HWY_ATTR { add_background(places, count); });
     count_unread(
         (now_->rays.count - met_.count) *
-        (VertexNumbers::kPairs - size_t{depth_ > 0}));  // the next direction is drawn ahead
+        (VertexNumbers::kPairs - size_t{vertex_ > 0}));  // the next direction is drawn ahead
     if (met_.count == 0) return;
     std::fill_n(met_.read, met_.count, ahead());
     if (passes_) absorb();
@@ -87,7 +87,7 @@ class PathRowFollower : public PathRowSurfaces {
       if (has_sampled_lights(scene_))
         lights_.choose_points(met_, [&](size_t i) { return width_at(met_.place[i]); });
       for (size_t at = 0; at < met_.even; at += kLanes) scatter(at);
-      lights_.add_not_stopped(found_, left());
+      lights_.add_not_stopped(found_, transmittance_along());
     }
     for (size_t i = met_.even; i < met_.count; ++i) {
       now_->path_length[met_.place[i]] += hits_[met_.place[i]].t;
@@ -148,8 +148,8 @@ class PathRowFollower : public PathRowSurfaces {
   // -------------------------------------------------------------------------------------- numbers
 
   /// Beyond the camera's rays each path has drawn its next direction while that was traced.
-  uint8_t ahead() const { return depth_ > 0 ? bit_of(VertexNumbers::kDirection) : uint8_t{0}; }
-  bool may_end() const { return depth_ >= kSafeDepth; }
+  uint8_t ahead() const { return vertex_ > 0 ? bit_of(VertexNumbers::kDirection) : uint8_t{0}; }
+  bool may_end() const { return vertex_ >= kSafeDepth; }
 
   void draw_numbers() {
     const bool on_light = has_sampled_lights(scene_), picks = on_light && picks_light(scene_);
@@ -157,14 +157,14 @@ class PathRowFollower : public PathRowSurfaces {
     if (picks) read |= bit_of(VertexNumbers::kPick);
     if (may_end()) read |= bit_of(VertexNumbers::kChoice);
     std::fill_n(met_.read, met_.even, read);
-    const bool some_choose = may_end() || met_.even < met_.count;
     for (size_t at = 0; at < met_.count; at += kLanes) {
+      const bool some_alone = at + kLanes > met_.even && met_.even < met_.count;
       const SampleStream* streams[kLanes];
       for (size_t lane = 0; lane < kLanes; ++lane)
         streams[lane] = &streams_[now_->number[met_.place[at + lane]]];
       const LaneStream stream(streams);
       const auto draw = [&](VertexNumbers::Pair pair) HWY_ATTR {
-        return stream.pair(static_cast<SampleUse>(VertexNumbers::use_of(depth_, pair)));
+        return stream.pair(static_cast<SampleUse>(VertexNumbers::use_of(vertex_, pair)));
       };
       const auto keep = [&](const Lanes2& pair, double(&parts)[2][RayRow::kRoom]) HWY_ATTR {
         hn::Store(pair.x, kLaneTag, parts[0] + at);
@@ -172,8 +172,8 @@ class PathRowFollower : public PathRowSurfaces {
       };
       if (on_light) keep(draw(VertexNumbers::kOnLight), met_.on_light);
       keep(draw(VertexNumbers::kDirection), met_.direction);
-      if (some_choose) keep(draw(VertexNumbers::kChoice), met_.choice);
-      if (picks || passes_) keep(draw(VertexNumbers::kPick), met_.pick);
+      if (may_end() || some_alone) keep(draw(VertexNumbers::kChoice), met_.choice);
+      if (picks || (passes_ && some_alone)) keep(draw(VertexNumbers::kPick), met_.pick);
     }
   }
   void count_unread(size_t pairs) {
@@ -181,7 +181,7 @@ class PathRowFollower : public PathRowSurfaces {
       state_.counters.numbers_skipped += pairs;
       return;
     }
-    const auto use = static_cast<SampleUse>(VertexNumbers::use_of(depth_, 0));
+    const auto use = static_cast<SampleUse>(VertexNumbers::use_of(vertex_, 0));
     for (size_t i = 0; i < pairs; ++i) keep_result(streams_[0].pair(use));
   }
 
@@ -207,7 +207,8 @@ class PathRowFollower : public PathRowSurfaces {
     const bool is_all = environment_share(scene_) == 0 && scene_.lights.empty();
     const Lanes zero = hn::Zero(kLaneTag);
     Lanes3 light{zero, zero, zero};
-    if (has_sampled_lights(scene_)) light = lights_.brought(met_, bundle, lambert, is_all, left());
+    if (has_sampled_lights(scene_))
+      light = lights_.brought(met_, bundle, lambert, is_all, transmittance_along());
     if (is_all) return;
     Stored3 sums(light);
     for (uint32_t left = bundle.bits; left != 0;) {
@@ -291,10 +292,7 @@ class PathRowFollower : public PathRowSurfaces {
     append(bundle.facet, onward, rays.count, next_->from_normal);
     while (onward != 0) {
       const uint32_t place = met_.place[at + take_lowest_lane(onward)];
-      next_->path_length[rays.count] = now_->path_length[place];
-      next_->radiance_scale[rays.count] = now_->radiance_scale[place];
-      if (passes_) carry(place, rays.count, 1);
-      next_->number[rays.count++] = now_->number[place];
+      carry(place, rays.count++, 1);
     }
   }
   /// A bit for each lane whose path no roulette ends yet.
@@ -304,7 +302,12 @@ class PathRowFollower : public PathRowSurfaces {
       bits |= uint32_t{now_->bounces[met_.place[at + lane]] < kSafeDepth} << lane;
     return bits;
   }
+  /// What a path keeps on its way on, which has so many bounces more.
   void carry(uint32_t place, size_t at, uint32_t bounces) {
+    next_->path_length[at] = now_->path_length[place];
+    next_->radiance_scale[at] = now_->radiance_scale[place];
+    next_->number[at] = now_->number[place];
+    if (!passes_) return;
     next_->bounces[at] = now_->bounces[place] + bounces;
     next_->media[at] = now_->media[place];
   }
@@ -344,7 +347,7 @@ class PathRowFollower : public PathRowSurfaces {
       if (passes_straight(place, point, numbers)) return;
     }
     add_emission(place, point);
-    const uint32_t bounces = passes_ ? now_->bounces[place] : depth_;
+    const uint32_t bounces = passes_ ? now_->bounces[place] : vertex_;
     if (bounces >= scene_.settings.max_depth || point.material->model == MaterialModel::unlit)
       return;
     const Bsdf bsdf(bsdf_point(place, point, surface_diffuse(point)));
@@ -367,12 +370,9 @@ class PathRowFollower : public PathRowSurfaces {
     next_->density[at] = sample.is_mirror ? 0 : sample.density;
     put(point.surface.point - Point3{}, at, next_->from);
     put(point.geometric_normal, at, next_->from_normal);
-    next_->path_length[at] = now_->path_length[place];
-    next_->radiance_scale[at] = radiance_scale;
-    next_->number[at] = now_->number[place];
-    if (!passes_) return;
     carry(place, at, 1);
-    if (sample.is_beyond) pass_into(next_->media[at], point);
+    next_->radiance_scale[at] = radiance_scale;
+    if (passes_ && sample.is_beyond) pass_into(next_->media[at], point);
   }
 
   // ------------------------------------------------------------------- what is passed, and absorbs
@@ -388,11 +388,9 @@ class PathRowFollower : public PathRowSurfaces {
   }
   /// As PathTracer::passes_straight().
   bool passes_straight(uint32_t place, const SurfacePoint& point, const DrawnNumbers& numbers) {
-    const Coverage coverage = straight_coverage(point);
-    if (coverage.through <= 0) return false;
-    if (coverage.covered > 0 && numbers.pick().y >= coverage.through) return false;
+    if (!goes_straight(point, numbers)) return false;
     ++state_.counters.rays_refraction;
-    if (depth_ + 1 >= kMaxPasses) {
+    if (vertex_ + 1 >= kMaxPasses) {
       ++state_.counters.paths_cut;
       return true;
     }
@@ -405,9 +403,6 @@ class PathRowFollower : public PathRowSurfaces {
     next_->density[at] = now_->density[place];
     put(vec_at(now_->from, place), at, next_->from);
     put(vec_at(now_->from_normal, place), at, next_->from_normal);
-    next_->path_length[at] = now_->path_length[place];
-    next_->radiance_scale[at] = now_->radiance_scale[place];
-    next_->number[at] = now_->number[place];
     carry(place, at, 0);
     pass_into(next_->media[at], point);
     return true;

@@ -72,11 +72,11 @@ class PathRowLights {
       put(kBlack, i, points_.front), put(kBlack, i, points_.back);
     }
   }
-  /// What they bring. Black if it may be added later, of those that nothing stops. `left(place,
-  /// ray)` is what is left of light along such a ray, which is asked where something passes.
-  template <typename Left>
+  /// What they bring. Black if it may be added later, of those that nothing stops.
+  /// `transmittance(place, ray)` is that along such a ray, which is asked where something passes.
+  template <typename Transmittance>
   Lanes3 brought(const Met& met, const PathBundle& bundle, const LaneLambert& lambert,
-                 bool may_wait, const Left& left) {
+                 bool may_wait, const Transmittance& transmittance) {
     const Lanes zero = hn::Zero(kLaneTag);
     const Lanes3 none{zero, zero, zero};
     const size_t at = bundle.at;
@@ -120,15 +120,15 @@ class PathRowLights {
     for (uint32_t lanes = arrives; lanes != 0;) {
       const size_t lane = take_lowest_lane(lanes);
       const Color share =
-          left(met.place[at + lane], Ray{origins.point(lane), stretches.vec(lane), 0, 1});
+          transmittance(met.place[at + lane], Ray{origins.point(lane), stretches.vec(lane), 0, 1});
       visible.put(lane, {share.r, share.g, share.b});
     }
     const Lanes3 all_of_it = multiply(multiply(light, visible.load()), weight);
     return choose(mask_of(arrives), all_of_it, none);
   }
-  /// What was to be added later; `left` as for brought().
-  template <typename Left>
-  void add_not_stopped(std::span<Color> found, const Left& left) {
+  /// What was to be added later; `transmittance` as for brought().
+  template <typename Transmittance>
+  void add_not_stopped(std::span<Color> found, const Transmittance& transmittance) {
     const Accelerator* const opaque = scene_.path_occluders.opaque.get();
     const RayRow& rays = shadows_.rays;
     if (rays.count == 0) return;
@@ -138,7 +138,7 @@ class PathRowLights {
       Color light = color_at(shadows_.light, i);
       const uint32_t place = shadows_.place[i];
       if (passes_) {
-        const Color visible = left(place, rays.ray(i));
+        const Color visible = transmittance(place, rays.ray(i));
         light = color_at(shadows_.throughput, i) * (light * visible * shadows_.weight[i]);
       }
       found[numbers_[place]] += light;

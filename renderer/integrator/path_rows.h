@@ -9,7 +9,7 @@
 namespace tessera {
 
 /// Whether paths through the scene can be followed in rows: something to hit, no fog, and no veils
-/// where the camera sees up to some distance only.
+/// where the camera sees up to some distance only; with Skips' absent_features and texture_points.
 bool can_follow_paths(const Scene& scene);
 /// Rows of paths through such a scene, bounce by bounce, by the instructions of the set that
 /// BvhKernels of that name are of. `scene` must outlive it. The keys tell the rays' cones too.

@@ -29,8 +29,7 @@ bool is_even(const Scene& scene, const Material& material) {
 
 PathSurfaces::PathSurfaces(const Scene& scene)
     : scene_(scene),
-      passes_(scene.path_occluders.clear ||
-              std::ranges::any_of(scene.shading, &InstanceShading::is_veil) ||
+      passes_(scene.path_occluders.clear || scene.features.veils ||
               std::ranges::any_of(scene.materials, [](const Material& material) {
                 return !is_black(material.absorption);
               })) {

@@ -48,15 +48,16 @@ class PathTracer final : public Integrator {
     double radiance_scale = 1;  ///< of the throughput, what media of other density make of it
     Point3 from{};              ///< where it scattered last
     Vec3 from_normal{};         ///< the geometric one there
-    uint32_t depth = 0;         ///< bounces so far
+    uint32_t bounces = 0;       ///< so far
     uint32_t vertex = 0;        ///< surfaces met so far
   };
 
   /// Adds what the path's next surface sends along it; false where the path ends.
+  /// Also for a row of paths, PathRowFollower::step() in path_row_follower-inl.h, to the bit.
   bool follow(Path& path, const SampleStream& stream, TraceState& state) const {
     const VertexNumbers numbers(stream, path.vertex++, scene_->skips.unread_numbers,
                                 state.counters.numbers_skipped);
-    if (path.depth > 0) numbers.draw_ahead();
+    if (path.bounces > 0) numbers.draw_ahead();
     Hit hit;
     if (!scene_->surfaces ||
         !scene_->surfaces->closest_hit(path.ray, hit, state.counters.traversal)) {
@@ -85,7 +86,8 @@ class PathTracer final : public Integrator {
     // none.
     if (path.density == 0 && scene_->fog.kind != FogKind::none) enter_fog(path);
     add_emission(path, point, hit.primitive);
-    if (path.depth >= scene_->settings.max_depth || point.material->model == MaterialModel::unlit) {
+    if (path.bounces >= scene_->settings.max_depth ||
+        point.material->model == MaterialModel::unlit) {
       return false;
     }
     const Scatter scatter({.material = *point.material,
@@ -109,13 +111,10 @@ class PathTracer final : public Integrator {
     return bounce(path, point, scatter, origins, numbers, state.counters);
   }
 
-  /// Whether the path goes on through the surface as if it were not there, by the share that is
-  /// not.
+  /// Whether the path goes on through the surface as if it were not there.
   bool passes_straight(Path& path, const SurfacePoint& point, double t,
                        const VertexNumbers& numbers, TraceState& state) const {
-    const Coverage coverage = straight_coverage(point);
-    if (coverage.through <= 0) return false;
-    if (coverage.covered > 0 && numbers.pick().y >= coverage.through) return false;
+    if (!goes_straight(point, numbers)) return false;
     const double t_max = path.ray.t_max - t;
     pass_into(path.media, point);
     path.ray = spawn_ray(point.surface, path.ray.direction);
@@ -146,7 +145,7 @@ class PathTracer final : public Integrator {
   bool bounce(Path& path, const SurfacePoint& point, const Scatter& scatter, RayOrigins& origins,
               const VertexNumbers& numbers, TraceCounters& counters) const {
     BsdfSample sample;
-    if (!choose_way(scatter, path.depth, numbers, path.throughput, path.radiance_scale, sample,
+    if (!choose_way(scatter, path.bounces, numbers, path.throughput, path.radiance_scale, sample,
                     counters))
       return false;
     if constexpr (kPasses) {
@@ -157,7 +156,7 @@ class PathTracer final : public Integrator {
     path.from_normal = point.geometric_normal;
     path.density = sample.is_mirror ? 0 : sample.density;
     path.view_distance = 0;
-    ++path.depth;
+    ++path.bounces;
     return true;
   }
 

@@ -42,6 +42,7 @@ struct PathVertex {
   TraceState& state;
 
   /// What lights of all kinds bring, of those with an extent and the background by one sample.
+  /// Also for a row of paths, PathRowFollower::scatter() in path_row_follower-inl.h, to the bit.
   template <typename Numbers>
   Color direct_light(const Numbers& numbers) const {
     Color sum = kBlack;
@@ -151,13 +152,20 @@ struct PathVertex {
   }
 };
 
-/// The way on of a path that was scattered `depth` times before; false where it ends. Multiplies
+/// Whether a path goes on through the surface, by the share that is not there.
+template <typename Numbers>
+bool goes_straight(const SurfacePoint& point, const Numbers& numbers) {
+  const Coverage coverage = straight_coverage(point);
+  return coverage.through > 0 && (coverage.covered <= 0 || numbers.pick().y < coverage.through);
+}
+
+/// The way on of a path that was scattered `bounces` times before; false where it ends. Multiplies
 /// `throughput`, and `radiance_scale`, what of it media of other density make.
 /// Also a lane each, of LambertBsdf, in path_row_follower-inl.h, to the bit.
 template <typename Scatter, typename Numbers>
-bool choose_way(const Scatter& scatter, uint32_t depth, const Numbers& numbers, Color& throughput,
+bool choose_way(const Scatter& scatter, uint32_t bounces, const Numbers& numbers, Color& throughput,
                 double& radiance_scale, BsdfSample& sample, TraceCounters& counters) {
-  const bool may_end = depth >= kSafeDepth;
+  const bool may_end = bounces >= kSafeDepth;
   const Vec2 choice = Scatter::kHasChoice || may_end ? numbers.choice() : Vec2{};
   // A weight that is the same whatever the direction tells early where the path ends.
   if constexpr (Scatter::kIsEven) {

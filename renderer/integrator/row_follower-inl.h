@@ -54,7 +54,7 @@ class RowFollower {
     std::iota(now_->number, now_->number + count, 0u);
     std::ranges::fill(found_, kBlack);
     state_.counters.rays_primary += count;
-    for (; now_->rays.count > 0; ++depth_) {
+    for (; now_->rays.count > 0; ++vertex_) {
       next_->rays.begin();
       step();
       std::swap(now_, next_);
@@ -122,7 +122,7 @@ class RowFollower {
   Front fronts_[2];
   Front *now_ = &fronts_[0], *next_ = &fronts_[1];
   Unmade<Hit, RayRow::kMost> hits_;  ///< of now_
-  uint32_t depth_ = 0;               ///< surfaces met before
+  uint32_t vertex_ = 0;              ///< surfaces met before
 };
 
 /// The rows that `Follower` follows, by what it wants to know of the scene's surfaces.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "renderer/scene/scene.h"
@@ -28,6 +29,13 @@ LitSides lit_sides(const AreaLight& light) {
   return is_black(light.front) ? LitSides::back : LitSides::both;
 }
 
+/// Whether vertex colours let some of what is behind the mesh through: a veil in part, whatever its
+/// material.
+bool is_veil(const TriangleMesh& mesh) {
+  return std::any_of(mesh.colors.begin(), mesh.colors.end(),
+                     [](const Float4& color) { return color.w < 1; });
+}
+
 /// Makes what all instances of a mesh share once.
 class Samplers {
  public:
@@ -38,13 +46,19 @@ class Samplers {
       if (slot > 0) return nullptr;
       return make_surface_sampler(*instance.shape, to_world, instance.flip_normals);
     }
-    auto& triangles = triangles_[{mesh, slot}];
-    if (!triangles) triangles = std::make_shared<TriangleSet>(TriangleSet::of(*mesh, slot));
+    const bool has_backs = instance.cull == Cull::none;
+    auto& triangles = triangles_[{mesh, slot, has_backs}];
+    if (!triangles) {
+      triangles = std::make_shared<TriangleSet>(
+          is_veil(*mesh) ? TriangleSet() : TriangleSet::of(*mesh, slot, has_backs));
+    }
     return make_triangle_sampler(triangles, to_world, instance.flip_normals, sides);
   }
 
  private:
-  std::map<std::pair<const TriangleMesh*, uint32_t>, std::shared_ptr<const TriangleSet>> triangles_;
+  /// By mesh, material and whether it has backs.
+  std::map<std::tuple<const TriangleMesh*, uint32_t, bool>, std::shared_ptr<const TriangleSet>>
+      triangles_;
 };
 
 void set_dark_side(AreaLight& light) {

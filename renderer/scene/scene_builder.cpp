@@ -19,6 +19,7 @@
 #include "renderer/scene/read_shape.h"
 #include "renderer/scene/scene_graph.h"
 #include "renderer/scene/seen_rect.h"
+#include "renderer/shading/media.h"
 
 namespace tessera {
 
@@ -254,7 +255,7 @@ class SceneBuilder {
       const size_t count = material->sides == Sides::back_material ? 2 : 1;
       for (size_t side = 0; side < count; ++side) {
         if (!sides[side]->is_opaque()) entry.is_clear = entry.has_secondary = true;
-        if (sides[side]->is_mirror()) entry.has_secondary = true;
+        if (sides[side]->is_mirror() || fills(*sides[side])) entry.has_secondary = true;
         entry.is_veil |= sides[side]->is_veil();
         entry.keep.uvs |= materials_.needs_uv(side == 0 ? index : material->back);
         entry.keep.normals |= shows_normals(*sides[side]);

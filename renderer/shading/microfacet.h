@@ -36,10 +36,10 @@ class Ggx {
   /// A facet's normal as seen from `wo`, wo.z > 0 (Dupuy and Benyoub 2023, "Sampling Visible GGX
   /// Normals with Spherical Caps").
   Vec3 sample_visible(const Vec3& wo, const Vec2& u) const;
-  /// The same without most of those that would reflect `wo` into the surface, and the density of
-  /// the direction that `h` reflects to then (Eto and Tokuyoshi 2023, "Bounded VNDF Sampling for
-  /// Smith-GGX Reflections").
+  /// The same without most of those that would reflect `wo` into the surface (Eto and Tokuyoshi
+  /// 2023, "Bounded VNDF Sampling for Smith-GGX Reflections").
   Vec3 sample_reflecting(const Vec3& wo, const Vec2& u) const;
+  /// Its density, per steradian, of the direction that `h` reflects `wo` to; wo.z > 0.
   double reflecting_density(const Vec3& wo, const Vec3& h) const;
 
  private:

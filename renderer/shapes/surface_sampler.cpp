@@ -235,8 +235,8 @@ void add_faces(const Bounds3& extent, TriangleSet& triangles) {
     u[next] = size[next];
     v[last] = size[last];
     const auto add = [&](const Point3& p, const Vec3& s, const Vec3& t) {
-      triangles.add({p, p + s, p + s + t}, 0);
-      triangles.add({p, p + s + t, p + t}, 0);
+      triangles.add({p, p + s, p + s + t});
+      triangles.add({p, p + s + t, p + t});
     };
     add(extent.min + across, u, v);
     add(extent.min, v, u);
@@ -294,7 +294,7 @@ std::unique_ptr<const SurfaceSampler> make_surface_sampler(const Shape& shape,
   if (const auto* polygon = dynamic_cast<const ConvexPolygon*>(&shape)) {
     const auto points = polygon->points();
     for (size_t i = 2; i < points.size(); ++i)
-      triangles->add({points[0], points[i - 1], points[i]}, 0);
+      triangles->add({points[0], points[i - 1], points[i]});
   } else if (const auto* box = dynamic_cast<const Box*>(&shape)) {
     add_faces(box->bounds(), *triangles);
   }

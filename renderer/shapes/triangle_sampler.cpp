@@ -1,6 +1,7 @@
 #include "renderer/shapes/triangle_sampler.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -12,7 +13,7 @@ namespace tessera {
 
 namespace {
 
-/// About how much longer a map makes what it maps: the mean of squares over all directions.
+/// About how much longer a map makes what it maps: the root of the mean square over all directions.
 double stretch_of(const Affine& m) {
   double sum = 0;
   for (const auto& row : m.m) sum += row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
@@ -34,6 +35,28 @@ double side_of(LitSides sides) {
   return sides == LitSides::front ? 1 : -1;
 }
 
+/// Which triangles lie where others do that come before them; of those that face the same way, or
+/// `either_way`.
+std::vector<bool> behind_others(const TriangleMesh& mesh, bool either_way) {
+  using Key = std::array<std::array<float, 3>, 3>;
+  std::vector<std::pair<Key, uint32_t>> keys(mesh.triangles.size());
+  for (uint32_t i = 0; i < keys.size(); ++i) {
+    auto& [key, number] = keys[i];
+    number = i;
+    for (size_t corner = 0; corner < 3; ++corner) {
+      const Float3& p = mesh.positions[mesh.triangles[i][corner]];
+      key[corner] = {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};  // no -0
+    }
+    std::rotate(key.begin(), std::min_element(key.begin(), key.end()), key.end());
+    if (either_way && key[2] < key[1]) std::swap(key[1], key[2]);
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<bool> behind(keys.size());
+  for (size_t i = 1; i < keys.size(); ++i)
+    behind[keys[i].second] = keys[i].first == keys[i - 1].first;
+  return behind;
+}
+
 /// By area in the triangles' own frame within what the tree picks; a transform that is no
 /// similarity spreads them unevenly.
 class TriangleSampler final : public SurfaceSampler {
@@ -42,17 +65,15 @@ class TriangleSampler final : public SurfaceSampler {
                   bool flip, LitSides sides)
       : triangles_(std::move(triangles)),
         to_world_(to_world),
-        determinant_(to_world.matrix().determinant()),
-        side_(flip != (determinant_ < 0) ? -1 : 1),
+        side_(flip != (to_world.matrix().determinant() < 0) ? -1 : 1),
         lit_side_(flip ? -side_of(sides) : side_of(sides)),
         is_similar_(is_similarity(to_world.matrix())),
-        growth_(portable::pow(std::abs(determinant_), 2.0 / 3)),
+        growth_(portable::pow(std::abs(to_world.matrix().determinant()), 2.0 / 3)),
         stretch_(stretch_of(to_world.matrix())) {}
 
   double sample(const LitPoint& from, const Vec2& u, SurfaceSample& sample) const override {
     Vec2 rest = u;
-    const TriangleTree* const tree = triangles_->tree();
-    const TriangleTree::Part part = tree ? tree->pick(view(from), rest.x) : triangles_->all();
+    const TriangleTree::Part part = triangles_->pick([&] { return view(from); }, rest.x);
     const auto& [p, q, r] = triangles_->choose(part, rest);
     const Point3 a = to_world_.point(p), b = to_world_.point(q), c = to_world_.point(r);
     const Vec2 w = triangle_point(rest);
@@ -65,10 +86,8 @@ class TriangleSampler final : public SurfaceSampler {
   }
   double density(const LitPoint& from, const Point3& there, const Vec3& normal,
                  uint32_t primitive) const override {
-    const TriangleTree* const tree = triangles_->tree();
-    if (!tree) return density_in(triangles_->all(), from.at, there, normal);
-    const auto place = triangles_->place_of(primitive);
-    return place ? density_in(tree->holding(view(from), *place), from.at, there, normal) : 0;
+    const auto part = triangles_->holding([&] { return view(from); }, primitive);
+    return part ? density_in(*part, from.at, there, normal) : 0;
   }
   /// About, where the transform is no similarity.
   double area() const override { return std::max(triangles_->area() * growth_, 1e-300); }
@@ -98,7 +117,7 @@ class TriangleSampler final : public SurfaceSampler {
 
   std::shared_ptr<const TriangleSet> triangles_;
   Transform to_world_;
-  double determinant_, side_;
+  double side_;
   double lit_side_;  ///< TriangleTree::View::side
   bool is_similar_;
   double growth_;  ///< of areas; about, where it is no similarity
@@ -115,9 +134,11 @@ std::unique_ptr<const SurfaceSampler> make_triangle_sampler(
                                            sides);
 }
 
-TriangleSet TriangleSet::of(const TriangleMesh& mesh, uint32_t material) {
+TriangleSet TriangleSet::of(const TriangleMesh& mesh, uint32_t material, bool has_backs) {
   TriangleSet set;
+  const std::vector<bool> is_behind = behind_others(mesh, has_backs);
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (is_behind[i]) continue;
     if ((mesh.face_materials.empty() ? 0 : mesh.face_materials[i]) != material) continue;
     set.add(mesh.corners(i), static_cast<uint32_t>(i));
   }

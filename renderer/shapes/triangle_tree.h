@@ -14,8 +14,8 @@ namespace tessera {
 using TriangleCorners = std::array<Point3, 3>;
 
 /// Picks triangles of a shining surface by what they can bring to a point: area by the cosine at
-/// the triangle (of a cone of normals) and that at the point, over the square of the distance, from
-/// the root of a tree of halves downwards (Conty Estevez and Kulla 2018, "Importance Sampling of
+/// the triangle and that at the point, over the square of the distance, from
+/// the root of a tree downwards (Conty Estevez and Kulla 2018, "Importance Sampling of
 /// Many Lights with Adaptive Tree Splitting", without the splitting). What is far and about flat is
 /// left whole, to be chosen from by area. Immutable; thread-safe; does not allocate once built.
 class TriangleTree {
@@ -45,26 +45,46 @@ class TriangleTree {
   Part holding(const View& view, size_t place) const;
 
  private:
-  struct Node {
+  static constexpr size_t kHalves = 3, kChildren = 1 << kHalves;
+  static constexpr uint32_t kNone = ~0u;
+  /// The three halvings of a range, a child in each part; those of fewer triangles have empty parts
+  /// of area 0. In the frame in which the middle of all is the origin and the radius of all is 1.
+  struct alignas(64) Node {
+    float center[3][kChildren];
+    /// Half the radius of a ball about it: most lies as near to the centre.
+    float reach[kChildren];
+    float normal[3][kChildren];  ///< the mean of the unit ones, by area
+    float spread[kChildren];     ///< (1 - its square) / 4
+    float area[kChildren];       ///< of all of 1
+    uint32_t next[kChildren];    ///< kNone: no more than one triangle
+  };
+  struct Range {
+    size_t from = 0, to = 0;
+  };
+  /// What is worked out of triangles side by side.
+  struct Bounded {
     Point3 center;
-    double reach = 0;   ///< half the radius of a ball about it: most lies as near to the centre
-    Vec3 axis;          ///< unit, of a cone about all normals
-    double spread = 0;  ///< the sine of the cone's angle; 1 where that is a right one or more
-    double area = 0;
+    double radius = 0;
+    Vec3 mean_normal;
+    double spread = 0, area = 0;
   };
-  /// It is worth `over` / `under`.
+  /// Of a node's children: what each is worth, and where they are.
   struct Seen {
-    double over, under;
-    bool is_even;  ///< any of it is worth about as much by area
+    float worth[kChildren], squared[kChildren];
   };
-  void build(std::span<const TriangleCorners> triangles, std::span<const double> areas,
-             std::span<const Vec3> normals, std::span<uint32_t> order);
-  static Seen seen_from(const View& view, const Node& node);
-  template <typename GoesFirst>
-  Part descend(const View& view, const GoesFirst& goes_first) const;
+  class Builder;
+  static Range child_of(const Range& range, size_t child);
+  template <bool kMeasured>
+  static void look(const View& view, const Vec3& from, const Node& node, Seen& seen);
+  static void share_again(const Range& range, bool has_sum, std::array<double, kChildren>& shares);
+  /// `choose(shares, range)` gives the child to go on with.
+  template <typename Choose>
+  Part descend(const View& view, const Choose& choose) const;
 
-  /// Each is followed by those of its first half, then by those of its second.
+  Bounded all_;
+  size_t count_;
   std::vector<Node> nodes_;
+  std::vector<std::array<double, kChildren>> areas_;  ///< of the nodes' children
 };
 
 }  // namespace tessera

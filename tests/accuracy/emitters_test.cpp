@@ -151,21 +151,45 @@ TEST(Emitters, MeshesOfManyTrianglesThatBothWaysOfSamplingFind) {
     }
   }
   positions.resize(positions.size() - 2), triangles.resize(triangles.size() - 2);
-  const std::string mesh =
-      "mesh { inline_positions: [" + positions + "] inline_triangles: [" + triangles + "] } ";
+  const auto mesh_of = [&](const std::string& corners) {
+    return "mesh { inline_positions: [" + positions + "] inline_triangles: [" + corners + "] } ";
+  };
+  const std::string mesh = mesh_of(triangles);
   const double truth = wall(2 * irradiance(patch.corners()));
   // x becomes z and z becomes y, so that its front looks down -x.
   const std::string turn =
       "steps { translate { x: .8 y: -1 z: -.5 } } steps { rotate { axis { x: 1 y: 1 z: 1 } angle: "
       "240 } } ";
-  const auto of_lamp = [&](const std::string& height, const std::string& more) {
+  const auto lamp_of = [&](const std::string& shape, const std::string& height) {
     return estimate(kLampAndWall + "nodes { transform { " + turn +
                     "steps { scale { x: 1.5 z: 2 y: " + height +
-                    " } } } shape { materials: 'lamp' " + mesh + more + "} } ");
+                    " } } } shape { materials: 'lamp' " + shape + "} } ");
+  };
+  const auto of_lamp = [&](const std::string& height, const std::string& more) {
+    return lamp_of(mesh + more, height);
   };
   expect_estimate(truth, of_lamp("1", ""));
   expect_estimate(truth, of_lamp("7", ""));
   expect_estimate(truth, of_lamp("-1", "flip_normals: true"));
+  // All of it once more, and a triangle once more the other way round: hits tell the first alone.
+  expect_estimate(
+      truth,
+      lamp_of(mesh_of(triangles + ", " + triangles + ", 1, 0, " + std::to_string(kSide + 1)), "1"));
+}
+
+TEST(Emitters, MeshesOfWhichVertexColoursLeaveSomeOutShineByWhatIsLeft) {
+  const Patch patch{{0.05, -4, 0.01}, {0, 0, 4}, {0, 8, 0}};
+  BlobStore blobs;
+  const float colors[] = {1, 1, 1, .75F, 1, 1, 1, .75F, 1, 1, 1, .75F, 1, 1, 1, .75F};
+  const auto* const begin = reinterpret_cast<const std::byte*>(colors);
+  const Digest digest = blobs.put(std::vector<std::byte>(begin, begin + sizeof colors));
+  const std::string mesh =
+      "mesh { inline_positions: [.05, -4, .01, .05, -4, 4.01, .05, 4, 4.01, .05, 4, .01] "
+      "inline_triangles: "
+      "[0, 1, 2, 0, 2, 3] colors { digest: '" +
+      digest.hex() + "' size: 64 } }";
+  expect_estimate(wall(2 * .75 * irradiance(patch.corners())),
+                  estimate(kLampAndWall + material("both", 0, 2) + node(mesh, "both"), "", blobs));
 }
 
 TEST(Emitters, RingsAreDiscsWithoutDiscs) {

@@ -7,7 +7,8 @@ A knotted tube of 69,600 triangles stands on a floor; KIND says of what it is ma
 (all unless told). Both programs get the same model, texture and picture of a sky, and 64 bounces, a
 box filter, nothing clamped, denoised or stopped early. Times are of processors over four threads,
 medians of the turns: of Cycles from the call of its renderer to the end, of ours the whole command,
-loading and writing included. Errors are of pictures of two seeds against each other. The last column
+loading and writing included. Errors are of each turn's
+picture against the next one's, which has another seed. The last column
 supposes that four times the samples halve the error. `means` is ours over that of Cycles.
 """
 import argparse
@@ -16,6 +17,7 @@ import math
 import os
 import re
 import resource
+import shutil
 import statistics
 import struct
 import subprocess
@@ -39,6 +41,7 @@ FACTS = {
     "balls": [[-1.6, .6, 1.5], [1.7, .5, 1.2], [0, 3.2, .4], [-1.2, 2.6, -1], [1.3, 2.9, .9]],
     "ball_radius": .05, "ball_radiance": 200, "mesh_radiance": 1,
     "absorption": [.5, 1.5, 4],
+    "model": .6, "floor": .5, "glossy": [.8, .4, .2], "roughness": .3, "index": 1.5, "opacity": .5,
 }
 KINDS = {
     "sky": "under an even sky", "lamp": "under a lamp and that sky",
@@ -142,23 +145,30 @@ def vector(values):
     return " ".join(f"{axis}: {value}" for axis, value in zip("xyz", values))
 
 
+def channels(values):
+    return " ".join(f"{name}: {value}" for name, value in zip("rgb", values))
+
+
 def colour(value):
-    return f"r: {value} g: {value} b: {value}"
+    return channels([value] * 3)
 
 
 def material_text(kind):
-    base = "base_color { value { r: .8 g: .4 b: .2 } } roughness { value: .3 }"
+    f = FACTS
+    rough = "roughness { value: %r }" % f["roughness"]
+    base = "base_color { value { %s } } %s" % (channels(f["glossy"]), rough)
+    index = "refractive_index: %r" % f["index"]
     return {
         "plastic": f"physical {{ {base} metallic {{ value: 0 }} }}",
         "metal": f"physical {{ {base} metallic {{ value: 1 }} }}",
-        "glass": "dielectric { refractive_index: 1.5 }",
-        "frosted": "dielectric { refractive_index: 1.5 roughness { value: .3 } }",
-        "tinted": "dielectric { refractive_index: 1.5 absorption { r: %r g: %r b: %r } }"
-                  % tuple(FACTS["absorption"]),
-        "veil": "classic { diffuse { value { %s } } } opacity { value: .5 }" % colour(.6),
+        "glass": f"dielectric {{ {index} }}",
+        "frosted": f"dielectric {{ {index} {rough} }}",
+        "tinted": "dielectric { %s absorption { %s } }" % (index, channels(f["absorption"])),
+        "veil": "classic { diffuse { value { %s } } } opacity { value: %r }"
+                % (colour(f["model"]), f["opacity"]),
         "mesh": "classic { diffuse { value { } } emission { value { %s } } }"
-                % colour(FACTS["mesh_radiance"]),
-    }.get(kind, "classic { diffuse { value { %s } } }" % colour(.6))
+                % colour(f["mesh_radiance"]),
+    }.get(kind, "classic { diffuse { value { %s } } }" % colour(f["model"]))
 
 
 def lamp_texts(middles, side, radiance):
@@ -194,7 +204,7 @@ def write_scene(path, kind):
                   "value { r: 1 g: 1 b: 1 } } } }"]
     else:
         parts.append('materials { name: "floor" classic { diffuse { value { %s } } } }'
-                     % colour(.5))
+                     % colour(f["floor"]))
     h = f["floor_half"]
     parts.append('nodes { shape { materials: "floor" rectangle { corner { x: %d z: %d } '
                  "edge_u { x: %d } edge_v { z: %d } } } }" % (-h, h, 2 * h, -2 * h))
@@ -277,6 +287,11 @@ def main():
     options = parser.parse_args()
     if options.turns < 2:
         parser.error("--turns must be 2 or more: errors are told from two pictures")
+    if options.samples < 1 or options.size < 16:
+        parser.error("--samples must be 1 or more, --size 16 or more")
+    for program in (options.program, "blender"):
+        if not shutil.which(program):
+            parser.error(f"there is no program '{program}'")
     for kind in options.kinds:
         if kind not in KINDS:
             parser.error(f"no scene '{kind}'; there are {', '.join(KINDS)}")

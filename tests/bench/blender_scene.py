@@ -99,6 +99,7 @@ def set_up(scene, options):
     cycles.use_denoising = False
     for bounces in ("max", "diffuse", "glossy", "transmission"):
         setattr(cycles, bounces + "_bounces", 64)
+    cycles.transparent_max_bounces = 1024
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
     cycles.light_sampling_threshold = 0
     cycles.blur_glossy = 0

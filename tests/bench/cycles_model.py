@@ -25,48 +25,44 @@ def turned(point):
     return Vector((x, -z, y))
 
 
-def principled(metallic):
+def principled(facts, metallic):
     def build(nodes, _):
         surface = nodes.new("ShaderNodeBsdfPrincipled")
         surface.distribution = "MULTI_GGX"
-        surface.inputs["Base Color"].default_value = (.8, .4, .2, 1)
+        surface.inputs["Base Color"].default_value = (*facts["glossy"], 1)
         surface.inputs["Metallic"].default_value = metallic
-        surface.inputs["Roughness"].default_value = .3
+        surface.inputs["Roughness"].default_value = facts["roughness"]
         surface.inputs["Specular"].default_value = .5  # a refractive index of 1.5
         return surface
     return build
 
 
-def glass(nodes, _):
-    return glass_of(nodes, "SHARP")
+def glass(facts, distribution, roughness):
+    def build(nodes, _):
+        surface = nodes.new("ShaderNodeBsdfGlass")
+        surface.distribution = distribution
+        surface.inputs["Color"].default_value = (1, 1, 1, 1)
+        surface.inputs["Roughness"].default_value = roughness
+        surface.inputs["IOR"].default_value = facts["index"]
+        return surface
+    return build
 
 
-def frosted_glass(nodes, _):
-    surface = glass_of(nodes, "MULTI_GGX")
-    surface.inputs["Roughness"].default_value = .3
-    return surface
+def half_there(facts):
+    def build(nodes, links):
+        mix = nodes.new("ShaderNodeMixShader")
+        mix.inputs["Fac"].default_value = facts["opacity"]
+        there = nodes.new("ShaderNodeBsdfDiffuse")
+        there.inputs["Color"].default_value = (*[facts["model"]] * 3, 1)
+        links.new(nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[1])
+        links.new(there.outputs[0], mix.inputs[2])
+        return mix
+    return build
 
 
-def glass_of(nodes, distribution):
-    surface = nodes.new("ShaderNodeBsdfGlass")
-    surface.distribution = distribution
-    surface.inputs["Color"].default_value = (1, 1, 1, 1)
-    surface.inputs["IOR"].default_value = 1.5
-    return surface
-
-
-def half_there(nodes, links):
-    mix = nodes.new("ShaderNodeMixShader")
-    mix.inputs["Fac"].default_value = .5
-    there = nodes.new("ShaderNodeBsdfDiffuse")
-    there.inputs["Color"].default_value = (.6, .6, .6, 1)
-    links.new(nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[1])
-    links.new(there.outputs[0], mix.inputs[2])
-    return mix
-
-
-def tinted_glass(absorption):
-    made = material("tinted", glass)
+def tinted_glass(facts):
+    absorption = facts["absorption"]
+    made = material("tinted", glass(facts, "SHARP", 0))
     nodes, links = made.node_tree.nodes, made.node_tree.links
     volume = nodes.new("ShaderNodeVolumeAbsorption")  # takes density * (1 - colour) a metre
     volume.inputs["Density"].default_value = max(absorption)
@@ -115,21 +111,23 @@ def add_ball(center, radius, radiance):
 
 def build(scene, folder, kind):
     facts = json.load(open(os.path.join(folder, "facts.json"), encoding="utf-8"))
-    surfaces = {"plastic": principled(0), "metal": principled(1), "glass": glass,
-                "frosted": frosted_glass, "veil": half_there, "mesh": emission(facts["mesh_radiance"])}
+    surfaces = {"plastic": principled(facts, 0), "metal": principled(facts, 1),
+                "glass": glass(facts, "SHARP", 0),
+                "frosted": glass(facts, "MULTI_GGX", facts["roughness"]), "veil": half_there(facts),
+                "mesh": emission(facts["mesh_radiance"])}
     bpy.ops.wm.obj_import(filepath=os.path.join(folder, "model.obj"),
                           forward_axis="NEGATIVE_Z", up_axis="Y")
     model = bpy.context.selected_objects[0]
     model.data.materials.clear()
     if kind == "tinted":
-        surface = tinted_glass(facts["absorption"])
+        surface = tinted_glass(facts)
     elif kind in surfaces:
         surface = material(kind, surfaces[kind])
     else:
-        surface = diffuse("model", (.6, .6, .6))
+        surface = diffuse("model", [facts["model"]] * 3)
     model.data.materials.append(surface)
     floor = material("floor", textured(os.path.join(folder, "floor.png"))) if kind == "texture" \
-        else diffuse("floor", (.5, .5, .5))
+        else diffuse("floor", [facts["floor"]] * 3)
     half = facts["floor_half"]
     ground = rectangle("floor", (-half, -half, 0), (2 * half, 0, 0), (0, 2 * half, 0), floor)
     corners = ground.data.uv_layers.new()

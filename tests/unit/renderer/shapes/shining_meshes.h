@@ -52,4 +52,28 @@ inline TriangleMesh ball_mesh(uint32_t side, double radius) {
   return mesh;
 }
 
+/// A torus of radius 1 about z whose tube has the radius `tube`, in `around` x `across` squares,
+/// fronts out.
+inline TriangleMesh ring_mesh(uint32_t around, uint32_t across, double tube) {
+  TriangleMesh mesh;
+  constexpr double kPi = 3.141592653589793;
+  for (uint32_t i = 0; i < around; ++i) {
+    for (uint32_t j = 0; j < across; ++j) {
+      const double turn = 2 * kPi * i / around, roll = 2 * kPi * j / across;
+      const double out = 1 + tube * std::cos(roll);
+      mesh.positions.push_back({static_cast<float>(out * std::cos(turn)),
+                                static_cast<float>(out * std::sin(turn)),
+                                static_cast<float>(tube * std::sin(roll))});
+    }
+  }
+  for (uint32_t i = 0; i < around; ++i) {
+    for (uint32_t j = 0; j < across; ++j) {
+      const uint32_t next = (i + 1) % around * across, row = i * across, up = (j + 1) % across;
+      mesh.triangles.push_back({row + j, next + j, next + up});
+      mesh.triangles.push_back({row + j, next + up, row + up});
+    }
+  }
+  return mesh;
+}
+
 }  // namespace tessera

@@ -1,10 +1,10 @@
 // Part of path_rows.cpp, compiled once for each instruction set: what a front's paths meet, a lane
 // a path where that is a rectangle or a mesh.
-#if defined(TESSERA_PATH_ROW_SURFACES_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef TESSERA_PATH_ROW_SURFACES_INL_H
-#undef TESSERA_PATH_ROW_SURFACES_INL_H
+#if defined(TESSERA_PATH_ROW_HITS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_PATH_ROW_HITS_INL_H
+#undef TESSERA_PATH_ROW_HITS_INL_H
 #else
-#define TESSERA_PATH_ROW_SURFACES_INL_H
+#define TESSERA_PATH_ROW_HITS_INL_H
 #endif
 
 #include <hwy/highway.h>
@@ -31,9 +31,9 @@ namespace tessera {
 namespace HWY_NAMESPACE {
 
 /// Finds the surfaces that paths meet, and what they are like there.
-class PathRowSurfaces : public RowFollower<PathFront> {
+class PathRowHits : public RowFollower<PathFront> {
  protected:
-  PathRowSurfaces(const PathSurfaces& surfaces, std::span<Color> found, TraceState& state)
+  PathRowHits(const PathSurfaces& surfaces, std::span<Color> found, TraceState& state)
       : RowFollower(surfaces.scene(), found, state), surfaces_(surfaces) {}
 
   void find_cones(std::span<const SampleKey> keys) {
