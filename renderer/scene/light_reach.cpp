@@ -79,15 +79,16 @@ void LightReach::for_each_cell(const Light& light, const Visit& visit) const {
           const double apart = std::max({below, above, 0.0}) - kMargin * cell[a];
           squares += apart > 0 ? apart * apart : 0;
         }
-        if (squares <= reach * reach) visit(static_cast<size_t>((z * side_ + y) * side_ + x));
+        const int number = (z * side_ + y) * side_ + x;
+        if (squares <= reach * reach) visit(static_cast<size_t>(number));
       }
     }
   }
 }
 
 void LightReach::fill(std::span<const Light> lights) {
-  const auto cells = static_cast<size_t>(side_ * side_ * side_);
-  first_.assign(cells + 1, 0);
+  const int cells = side_ * side_ * side_;
+  first_.assign(static_cast<size_t>(cells) + 1, 0);
   for (const uint32_t i : all_)
     for_each_cell(lights[i], [&](size_t number) { ++first_[number + 1]; });
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
