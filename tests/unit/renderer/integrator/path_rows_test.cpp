@@ -354,6 +354,37 @@ TEST(PathRows, TakesWhatFillsSolidsThatScatterEvenlyAsSinglePathsDo) {
   }
 }
 
+TEST(PathRows, LightsWhatIsBehindVeilsByLampsAlone) {
+  const std::string text =
+      "settings { integrator { kind: 'path' } } cameras {} materials { name: 'lamp' classic { "
+      "emission { value { r: 9 g: 9 b: 9 } } } } materials { name: 'veil' opacity { value: .4 } "
+      "classic {} } nodes { shape { rectangle { corner { x: -2 y: -2 z: -3 } edge_u { x: 4 } "
+      "edge_v "
+      "{ y: 4 } } } } nodes { shape { materials: 'veil' rectangle { corner { x: -9 y: -9 z: 1 } "
+      "edge_u { x: 18 } edge_v { y: 18 } } } } nodes { shape { materials: 'lamp' rectangle { "
+      "corner "
+      "{ x: -1 y: -1 z: 2 } edge_u { y: 2 } edge_v { x: 2 } } } }";
+  const auto scene = build_scene(parse_scene(text), {}, frame_of(16, 16), 1, {}, {});
+  const auto integrator = make_integrator(scene);
+  std::vector<Ray> rays(RowTracer::kMost);
+  std::vector<SampleKey> keys(rays.size());
+  std::vector<Color> expected(rays.size()), found(rays.size());
+  TraceState state;
+  integrator->make_room(state);
+  UniformNumbers random(3);
+  for (size_t i = 0; i < rays.size(); ++i) {
+    const Vec3 to{random.between(-1, 1), random.between(-1, 1), -3};
+    rays[i] = {{0, 0, 0}, normalize(to)};
+    keys[i] = {static_cast<int>(i), 1, 0};
+    expected[i] = integrator->radiance(rays[i], keys[i], state);
+    EXPECT_GT(expected[i].r, 0);
+  }
+  for (const BvhKernels& code : all_kernels()) {
+    make_path_rows(*scene, code.name)->radiances(rays, keys, found, state);
+    EXPECT_EQ(found, expected) << code.name;
+  }
+}
+
 TEST(PathRows, LeavesFogAndVeilsOfWhichOnlyTheNearAreSeenAlone) {
   const char* const veil = "materials { name: 'a' opacity { value: .5 } classic {} }";
   const char* const plain = "materials { name: 'a' classic {} }";
