@@ -35,11 +35,11 @@ class SimpleScene : RandomScene {
     for (int i = 0; i < 5; ++i) add_material(i);
     const int lights = pick(0, 5), planes = pick(0, 6), others = pick(1, 12);
     for (int i = 0; i < lights; ++i) add_light();
+    for (int i = 0; i < planes; ++i) add_plane();
+    for (int i = 0; i < others; ++i) add_solid();
     // So many that they are sorted out by place.
     const int lamps = chance(.3) ? pick(4, 40) : 0;
     for (int i = 0; i < lamps; ++i) add_lamp();
-    for (int i = 0; i < planes; ++i) add_plane();
-    for (int i = 0; i < others; ++i) add_solid();
   }
   const std::string& text() const { return text_; }
   const BlobStore& blobs() const { return blobs_; }
