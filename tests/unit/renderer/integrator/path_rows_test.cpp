@@ -306,25 +306,18 @@ TEST(PathRows, SendsRaysThroughRasterPointsAsTheCameraDoes) {
   }
 }
 
-TEST(PathRows, TakesNormalsThatAreTheFacetsForThese) {
-  // -0 equals 0, but a transform may keep one and not the other.
-  const std::string text =
-      "settings { integrator { kind: 'path' } } cameras {} background { solid { r: 1 g: 1 b: 1 } } "
-      "nodes { transform { steps { scale { x: 2 y: 2 z: 2 } } } shape { mesh { inline_positions: "
-      "[0, "
-      "-1, -1, 0, 0, 1, 0, 1, -1] inline_triangles: [0, 1, 2] inline_normals: [-1, -0, -0, -1, -0, "
-      "-0, -1, -0, -0] } } } nodes { shape { rectangle { corner { x: -1 y: -2 z: -2 } edge_u { z: "
-      "4 } "
-      "edge_v { y: 4 } } } }";
+/// Expects of a row of rays what each finds alone, which is returned.
+template <typename MakeRay>
+std::vector<Color> expect_same_alone(const std::string& text, const MakeRay& make_ray) {
   const auto scene = build_scene(parse_scene(text), {}, frame_of(16, 16), 1, {}, {});
   const auto integrator = make_integrator(scene);
-  UniformNumbers random(1);
   std::vector<Ray> rays(RowTracer::kMost);
   std::vector<SampleKey> keys(rays.size());
   std::vector<Color> expected(rays.size()), found(rays.size());
   TraceState state;
+  integrator->make_room(state);
   for (size_t i = 0; i < rays.size(); ++i) {
-    rays[i] = {{-0.5, random.between(-1, 1), random.between(-1, 1)}, {1, 0, 0}};
+    rays[i] = make_ray();
     keys[i] = {static_cast<int>(i), 0, 0};
     expected[i] = integrator->radiance(rays[i], keys[i], state);
   }
@@ -332,26 +325,30 @@ TEST(PathRows, TakesNormalsThatAreTheFacetsForThese) {
     make_path_rows(*scene, code.name)->radiances(rays, keys, found, state);
     EXPECT_EQ(found, expected) << code.name;
   }
+  return expected;
+}
+
+TEST(PathRows, TakesNormalsThatAreTheFacetsForThese) {
+  // -0 equals 0, but a transform may keep one and not the other.
+  const std::string text =
+      "settings { integrator { kind: 'path' } } cameras {} background { solid { r: 1 g: 1 b: 1 } } "
+      "nodes { transform { steps { scale { x: 2 y: 2 z: 2 } } } shape { mesh { inline_positions: "
+      "[0, -1, -1, 0, 0, 1, 0, 1, -1] inline_triangles: [0, 1, 2] inline_normals: [-1, -0, -0, -1, "
+      "-0, "
+      "-0, -1, -0, -0] } } } nodes { shape { rectangle { corner { x: -1 y: -2 z: -2 } edge_u { z: "
+      "4 } edge_v { y: 4 } } } }";
+  UniformNumbers random(1);
+  expect_same_alone(text, [&] {
+    return Ray{{-0.5, random.between(-1, 1), random.between(-1, 1)}, {1, 0, 0}};
+  });
 }
 
 TEST(PathRows, TakesWhatFillsSolidsThatScatterEvenlyAsSinglePathsDo) {
   const std::string text =
       "settings { integrator { kind: 'path' } } cameras {} materials { name: 'a' classic { diffuse "
       "{ value { r: .5 g: .5 b: .5 } } emission { value { r: 1 g: 1 b: 1 } } absorption { r: 1 g: "
-      "1 "
-      "b: 1 } } } nodes { shape { materials: 'a' sphere { radius: 2 } } }";
-  const auto scene = build_scene(parse_scene(text), {}, frame_of(4, 4), 1, {}, {});
-  const auto integrator = make_integrator(scene);
-  const Ray rays[] = {{{0, 0, 0}, {0, 0, -1}}};
-  const SampleKey keys[] = {{0, 0, 0}};
-  TraceState state;
-  integrator->make_room(state);
-  const Color expected = integrator->radiance(rays[0], keys[0], state);
-  for (const BvhKernels& code : all_kernels()) {
-    Color found[1];
-    make_path_rows(*scene, code.name)->radiances(rays, keys, found, state);
-    EXPECT_EQ(found[0], expected) << code.name;
-  }
+      "1 b: 1 } } } nodes { shape { materials: 'a' sphere { radius: 2 } } }";
+  expect_same_alone(text, [] { return Ray{{0, 0, 0}, {0, 0, -1}}; });
 }
 
 TEST(PathRows, LightsWhatIsBehindVeilsByLampsAlone) {
@@ -359,30 +356,16 @@ TEST(PathRows, LightsWhatIsBehindVeilsByLampsAlone) {
       "settings { integrator { kind: 'path' } } cameras {} materials { name: 'lamp' classic { "
       "emission { value { r: 9 g: 9 b: 9 } } } } materials { name: 'veil' opacity { value: .4 } "
       "classic {} } nodes { shape { rectangle { corner { x: -2 y: -2 z: -3 } edge_u { x: 4 } "
-      "edge_v "
-      "{ y: 4 } } } } nodes { shape { materials: 'veil' rectangle { corner { x: -9 y: -9 z: 1 } "
+      "edge_v { y: 4 } } } } nodes { shape { materials: 'veil' rectangle { corner { x: -9 y: -9 z: "
+      "1 } "
       "edge_u { x: 18 } edge_v { y: 18 } } } } nodes { shape { materials: 'lamp' rectangle { "
-      "corner "
-      "{ x: -1 y: -1 z: 2 } edge_u { y: 2 } edge_v { x: 2 } } } }";
-  const auto scene = build_scene(parse_scene(text), {}, frame_of(16, 16), 1, {}, {});
-  const auto integrator = make_integrator(scene);
-  std::vector<Ray> rays(RowTracer::kMost);
-  std::vector<SampleKey> keys(rays.size());
-  std::vector<Color> expected(rays.size()), found(rays.size());
-  TraceState state;
-  integrator->make_room(state);
+      "corner { x: -1 y: -1 z: 2 } edge_u { y: 2 } edge_v { x: 2 } } } }";
   UniformNumbers random(3);
-  for (size_t i = 0; i < rays.size(); ++i) {
+  const std::vector<Color> alone = expect_same_alone(text, [&] {
     const Vec3 to{random.between(-1, 1), random.between(-1, 1), -3};
-    rays[i] = {{0, 0, 0}, normalize(to)};
-    keys[i] = {static_cast<int>(i), 1, 0};
-    expected[i] = integrator->radiance(rays[i], keys[i], state);
-    EXPECT_GT(expected[i].r, 0);
-  }
-  for (const BvhKernels& code : all_kernels()) {
-    make_path_rows(*scene, code.name)->radiances(rays, keys, found, state);
-    EXPECT_EQ(found, expected) << code.name;
-  }
+    return Ray{{0, 0, 0}, normalize(to)};
+  });
+  for (const Color& light : alone) EXPECT_GT(light.r, 0);
 }
 
 TEST(PathRows, LeavesFogAndVeilsOfWhichOnlyTheNearAreSeenAlone) {
