@@ -200,6 +200,38 @@ TEST(MirrorRows, FollowsEachRayAsItIsFollowedAlone) {
   EXPECT_GT(culled, 10'000u);
 }
 
+TEST(MirrorRows, SeesIntoBoxesThatBallsAreCutOutOf) {
+  // Through the hole, on whichever side it is, to the other wall; others make boxes worth a row.
+  std::string text =
+      "settings { integrator { kind: 'whitted' } } cameras {} nodes { light { directional { "
+      "direction { x: .3 y: -.2 z: -1 } } } } nodes { shape { csg { operation: DIFFERENCE operands "
+      "{ "
+      "shape { box { min { x: -1 y: -1 z: -1 } max { x: 1 y: 1 z: 1 } } } } operands { shape { "
+      "sphere { center { z: 1 } radius: .8 } } } } } } ";
+  for (int i = 0; i < 4; ++i)
+    text += fmt::format("nodes {{ shape {{ sphere {{ center {{ x: {} }} }} }} }} ", 5 + 3 * i);
+  const auto scene = build_scene(parse_scene(text), {}, frame_of(16, 16), 1, {}, {});
+  const auto integrator = make_integrator(scene);
+  const auto* const alone = dynamic_cast<const MirrorPathFollower*>(integrator.get());
+  ASSERT_TRUE(alone && can_follow_mirrors(*scene));
+  UniformNumbers random(2);
+  std::vector<Ray> rays(RowTracer::kMost);
+  for (size_t i = 0; i < rays.size(); ++i) {
+    const double side = i % 2 == 0 ? 1 : -1;
+    rays[i] = {{random.between(-.7, .7), random.between(-.7, .7), 3 * side}, {0, 0, -side}};
+  }
+  const std::vector<SampleKey> keys(rays.size());
+  std::vector<Color> expected(rays.size()), found(rays.size());
+  TraceState state;
+  integrator->make_room(state);
+  for (size_t i = 0; i < rays.size(); ++i) expected[i] = integrator->radiance(rays[i], {}, state);
+  EXPECT_EQ(state.counters.hits, rays.size());
+  for (const BvhKernels& code : all_kernels()) {
+    make_mirror_rows(*scene, *alone, code.name)->radiances(rays, keys, found, state);
+    EXPECT_EQ(found, expected) << code.name;
+  }
+}
+
 TEST(MirrorRows, SendsRaysThroughRasterPointsAsTheCameraDoes) {
   uint64_t in_rows = 0;
   for (uint32_t seed = 0; seed < 60; ++seed) {
