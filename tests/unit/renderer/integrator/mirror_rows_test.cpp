@@ -218,7 +218,9 @@ TEST(MirrorRows, SeesIntoBoxesThatBallsAreCutOutOf) {
   std::vector<Ray> rays(RowTracer::kMost);
   for (size_t i = 0; i < rays.size(); ++i) {
     const double side = i % 2 == 0 ? 1 : -1;
-    rays[i] = {{random.between(-.7, .7), random.between(-.7, .7), 3 * side}, {0, 0, -side}};
+    const Point3 from{random.between(-.5, .5), random.between(-.5, .5), 3 * side};
+    const Point3 to{random.between(-.5, .5), random.between(-.5, .5), 0};
+    rays[i] = {from, normalize(to - from)};
   }
   const std::vector<SampleKey> keys(rays.size());
   std::vector<Color> expected(rays.size()), found(rays.size());
