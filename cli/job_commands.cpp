@@ -1,4 +1,4 @@
-// status, pause, resume and cancel: questions and orders about jobs of a farm.
+// status, pause, resume, retry and cancel: questions and orders about jobs of a farm.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +10,7 @@
 
 #include "base/log.h"
 #include "base/plural.h"
+#include "cli/all_failures.h"
 #include "cli/command_line.h"
 #include "cli/farm_connection.h"
 #include "cli/interrupt.h"
@@ -31,6 +32,7 @@ struct JobOptions {
   std::string job;
   bool as_json = false;
   bool forget = false;
+  bool all_failed = false;
   std::optional<int> priority;
 };
 
@@ -50,6 +52,8 @@ std::string state_name(const v1::JobStatus& status) {
       return "running";
     case v1::JobStatus::PAUSED:
       return "paused";
+    case v1::JobStatus::HELD:
+      return "held";
     case v1::JobStatus::ENDED:
       return status.how() == v1::JobEnd::DONE          ? "done"
              : status.how() == v1::JobEnd::INTERRUPTED ? "cancelled"
@@ -159,6 +163,49 @@ ExitCode show_status(const JobOptions& options) {
   return ExitCode::done;
 }
 
+bool may_be_retried(const v1::JobStatus& status) {
+  const bool failed = status.state() == v1::JobStatus::ENDED && status.how() == v1::JobEnd::FAILED;
+  return failed || status.state() == v1::JobStatus::HELD;
+}
+
+ExitCode retry(const JobOptions& options) {
+  catch_interrupts();
+  configure_logging("warn", "retry");
+  if (options.all_failed == !options.job.empty()) {
+    throw usage_error("retry: expected a job, by its number or name, or --all-failed");
+  }
+  Connection connection(options.connection);
+  std::vector<uint64_t> jobs;
+  if (!options.all_failed) jobs = {find_job(connection.client, options.job)};
+  if (options.all_failed) {
+    const v1::JobList list = connection.client.list();
+    for (const v1::JobStatus& job : list.jobs()) {
+      if (may_be_retried(job)) jobs.push_back(job.job());
+    }
+    if (jobs.empty()) say("no job has failed or is held\n");
+  }
+  AllFailures failures;
+  for (const uint64_t job : jobs) {
+    failures.attempt([&] {
+      v1::JobQuery query;
+      query.set_job(job);
+      const v1::JobStatus before = connection.client.ask(query);
+      if (!may_be_retried(before)) {
+        throw usage_error(fmt::format("JOB: job {} is {}; expected one that failed or is held", job,
+                                      state_name(before)));
+      }
+      query.set_action(v1::JobQuery::RETRY);
+      const v1::JobStatus status = connection.client.ask(query);
+      if (const auto missed = unfulfilled(query, status)) {
+        throw render_error(fmt::format("job {} {}", job, *missed));
+      }
+      say("job {} is {}\n", job, state_name(status));
+    });
+  }
+  failures.throw_if_any();
+  return ExitCode::done;
+}
+
 ExitCode order(const JobOptions& options, v1::JobQuery::Action action) {
   catch_interrupts();
   configure_logging("warn", "order");
@@ -249,6 +296,19 @@ void add_job_commands(CLI::App& app, Action& action) {
             "  tessera resume 7\n"
             "  tessera resume 7 --priority 10     go on, before all others",
             v1::JobQuery::RESUME);
+  auto options = std::make_shared<JobOptions>();
+  CLI::App* command =
+      app.add_subcommand("retry", "Render again what failed of a job, or try what is held now");
+  command->footer(
+      "Tiles that are done stay done. What is held is tried again by itself too, when what it "
+      "lacks\n"
+      "may be there.\n"
+      "Examples:\n"
+      "  tessera retry 7\n"
+      "  tessera retry --all-failed         whatever failed or is held");
+  add_job_argument(*command, *options, false);
+  command->add_flag("--all-failed", options->all_failed, "All jobs that failed or are held");
+  command->callback([options, &action] { action = [options] { return retry(*options); }; });
   add_order(app, action, "cancel", "End a job now",
             "Tiles that are done can still be fetched, with holes marked.\n"
             "Examples:\n"

@@ -19,6 +19,7 @@ std::optional<std::string> unfulfilled(const v1::JobQuery& order, const v1::JobS
   if (order.action() == v1::JobQuery::PAUSE && !paused) add("is not paused");
   if (order.action() == v1::JobQuery::RESUME && paused) add("is still paused");
   if (order.action() == v1::JobQuery::CANCEL && !ended) add("is not cancelled");
+  if (order.action() == v1::JobQuery::RETRY && ended) add("is not tried again");
   if (what.empty()) return std::nullopt;
   const std::string why = printable(status.failure());
   return what + (why.empty() ? "; expected the coordinator to do it" : ": " + why);

@@ -116,8 +116,9 @@ ExitCode serve(const ServeOptions& options) {
   const bool has_keys = security.keys.has_value();
   catch_hangups();
   provide_descriptors();
-  RenderLoop loop(bind_server(options.endpoint, std::move(security)), coordinator_options(options),
-                  std::move(store));
+  CoordinatorOptions rules = coordinator_options(options);
+  rules.worker_keys = security.allowed.count(Role::worker);
+  RenderLoop loop(bind_server(options.endpoint, std::move(security)), rules, std::move(store));
   say("serving at {}\n", loop.endpoint());
   if (page) say("page at http://{}/\n", page->address());
   loop.observe(

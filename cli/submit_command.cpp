@@ -20,6 +20,7 @@
 #include "cli/say.h"
 #include "client/farm_client.h"
 #include "job/check_job.h"
+#include "job/job_messages.h"
 #include "proto/transport/zmq_transport.h"
 #include "proto/wire/frame.h"
 #include "proto/wire/printable.h"
@@ -105,7 +106,7 @@ ExitCode submit(const SubmitOptions& options) {
   FarmClient client(*transport, options.connection.endpoint, interrupted());
   const v1::JobStatus status = client.submit(job);
   if (status.job() == 0) {
-    const auto code = static_cast<ExitCode>(std::min<uint32_t>(status.exit_code(), 4));
+    const auto code = exit_code_of(status.exit_code());
     throw Error(code == ExitCode::done ? ExitCode::render_failed : code,
                 printable(status.failure()));
   }

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "job/job_messages.h"
+#include "proto/wire/printable.h"
 
 namespace tessera {
 
@@ -21,6 +22,8 @@ std::string waiting_for(const v1::JobStatus& status) {
       return status.workers() == 0 ? "workers" : "the jobs before this one";
     case v1::JobStatus::RUNNING:
       return status.workers() == 0 ? "workers" : "";
+    case v1::JobStatus::HELD:
+      return "what is lacking: " + printable(status.failure());
     default:
       return "";
   }

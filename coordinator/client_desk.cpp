@@ -245,6 +245,12 @@ void ClientDesk::act(FarmJob& job, const v1::JobQuery& query) {
       return jobs_.pause(job, true);
     case v1::JobQuery::RESUME:
       return jobs_.pause(job, false);
+    case v1::JobQuery::RETRY:
+      if (!jobs_.retry(job)) {
+        throw usage_error(fmt::format(
+            "job {} neither failed nor is held; expected one that did or is", job.id()));
+      }
+      return;
     default:
       return;
   }

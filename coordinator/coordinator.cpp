@@ -4,8 +4,10 @@
 #include <utility>
 
 #include "base/log.h"
+#include "base/plural.h"
 
 #include "coordinator/jobs/memory_job_store.h"
+#include "coordinator/tiles/identity.h"
 #include "proto/wire/blob_transfer.h"
 
 namespace tessera {
@@ -19,10 +21,22 @@ Coordinator::Coordinator(CoordinatorOptions options, std::shared_ptr<JobStore> s
     : options_(std::move(options)) {
   if (!store) store = std::make_shared<MemoryJobStore>();
   options_.farm = store->farm();
-  if (store->epoch() != 0) options_.epoch = store->epoch();
   jobs_ = std::make_unique<JobTable>(options_, store);
   workers_ = std::make_unique<WorkerDesk>(options_, *jobs_);
   clients_ = std::make_unique<ClientDesk>(options_, *jobs_, std::move(store));
+  set_worker_keys(options_.worker_keys);
+}
+
+void Coordinator::set_worker_keys(size_t listed) {
+  workers_->forgive_keys();
+  jobs_->keys().set_listed(listed);
+  if (options_.verify == 0 || listed == 0 || listed > 2) return;
+  spdlog::warn("--verify: keys of {} are listed: {}; expected three or more",
+               counted(listed, "worker"),
+               listed == 1 ? "what processes of one key get is compared, which finds faults but "
+                             "proves nothing against whoever holds the key"
+                           : "a difference is found, but nobody can say which of the two is wrong, "
+                             "and the job fails");
 }
 
 uint64_t Coordinator::submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles) {
@@ -170,7 +184,7 @@ FarmSnapshot Coordinator::snapshot(Time now) const {
   jobs_->describe(snapshot, now);
   snapshot.counters.bytes_scene = bytes_scene_;
   snapshot.farm = options_.farm;
-  snapshot.epoch = options_.epoch;
+  snapshot.opening = id_text(options_.opening);
   snapshot.uptime_seconds = first_tick_ ? to_seconds(now - *first_tick_) : 0;
   return snapshot;
 }

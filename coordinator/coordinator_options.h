@@ -25,7 +25,8 @@ struct CoordinatorOptions : JobRules {
   // What RenderLoop fills in, from its transport and this host.
   bool compress_pixels = false;  ///< saves network, costs time: for workers on other machines
   std::string bulk_endpoint;     ///< as in Welcome
-  std::string host;              ///< of the coordinator: whose process ids are its own
+  uint64_t farm = 0;  ///< as in Welcome; 0: of no store, so that it ends with this process
+  std::string host;   ///< of the coordinator: whose process ids are its own
 };
 
 }  // namespace tessera

@@ -12,6 +12,7 @@
 #include "base/plural.h"
 #include "coordinator/coordinator.h"
 #include "coordinator/permissions.h"
+#include "coordinator/tiles/identity.h"
 #include "proto/wire/frame.h"
 
 namespace tessera {
@@ -34,12 +35,7 @@ CoordinatorOptions completed(CoordinatorOptions options, const ServerTransport& 
   options.compress_pixels = transport.endpoint().starts_with("tcp://");
   std::random_device random;
   if (options.verify_key == 0) options.verify_key = uint64_t{random()} << 32 | random();
-  // Workers of the coordinator that was here before must not take our jobs for its.
-  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
-  if (options.epoch == 0) {
-    options.epoch = static_cast<uint64_t>(
-        std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count());
-  }
+  if (options.opening.empty()) options.opening = draw_opening();
   if (options.host.empty()) {
     std::array<char, 256> name{};
     if (gethostname(name.data(), name.size() - 1) == 0) options.host = name.data();
@@ -171,7 +167,7 @@ void RenderLoop::turn_away(const ReceivedMessage& received, const v1::Reject& re
 
 void RenderLoop::set_allowed(AllowList allowed) {
   told_refused_.clear();
-  coordinator_->forgive_keys();
+  coordinator_->set_worker_keys(allowed.count(Role::worker));
   const Time now = monotonic_now();
   for (const PeerId& peer : transport_->set_allowed(std::move(allowed))) {
     coordinator_->on_peer_gone(peer, now);

@@ -9,6 +9,7 @@
 
 #include "base/log.h"
 #include "base/plural.h"
+#include "coordinator/tiles/identity.h"
 #include "proto/wire/printable.h"
 
 namespace tessera {
@@ -49,8 +50,9 @@ void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Tim
   }
   if (worker->unreachable) {
     // Its results are as good as ever.
-    ActiveJob* const job = jobs_.running(message.tile_band().job());
-    if (message.has_tile_band() && job) on_band(*worker, *job, message.tile_band(), now);
+    const v1::TileBand& band = message.tile_band();
+    ActiveJob* const job = find_frame(band.job(), band.frame_id());
+    if (message.has_tile_band() && job) on_band(*worker, *job, band, now);
     return;
   }
   workers_.heard(*worker, now);
@@ -63,7 +65,7 @@ void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Tim
     case v1::Envelope::kHeartbeat:
       return on_heartbeat(*worker, message.heartbeat(), now);
     case v1::Envelope::kTileBand:
-      if (ActiveJob* job = jobs_.running(message.tile_band().job())) {
+      if (ActiveJob* job = find_frame(message.tile_band().job(), message.tile_band().frame_id())) {
         on_band(*worker, *job, message.tile_band(), now);
       }
       return;
@@ -75,10 +77,15 @@ void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Tim
       }
       return;
     case v1::Envelope::kSceneFailed:
-      return on_scene_failed(*worker, message.scene_failed());
+      return on_scene_failed(*worker, message.scene_failed(), now);
     default:
       return;  // not for a coordinator, or of a newer minor version
   }
+}
+
+ActiveJob* WorkerDesk::find_frame(uint64_t number, const std::string& frame_id) {
+  ActiveJob* const job = jobs_.running(number);
+  return job && job->frame_id() == frame_id ? job : nullptr;
 }
 
 /// A process that waits long for a core may take its own connection for lost and make another.
@@ -137,9 +144,10 @@ void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, const Allo
                 greeting.before, same ? "" : fmt::format(", as worker {}", worker.name()));
   }
   tell_if_back(worker);
+  jobs_.keys().note(worker.id, sender.key, sender.name);
   v1::Welcome& welcome = *send(peer).mutable_welcome();
-  welcome.set_epoch(options_.epoch);
-  welcome.set_farm(options_.farm != 0 ? options_.farm : options_.epoch);
+  welcome.set_opening(options_.opening);
+  welcome.set_farm(options_.farm != 0 ? options_.farm : number_of(options_.opening));
   welcome.set_session(hello.session());
   const auto milliseconds = [](Time time) {
     return static_cast<uint32_t>(
@@ -155,6 +163,7 @@ void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, const Allo
     job->note_worker(worker.id);
     if (greeting.anew) act(*job, job->scheduler().leave(worker.id, LossCause::left, now), now);
   }
+  if (greeting.anew) jobs_.worker_has_come(worker.id);
   fill(worker, now);
 }
 
@@ -166,12 +175,23 @@ void WorkerDesk::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbe
   ping.set_session(heartbeat.session());
   ping.set_results(heartbeat.results());
   look_at_jobs(worker, heartbeat, now);
+  std::map<uint64_t, bool> same_frame;
+  for (const auto& entry : heartbeat.jobs()) {
+    same_frame[entry.job()] = find_frame(entry.job(), entry.frame_id()) != nullptr;
+  }
   std::map<uint64_t, std::vector<LeaseProgress>> held;
+  size_t of_others = 0;  // of frames that have the number of one of ours
   for (const auto& entry : heartbeat.progress()) {
-    held[entry.job()].push_back({entry.lease(), entry.work_done(), entry.started()});
+    const auto known = same_frame.find(entry.job());
+    if (known != same_frame.end() && !known->second) {
+      ++of_others;
+      continue;
+    }
+    held[entry.job()].push_back(
+        {entry.lease(), entry.work_done(), entry.started(), entry.opening() == options_.opening});
   }
   note_work(worker, heartbeat, now);
-  worker.foreign = 0;
+  worker.foreign = of_others;
   worker.leaves = heartbeat.leaves();
   if (heartbeat.credit() > 0 && heartbeat.credit() < worker.hello.credit()) {
     worker.hello.set_credit(heartbeat.credit());
@@ -194,8 +214,9 @@ void WorkerDesk::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& heartbe
 void WorkerDesk::look_at_jobs(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now) {
   std::map<uint64_t, bool> has;
   for (const auto& entry : heartbeat.jobs()) {
-    has[entry.job()] = entry.ready();
-    if (const ActiveJob* job = jobs_.running(entry.job())) {
+    const ActiveJob* const job = find_frame(entry.job(), entry.frame_id());
+    if (job && !job->scene_failed_at(worker.id)) {
+      has[entry.job()] = entry.ready();
       // It has it from a coordinator before us.
       if (!worker.jobs.contains(entry.job())) tell(worker, *job, now);
       continue;
@@ -221,7 +242,7 @@ void WorkerDesk::tell(WorkerRecord& worker, const ActiveJob& job, Time now) {
 }
 
 void WorkerDesk::on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now) {
-  ActiveJob* const job = jobs_.running(ready.job());
+  ActiveJob* const job = find_frame(ready.job(), ready.frame_id());
   if (!job) return;
   auto& known = worker.jobs[ready.job()];
   if (!known.ready) {
@@ -241,13 +262,12 @@ void WorkerDesk::on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Tim
 void WorkerDesk::on_band(WorkerRecord& worker, ActiveJob& job, const v1::TileBand& band, Time now) {
   TileScheduler& scheduler = job.scheduler();
   const uint32_t tile = TileScheduler::tile_of(band.lease());
-  if (!scheduler.issued(band.lease(), worker.id) && !scheduler.adopt(band.lease(), worker.id)) {
+  if (!scheduler.accepts(band.lease(), band.opening() == options_.opening, worker.id)) {
     complain(worker, "sent pixels under a lease that it was not given", now);
     return;
   }
-  // What else it sent of that tile before it heard of it.
-  const auto& disputed = scheduler.disputed_by(tile);
-  if (std::find(disputed.begin(), disputed.end(), worker.id) != disputed.end()) return;
+  // What else it, or another of its key, sent of that tile before it heard of the dispute.
+  if (tile < job.assembler().tiles().size() && scheduler.is_party(tile, worker.id)) return;
   const bool was_complete = tile < job.assembler().tiles().size() && job.assembler().complete(tile);
   BandResult result = job.assembler().add(band, worker.id);
   if (!result.valid) {
@@ -303,7 +323,7 @@ void WorkerDesk::on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId leas
 }
 
 void WorkerDesk::on_tile_failed(WorkerRecord& worker, const v1::TileFailed& failed, Time now) {
-  ActiveJob* const job = jobs_.running(failed.job());
+  ActiveJob* const job = find_frame(failed.job(), failed.frame_id());
   if (!job) return;
   const SchedulerEvents events = job->scheduler().fail(failed.lease(), worker.id, now);
   // Of a lease that it does not hold it has nothing to tell.
@@ -315,18 +335,21 @@ void WorkerDesk::on_tile_failed(WorkerRecord& worker, const v1::TileFailed& fail
   act(*job, events, now);
 }
 
-void WorkerDesk::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed) {
-  ActiveJob* const job = jobs_.running(failed.job());
+void WorkerDesk::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed, Time now) {
+  // It need not keep what it has of the scene; that it is told so again does no harm.
+  v1::CancelJob& cancel = *send(worker.peer).mutable_cancel_job();
+  cancel.set_job(failed.job());
+  ActiveJob* const job = find_frame(failed.job(), failed.frame_id());
   if (!job) return;
+  worker.jobs.erase(failed.job());
   const std::string text = printable(failed.text());
   if (!job->scene_failed_at(worker.id)) {
     spdlog::info("worker {} could not build the scene: {}", worker.name(), text);
   }
   std::vector<WorkerId> present;
   for (const WorkerRecord* other : workers_.present()) present.push_back(other->id);
-  const bool bad = failed.exit_code() == static_cast<uint32_t>(ExitCode::bad_scene);
-  job->note_scene_failure(worker.id, bad ? ExitCode::bad_scene : ExitCode::render_failed, text,
-                          present);
+  job->note_scene_failure(worker.id, failed.cause(), text, present);
+  fill(worker, now);
 }
 
 // --------------------------------------------------------------------------------------- workers

@@ -66,11 +66,15 @@ class WorkerDesk {
   void on_ready(WorkerRecord& worker, const v1::SceneReady& ready, Time now);
   void on_unseen(const WorkerRecord& worker, ActiveJob& job, const v1::SceneReady::Unseen& unseen,
                  Time now);
-  void on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed);
+  void on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& failed, Time now);
+  /// The frame that workers know as `job`, if it runs and is the one that they mean.
+  ActiveJob* find_frame(uint64_t job, const std::string& frame_id);
   void on_mismatch(ActiveJob& job, Mismatch mismatch, Time now);
-  /// A worker gave wrong pixels: it is set aside, and what it traced is traced again.
+  /// A worker gave wrong pixels: it or its key is set aside, and what was traced so is traced
+  /// again.
   void convict(ActiveJob& job, const Conviction& conviction, Time now);
   void set_aside(WorkerId id, const std::string& cause, Time now);
+  void set_key_aside(const std::string& key, const std::string& cause, Time now);
   void refuse(WorkerRecord& worker, Time now);
   /// Whether what it does counts against its key: where no other of the key is there, which may be
   /// honest, and one of another key is, to go on.

@@ -29,8 +29,11 @@ void WorkerDesk::on_unseen(const WorkerRecord& worker, ActiveJob& job,
 
 std::string WorkerDesk::name_of(WorkerId id) {
   if (id == kFromStore) return "(before)";
+  const std::string& key = jobs_.keys().key_of(id);
+  const std::string of_key =
+      key.empty() ? "" : fmt::format(" (key of {})", jobs_.keys().name_of(key));
   const WorkerRecord* worker = workers_.by_id(id);
-  return worker ? worker->name() : "(forgotten)";
+  return (worker ? worker->name() : "(before)") + of_key;
 }
 
 void WorkerDesk::convict(ActiveJob& job, const Conviction& conviction, Time now) {
@@ -39,20 +42,20 @@ void WorkerDesk::convict(ActiveJob& job, const Conviction& conviction, Time now)
   const std::string what = fmt::format(
       "worker {} traced wrong pixels in row {} of tile {}, as workers {} and {} agree",
       name_of(conviction.wrong), about.row, about.tile, name_of(right), name_of(conviction.judge));
-  spdlog::error("{}; it is set aside, and all its tiles are traced again", what);
+  spdlog::error("{}; {} is set aside, and all tiles of that are traced again", what,
+                conviction.of_key ? "its key" : "it");
   ++job.report().liars;
-  std::vector<WorkerId> wrong{conviction.wrong};
-  WorkerRecord* const worker = workers_.by_id(conviction.wrong);
-  if (worker && key_is_blamed(*worker)) {
-    wrong.clear();
-    for (const WorkerRecord* each : workers_.with_key_of(*worker)) wrong.push_back(each->id);
+  const std::string key = jobs_.keys().key_of(conviction.wrong);
+  const bool of_key = conviction.of_key && !key.empty();
+  if (of_key) {
+    set_key_aside(key, what, now);
+  } else {
+    set_aside(conviction.wrong, what, now);
   }
-  set_aside(conviction.wrong, what, now);
-  // What is kept from before is of this job alone.
+  // What a store kept from before, by nobody knows whom, is of this job alone.
   const auto jobs = conviction.wrong == kFromStore ? std::vector{&job} : jobs_.running();
-  for (ActiveJob* each : jobs) {
-    for (const WorkerId id : wrong) act(*each, each->redo_tiles_of(id), now);
-  }
+  for (ActiveJob* each : jobs) act(*each, each->redo_tiles_of(conviction.wrong, of_key), now);
+  if (of_key) jobs_.distrust(key);
 }
 
 void WorkerDesk::on_mismatch(ActiveJob& job, Mismatch mismatch, Time now) {
@@ -83,14 +86,16 @@ void WorkerDesk::set_aside(WorkerId id, const std::string& cause, Time now) {
   if (id == kFromStore) return;
   workers_.set_aside(id, cause);
   ++counters_.workers_set_aside;
-  WorkerRecord* const worker = workers_.by_id(id);
-  if (!worker) return;
-  if (!key_is_blamed(*worker)) return refuse(*worker, now);
-  workers_.set_key_aside(worker->sender.key,
-                         fmt::format("the key of {}: {}", worker->sender.name, cause));
+  if (WorkerRecord* const worker = workers_.by_id(id)) refuse(*worker, now);
+}
+
+void WorkerDesk::set_key_aside(const std::string& key, const std::string& cause, Time now) {
+  const std::string name = jobs_.keys().name_of(key);
+  workers_.set_key_aside(key, fmt::format("the key of {}: {}", name, cause));
+  ++counters_.workers_set_aside;
   spdlog::error("all workers of the key of {} are set aside, until the list of keys is read again",
-                worker->sender.name);
-  for (WorkerRecord* each : workers_.with_key_of(*worker)) refuse(*each, now);
+                name);
+  for (WorkerRecord* each : workers_.with_key(key)) refuse(*each, now);
 }
 
 void WorkerDesk::refuse(WorkerRecord& worker, Time now) {
@@ -124,11 +129,11 @@ void WorkerDesk::judge_failures(WorkerRecord& worker, Time now) {
   if (!others) return;
   const std::string whose =
       by_key ? fmt::format(" and earlier ones of its key ({})", worker.sender.name) : "";
-  set_aside(
-      worker.id,
+  const std::string cause =
       fmt::format("worker {}{} failed {} tiles; expected none", worker.name(),
-                  failures > worker.failures ? whose : "", by_key ? failures : worker.failures),
-      now);
+                  failures > worker.failures ? whose : "", by_key ? failures : worker.failures);
+  if (by_key) return set_key_aside(worker.sender.key, cause, now);
+  set_aside(worker.id, cause, now);
 }
 
 }  // namespace tessera

@@ -182,11 +182,10 @@ int WorkerRegistry::blamed(const WorkerRecord& worker) const {
   return it == blame_.end() ? worker.failures : std::max(worker.failures, it->second.failures);
 }
 
-std::vector<WorkerRecord*> WorkerRegistry::with_key_of(WorkerRecord& worker) {
-  if (worker.sender.key.empty()) return {&worker};
+std::vector<WorkerRecord*> WorkerRegistry::with_key(const std::string& key) {
   std::vector<WorkerRecord*> result;
-  for (auto& [id, other] : workers_) {
-    if (other.sender.key == worker.sender.key) result.push_back(&other);
+  for (auto& [id, worker] : workers_) {
+    if (worker.sender.key == key) result.push_back(&worker);
   }
   return result;
 }

@@ -100,8 +100,8 @@ class WorkerRegistry {
   /// where there are no keys: an id is only what its process drew.
   int blame(WorkerRecord& worker);
   int blamed(const WorkerRecord& worker) const;
-  /// Those of the same key, itself among them; without keys itself alone.
-  std::vector<WorkerRecord*> with_key_of(WorkerRecord& worker);
+  /// Those that came by that key.
+  std::vector<WorkerRecord*> with_key(const std::string& key);
 
   struct Silence {
     std::vector<WorkerRecord*> suspects;  ///< newly so

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <new>
 #include <utility>
 
 #include "base/error.h"
@@ -100,16 +101,21 @@ bool RenderService::is_worth_telling(size_t waiting, int threads, Time since_tol
 BuildOutcome RenderService::build_now(const BuildRun& run) const {
   BuildOutcome outcome;
   outcome.job = run.job;
+  outcome.frame_id = run.frame_id;
   const Time start = monotonic_now();
   try {
     outcome.renderer = factory_(run.scene, run.blobs, run.frame, thread_count_);
     if (!outcome.renderer) throw render_error("the scene gave no tracer");
   } catch (const Error& error) {
     outcome.failure = error.what();
-    outcome.exit_code = static_cast<int>(error.code());
+    outcome.cause = error.code() == ExitCode::bad_scene   ? v1::SceneFailed::BAD_SCENE
+                    : error.code() == ExitCode::try_again ? v1::SceneFailed::OUT_OF_RESOURCES
+                                                          : v1::SceneFailed::OTHER;
+  } catch (const std::bad_alloc&) {
+    outcome.failure = "there is not enough memory for the scene";
+    outcome.cause = v1::SceneFailed::OUT_OF_RESOURCES;
   } catch (const std::exception& error) {
     outcome.failure = error.what();
-    outcome.exit_code = static_cast<int>(ExitCode::render_failed);
   }
   outcome.seconds = to_seconds(monotonic_now() - start);
   return outcome;

@@ -77,7 +77,7 @@ std::optional<BuildRun> SceneCache::input(const v1::JobStart& start) const {
   if (!bytes) return std::nullopt;
   auto scene = parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
   if (!scene) return std::nullopt;
-  return BuildRun{start.job(), std::move(*scene), blobs_, start.frame()};
+  return BuildRun{start.job(), start.frame_id(), std::move(*scene), blobs_, start.frame()};
 }
 
 }  // namespace tessera

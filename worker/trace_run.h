@@ -16,6 +16,7 @@ namespace tessera {
 /// its progress and may cancel it, and the thread that traces it.
 struct TraceRun {
   uint64_t job = 0;
+  std::string frame_id{}, opening{};  ///< as of JobStart, and of the Welcome before the assignment
   uint64_t lease = 0;
   uint32_t tile = 0;
   RenderTask task;
@@ -39,6 +40,7 @@ struct TraceOutcome {
 /// A scene with its blobs, to be made ready for tracing.
 struct BuildRun {
   uint64_t job = 0;
+  std::string frame_id{};  ///< as of JobStart
   v1::Scene scene;
   BlobStore blobs;
   v1::FrameSettings frame;
@@ -46,10 +48,11 @@ struct BuildRun {
 
 struct BuildOutcome {
   uint64_t job = 0;
+  std::string frame_id{};                        ///< as of the run
   std::shared_ptr<const TileRenderer> renderer;  ///< null: it failed
   double seconds = 0;
   std::string failure;
-  int exit_code = 0;  ///< as of ExitCode, where it failed
+  v1::SceneFailed::Cause cause = v1::SceneFailed::OTHER;  ///< where it failed
 };
 
 /// Traces a run to its outcome; used by any thread. Throws nothing.

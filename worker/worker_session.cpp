@@ -244,7 +244,7 @@ void WorkerSession::on_job_start(const v1::JobStart& start, Time now) {
     auto fetch = cache_.want(start, lookups);
     if (!fetch) {
       return scene_failed(fresh, "the job names its blobs wrongly; expected digests and sizes",
-                          ExitCode::render_failed);
+                          v1::SceneFailed::OTHER);
     }
     fresh.fetch = std::move(*fetch);
     fresh.renderer = cache_.built(start);
@@ -259,22 +259,25 @@ void WorkerSession::on_job_start(const v1::JobStart& start, Time now) {
 void WorkerSession::fetch_more(Job& job, Time now) {
   if (!job.fetches()) return;
   if (!job.fetch.failure().empty()) {
-    return scene_failed(job, job.fetch.failure(), ExitCode::render_failed);
+    return scene_failed(job, job.fetch.failure(), v1::SceneFailed::OTHER);
   }
   for (v1::BlobRequest& request : job.fetch.requests(now)) {
     *send(Channel::bulk).mutable_blob_request() = std::move(request);
   }
   if (!job.fetch.finished()) return;
   auto run = cache_.input(job.start);
-  if (!run) return scene_failed(job, "the scene's bytes are no scene", ExitCode::bad_scene);
+  if (!run) {
+    return scene_failed(job, "the scene's bytes are no scene", v1::SceneFailed::BAD_SCENE);
+  }
   job.building = true;
   actions_.push_back(StartBuild{std::make_shared<const BuildRun>(std::move(*run))});
 }
 
-void WorkerSession::scene_failed(Job& job, const std::string& text, ExitCode code) {
+void WorkerSession::scene_failed(Job& job, const std::string& text, v1::SceneFailed::Cause cause) {
   job.failure.set_job(job.start.job());
+  job.failure.set_frame_id(job.start.frame_id());
   job.failure.set_text(text);
-  job.failure.set_exit_code(static_cast<uint32_t>(code));
+  job.failure.set_cause(cause);
   if (welcomed_) send_failure(job);
 }
 
@@ -287,6 +290,7 @@ void WorkerSession::send_ready(const Job& job) {
   v1::SceneReady& ready = *send().mutable_scene_ready();
   ready.set_session(options_.hello.session());
   ready.set_job(job.start.job());
+  ready.set_frame_id(job.start.frame_id());
   ready.set_build_seconds(job.build_seconds);
   for (const auto& [name, value] : job.renderer->build_counters()) {
     (*ready.mutable_counters()->mutable_values())[name] = value;
@@ -307,11 +311,13 @@ void WorkerSession::send_ready(const Job& job) {
 
 void WorkerSession::on_built(BuildOutcome outcome, Time) {
   const auto it = jobs_.find(outcome.job);
+  // Another frame may have the number by now.
   if (it == jobs_.end() || !it->second.building) return;
+  if (it->second.start.frame_id() != outcome.frame_id) return;
   Job& job = it->second;
   job.building = false;
   if (!outcome.renderer) {
-    return scene_failed(job, outcome.failure, static_cast<ExitCode>(outcome.exit_code));
+    return scene_failed(job, outcome.failure, outcome.cause);
   }
   job.renderer = std::move(outcome.renderer);
   missed_.erase(outcome.job);
@@ -332,11 +338,13 @@ void WorkerSession::send_heartbeat(Time now) {
     auto& entry = *heartbeat.add_jobs();
     entry.set_job(id);
     entry.set_ready(job.renderer != nullptr);
+    entry.set_frame_id(job.start.frame_id());
   }
   for (const auto& [lease, run] : runs_) {
     auto& progress = *heartbeat.add_progress();
     progress.set_job(run->job);
     progress.set_lease(run->lease);
+    progress.set_opening(run->opening);
     // Threads that wait for a tree get on with it, as a job does whose scene is being built.
     if (run->started && run->renderer->builds()) ++run->waited;
     progress.set_work_done(run->progress.work_done + run->waited);

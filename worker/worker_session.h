@@ -134,7 +134,7 @@ class WorkerSession {
   /// Drops jobs of which nothing is traced until the scenes of the rest have room.
   bool make_room(const v1::JobStart& start);
   void fetch_more(Job& job, Time now);
-  void scene_failed(Job& job, const std::string& text, ExitCode code);
+  void scene_failed(Job& job, const std::string& text, v1::SceneFailed::Cause cause);
   void send_failure(Job& job);
   void send_ready(const Job& job);
   void send_heartbeat(Time now);

@@ -27,6 +27,8 @@ void WorkerSession::on_assign(const v1::Assign& assign) {
   if (rect.empty() || !frame.contains(rect) || assign.sample_count() == 0) return;
   auto run = std::make_shared<TraceRun>();
   run->job = assign.job();
+  run->frame_id = job->second.start.frame_id();
+  run->opening = welcome_.opening();
   run->lease = assign.lease();
   run->tile = assign.tile();
   run->task = {rect, assign.first_sample(), assign.sample_count()};
@@ -69,6 +71,8 @@ void WorkerSession::on_traced(TraceOutcome outcome, Time now) {
     v1::TileFailed& failed = *message.mutable_tile_failed();
     failed.set_session(options_.hello.session());
     failed.set_job(run.job);
+    failed.set_frame_id(run.frame_id);
+    failed.set_opening(run.opening);
     failed.set_lease(run.lease);
     failed.set_tile(run.tile);
     failed.set_text(outcome.failure);
@@ -77,6 +81,8 @@ void WorkerSession::on_traced(TraceOutcome outcome, Time now) {
   for (v1::TileBand& band : outcome.bands) {
     band.set_session(options_.hello.session());
     band.set_job(run.job);
+    band.set_frame_id(run.frame_id);
+    band.set_opening(run.opening);
     band.set_lease(run.lease);
     band.set_tile(run.tile);
     v1::Envelope message;

@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "coordinator/tiles/identity.h"
 #include "coordinator/tiles/tile_store.h"
 #include "job/job_messages.h"
 #include "job/scene_motion.h"
@@ -33,9 +34,11 @@ int tile_size_of(const JobSpec& spec, const std::vector<FinishedTile>& kept,
   return choose_tile_size(spec.crop, rules.expected_workers);
 }
 
-v1::JobStart start_of(uint64_t id, const JobSpec& spec, const Digest& scene, uint64_t scene_size) {
+v1::JobStart start_of(const FrameName& name, const std::string& frame_id, const JobSpec& spec,
+                      const Digest& scene, uint64_t scene_size) {
   v1::JobStart start;
-  start.set_job(id);
+  start.set_job(name.number);
+  start.set_frame_id(frame_id);
   start.set_scene_digest(scene.hex());
   start.set_scene_size(scene_size);
   // In the order of their names: the message is the same each time.
@@ -50,11 +53,6 @@ v1::JobStart start_of(uint64_t id, const JobSpec& spec, const Digest& scene, uin
   return start;
 }
 
-Digest key_of(const JobSpec& spec) {
-  return tile_key(Digest::of(serialize_scene(spec.scene)), settled(spec.frame, moves(spec.scene)),
-                  spec.crop);
-}
-
 }  // namespace
 
 Digest tile_key(const Digest& scene, const v1::FrameSettings& frame, const PixelRect& crop) {
@@ -62,42 +60,60 @@ Digest tile_key(const Digest& scene, const v1::FrameSettings& frame, const Pixel
                                 crop.x0, crop.y0, crop.x1, crop.y1, kNumericsId));
 }
 
-ActiveJob::ActiveJob(uint64_t id, JobSpec spec, const TileKeeping& keeping, const JobRules& rules,
-                     Time now)
-    : ActiveJob(id, spec, keeping,
-                keeping.store ? keeping.store->find(key_of(spec)) : std::vector<FinishedTile>(),
-                rules, now) {}
+ActiveJob::Prepared::Prepared(const JobSpec& spec, TileStore* store)
+    : scene(as_bytes(serialize_scene(spec.scene))),
+      digest(Digest::of(scene)),
+      key(tile_key(digest, settled(spec.frame, moves(spec.scene)), spec.crop)) {
+  if (store) kept = store->find(key);
+}
 
-ActiveJob::ActiveJob(uint64_t id, JobSpec& spec, const TileKeeping& keeping,
-                     const std::vector<FinishedTile>& kept, const JobRules& rules, Time now)
-    : id_(id),
+ActiveJob::ActiveJob(const FrameName& name, JobSpec spec, const TileKeeping& keeping,
+                     const JobRules& rules, WorkerKeys& keys, Time now, SceneFailures failures)
+    : ActiveJob(name, spec, Prepared(spec, keeping.store.get()), keeping, rules, keys, now,
+                std::move(failures)) {}
+
+ActiveJob::ActiveJob(const FrameName& name, JobSpec& spec, Prepared prepared,
+                     const TileKeeping& keeping, const JobRules& rules, WorkerKeys& keys, Time now,
+                     SceneFailures failures)
+    : id_(name.number),
       keeping_(keeping),
-      tile_size_(tile_size_of(spec, kept, rules)),
+      keys_(keys),
+      key_(prepared.key),
+      tile_size_(tile_size_of(spec, prepared.kept, rules)),
       samples_(spec.frame.samples_per_pixel()),
       assembler_(spec.crop, cut_tiles(spec.crop, tile_size_), AovSet(spec.frame.aovs())),
-      scheduler_(assembler_.tiles(), tile_size_, rules),
-      verifier_(assembler_.tiles().size(), rules.verify, rules.verify_key ^ id),
-      submitted_(now) {
-  if (keeping_.store) key_ = key_of(spec);
-  std::vector<std::byte> scene = as_bytes(serialize_scene(spec.scene));
-  const uint64_t scene_size = scene.size();
-  start_ = start_of(id, spec, Digest::of(scene), scene_size);
+      scheduler_(assembler_.tiles(), tile_size_, rules, &keys),
+      verifier_(assembler_.tiles().size(), rules.verify, rules.verify_key ^ id_, &keys),
+      submitted_(now),
+      scene_failures_(std::move(failures)) {
+  start_ = start_of(name, frame_id_of(name.job_id, id_, key_, tile_size_), spec, prepared.digest,
+                    prepared.scene.size());
   blobs_ = std::move(spec.blobs);
   if (rules.shared_by_process != 0) share_large_blobs(blobs_);
-  blobs_.put(std::move(scene));
+  blobs_.put(prepared.digest, make_blob(std::move(prepared.scene)));
   report_.tiles_total = assembler_.tiles().size();
   for (uint32_t tile = 0; tile < report_.tiles_total && rules.verify > 0; ++tile) {
     if (verifier_.selects(tile)) scheduler_.keep_whole(tile);
   }
-  restore(kept);
+  restore(prepared.kept);
 }
 
 void ActiveJob::restore(const std::vector<FinishedTile>& kept) {
-  const std::vector<uint32_t> restored = assembler_.restore(kept);
+  const std::vector<uint32_t> restored =
+      assembler_.restore(kept, [this](uint32_t tile, const FinishedTile& finished) {
+        WorkerId from = kFromStore;
+        for (const std::string& key : finished.kept.tracers()) {
+          from = keys_.note_stored(key);
+          verifier_.note_rows(tile, from);
+        }
+        if (finished.kept.tracers_size() == 1) return from;
+        // Which rows are whose nobody knows any more.
+        verifier_.note_rows(tile, kFromStore);
+        return kFromStore;
+      });
   scheduler_.restore(restored);
   for (const uint32_t tile : restored) {
-    verifier_.note_rows(tile, kFromStore);
-    if (verifier_.selects(tile)) scheduler_.want_check(tile, {kFromStore});
+    if (verifier_.selects(tile)) scheduler_.want_check(tile, verifier_.traced_by(tile));
   }
   report_.tiles_restored = restored.size();
 }
@@ -120,6 +136,10 @@ void ActiveJob::keep_rest() {
         *finished.kept.add_bands() = std::move(band);
       }
       finished.kept.set_tile_size(static_cast<uint32_t>(tile_size_));
+      std::set<std::string> tracers;
+      for (const WorkerId by : verifier_.traced_by(next)) tracers.insert(keys_.key_of(by));
+      tracers.erase("");
+      *finished.kept.mutable_tracers() = {tracers.begin(), tracers.end()};
       keeping_.store->keep(key_, finished);
       unkept_.pop_back();
     }
@@ -163,7 +183,9 @@ ActiveJob::Completion ActiveJob::complete(uint32_t tile, LeaseId lease, WorkerId
     verifier_.settle(tile);
     const auto wrong = TileVerifier::judge(about, assembler_.row(tile, about.row));
     if (wrong) {
-      result.conviction = Conviction{*wrong, about, from};
+      const bool of_key =
+          keys_.by_key() && keys_.voice_of(about.first) != keys_.voice_of(about.second);
+      result.conviction = Conviction{*wrong, about, from, of_key};
     } else {
       result.undecided = about;
     }
@@ -188,6 +210,8 @@ void ActiveJob::fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from)
   if (unseen_distrusted_) return;
   const PixelRect seen = rect_of(unseen.seen());
   if (!unseen_) unseen_ = UnseenWord{from, seen, value};
+  unseen_->confirmed |= keys_.voice_of(from) != keys_.voice_of(unseen_->from);
+  if (keys_.listed() > 0 && !unseen_->confirmed) return;
   const auto& tiles = assembler_.tiles();
   std::vector<uint32_t> filled;
   for (uint32_t tile = 0; tile < tiles.size(); ++tile) {
@@ -202,9 +226,11 @@ void ActiveJob::fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from)
   report_.filled += filled.size();
   filled_.insert(filled.begin(), filled.end());
   for (const uint32_t tile : filled) {
-    keep(tile);
     verifier_.note_rows(tile, from);
-    if (verifier_.selects(tile)) scheduler_.want_check(tile, {from});
+    if (unseen_->confirmed) verifier_.note_rows(tile, unseen_->from);
+    keep(tile);
+    // What two voices say needs no third.
+    if (verifier_.selects(tile) && !unseen_->confirmed) scheduler_.want_check(tile, {from});
   }
 }
 
@@ -248,16 +274,16 @@ SchedulerEvents ActiveJob::dispute(Mismatch mismatch, Time now) {
   return events;
 }
 
-SchedulerEvents ActiveJob::redo_tiles_of(WorkerId worker) {
+SchedulerEvents ActiveJob::redo_tiles_of(WorkerId worker, bool by_voice) {
   SchedulerEvents events;
-  for (const uint32_t tile : verifier_.tiles_of(worker)) {
+  for (const uint32_t tile : verifier_.tiles_of(worker, by_voice)) {
     reopen(tile);
     ++report_.retraced;
     const SchedulerEvents more = scheduler_.requeue(tile);
     events.cancelled.insert(events.cancelled.end(), more.cancelled.begin(), more.cancelled.end());
   }
   // What it disputes with others needs no third.
-  for (const uint32_t tile : verifier_.disputes_of(worker)) {
+  for (const uint32_t tile : verifier_.disputes_of(worker, by_voice)) {
     verifier_.settle(tile);
     scheduler_.forget_dispute(tile);
   }
@@ -343,15 +369,28 @@ void ActiveJob::fail(ExitCode code, std::string why) {
   report_.failure = std::move(why);
 }
 
-void ActiveJob::note_scene_failure(WorkerId worker, ExitCode code, const std::string& why,
-                                   const std::vector<WorkerId>& present) {
-  scene_failures_[worker] = code;
-  const auto bad = std::count_if(scene_failures_.begin(), scene_failures_.end(),
-                                 [](const auto& f) { return f.second == ExitCode::bad_scene; });
+void ActiveJob::note_scene_failure(WorkerId worker, v1::SceneFailed::Cause cause,
+                                   const std::string& why, const std::vector<WorkerId>& present) {
+  scene_failures_[worker] = cause;
+  const auto voices = [this](v1::SceneFailed::Cause of) {
+    std::set<WorkerKeys::Voice> result;
+    for (const auto& [id, failed] : scene_failures_) {
+      if (failed == of) result.insert(keys_.voice_of(id));
+    }
+    return result.size();
+  };
+  constexpr size_t kWitnesses = 2;
+  const size_t bad = voices(v1::SceneFailed::BAD_SCENE);
+  if (bad >= kWitnesses) return fail(ExitCode::bad_scene, why);
+  if (voices(v1::SceneFailed::CRASHED) >= kWitnesses) return fail(ExitCode::render_failed, why);
   const bool all = std::all_of(present.begin(), present.end(),
                                [this](WorkerId id) { return scene_failures_.contains(id); });
-  constexpr int kWitnesses = 2;
-  if (all || bad >= kWitnesses) fail(bad > 0 ? ExitCode::bad_scene : ExitCode::render_failed, why);
+  if (!all) return;
+  if (bad > 0 && !keys_.by_key()) return fail(ExitCode::bad_scene, why);
+  shortage_ = Shortage{bad > 0 ? fmt::format("{}; one key alone says so, a worker of another is "
+                                             "waited for",
+                                             why)
+                               : fmt::format("{}; a worker that can is waited for", why)};
 }
 
 void ActiveJob::note_lost_builder(WorkerId worker, Time told, Time now) {
@@ -362,11 +401,12 @@ void ActiveJob::note_lost_builder(WorkerId worker, Time told, Time now) {
   // More than of a tile: workers also die of what they trace for other jobs.
   constexpr size_t kMostLost = 5;
   if (lost_builders_.size() < kMostLost) return;
-  fail(
-      ExitCode::render_failed,
-      fmt::format("{} workers, one after the other, were lost while they built the scene, and none "
-                  "has built it; it may take more memory than they have",
-                  lost_builders_.size()));
+  shortage_ = Shortage{
+      fmt::format(
+          "{} workers, one after the other, were lost while they built the scene, and none "
+          "has built it; it may take more memory than they have: 'tessera retry' tries again",
+          lost_builders_.size()),
+      false};
 }
 
 void ActiveJob::interrupt() {

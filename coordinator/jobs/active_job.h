@@ -29,6 +29,25 @@ struct Conviction {
   WorkerId wrong = 0;
   Mismatch dispute;
   WorkerId judge = 0;
+  /// The two that agree and the one that is wrong speak with three voices: what is wrong is the
+  /// key. Else it is that process alone, since one voice convicts nobody else.
+  bool of_key = false;
+};
+
+/// Which frame this is, of which job.
+struct FrameName {
+  uint64_t number = 0;  ///< by which workers know it, as a job
+  std::string job_id;   ///< of the job, 16 random bytes
+};
+
+/// Why workers could not build a frame's scene.
+using SceneFailures = std::map<WorkerId, v1::SceneFailed::Cause>;
+
+/// A frame that nobody who is there can render now.
+struct Shortage {
+  std::string cause;
+  /// Another worker may be able to; else people have to look at it first.
+  bool until_another_worker = true;
 };
 
 /// Where the finished tiles of a frame are kept and found.
@@ -41,21 +60,33 @@ struct TileKeeping {
 /// and its numbers.
 class ActiveJob {
  public:
-  /// `spec` has passed check_job().
-  ActiveJob(uint64_t id, JobSpec spec, const TileKeeping& keeping, const JobRules& rules, Time now);
+  /// `spec` has passed check_job(). `keys` must outlive this. `failures`: what happened to workers
+  /// that tried before.
+  ActiveJob(const FrameName& name, JobSpec spec, const TileKeeping& keeping, const JobRules& rules,
+            WorkerKeys& keys, Time now, SceneFailures failures = {});
 
   uint64_t id() const { return id_; }
+  /// As of JobStart: what workers say of this frame they say under it.
+  const std::string& frame_id() const { return start_.frame_id(); }
+  /// Under which its tiles are kept.
+  const Digest& key() const { return key_; }
   const v1::JobStart& start_message() const { return start_; }
   v1::Assign assignment(const Lease& lease) const;
-  /// Notes that a worker could not build the scene, and ends the job if none can: `present` are the
-  /// workers that there are. One alone is not believed as long as another may build it.
-  void note_scene_failure(WorkerId worker, ExitCode code, const std::string& why,
+  /// Notes that a worker could not build the scene. The frame fails once two voices say that the
+  /// scene is wrong, or that it ended their process; where workers are not told apart by keys, also
+  /// once all that there are, `present`, say that it is wrong. Where all have failed otherwise, it
+  /// is short of something.
+  void note_scene_failure(WorkerId worker, v1::SceneFailed::Cause cause, const std::string& why,
                           const std::vector<WorkerId>& present);
   bool scene_failed_at(WorkerId worker) const { return scene_failures_.contains(worker); }
+  const SceneFailures& scene_failures() const { return scene_failures_; }
+  /// Why it is to be put aside for now.
+  const std::optional<Shortage>& shortage() const { return shortage_; }
   /// Some worker has built the scene: what may come of it, it ends not every worker.
   void note_built() { built_ = true; }
-  /// Notes that a worker is lost that was told of the job at `told` and has not built its scene,
-  /// and ends the job where that has happened to too many, each told after the one before was lost.
+  /// Notes that a worker is lost that was told of the job at `told` and has not built its scene.
+  /// Where that has happened to too many, each told after the one before was lost, people have to
+  /// look at it before it goes on.
   void note_lost_builder(WorkerId worker, Time told, Time now);
   BlobData find_blob(const Digest& digest) const { return blobs_.find(digest); }
 
@@ -77,17 +108,19 @@ class ActiveJob {
     std::optional<Mismatch> undecided;  ///< the third differs from both
   };
   Completion complete(uint32_t tile, LeaseId lease, WorkerId from, Time now);
-  /// Completes, as traced by that worker, the tiles that look past everything, as it says.
+  /// A worker says which region sees only a constant background, and its colour. Completes the
+  /// tiles there that nobody has begun: at once where workers are not told apart by keys, else once
+  /// two voices have said the same.
   void fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from);
-  /// Who said before what is past everything, and something else; nobody: all said the same.
+  /// Who said something else of the background before; nobody: all said the same.
   std::optional<WorkerId> contradicted(const v1::SceneReady::Unseen& unseen) const;
   /// These two said so: neither is believed. What was filled is traced, none is filled any more,
   /// and a second worker traces all that either has traced or will.
   SchedulerEvents distrust_unseen(WorkerId one, WorkerId other);
   /// Two workers traced it differently: it is traced again by a third.
   SchedulerEvents dispute(Mismatch mismatch, Time now);
-  /// All that the worker has traced is traced again by others.
-  SchedulerEvents redo_tiles_of(WorkerId worker);
+  /// All that the worker or, with `by_voice`, its key has traced is traced again by others.
+  SchedulerEvents redo_tiles_of(WorkerId worker, bool by_voice);
   /// Tries again to keep what the store did not take.
   void keep_rest();
   /// Why tiles are not kept now; empty: they are. Where they must be, no more are to be traced.
@@ -118,8 +151,15 @@ class ActiveJob {
   JobResult finish();
 
  private:
-  ActiveJob(uint64_t id, JobSpec& spec, const TileKeeping& keeping,
-            const std::vector<FinishedTile>& kept, const JobRules& rules, Time now);
+  /// The scene as workers get it, and what is kept of its tiles.
+  struct Prepared {
+    Prepared(const JobSpec& spec, TileStore* store);
+    std::vector<std::byte> scene;
+    Digest digest, key;
+    std::vector<FinishedTile> kept{};
+  };
+  ActiveJob(const FrameName& name, JobSpec& spec, Prepared prepared, const TileKeeping& keeping,
+            const JobRules& rules, WorkerKeys& keys, Time now, SceneFailures failures);
   void restore(const std::vector<FinishedTile>& kept);
   void note_cost(const v1::TileBand& band);
   /// Lets a complete tile outlive this process.
@@ -129,6 +169,7 @@ class ActiveJob {
 
   uint64_t id_;
   TileKeeping keeping_;
+  WorkerKeys& keys_;
   Digest key_;  ///< in the store
   int tile_size_ = 0;
   std::vector<uint32_t> unkept_;     ///< complete tiles that the store could not take yet
@@ -144,16 +185,18 @@ class ActiveJob {
   Time submitted_;
   std::optional<Time> first_assignment_, last_result_;
   bool ended_ = false;
-  std::map<WorkerId, ExitCode> scene_failures_;
+  SceneFailures scene_failures_;
+  std::optional<Shortage> shortage_;
   std::unordered_set<WorkerId> workers_seen_;
   std::set<WorkerId> lost_builders_;     ///< that did not come back
   std::optional<Time> builder_lost_at_;  ///< the last of them
   bool built_ = false;
-  /// What the first worker said of what is past everything.
+  /// What the first worker said of the background.
   struct UnseenWord {
     WorkerId from = 0;
     PixelRect seen;
     std::vector<float> value;
+    bool confirmed = false;  ///< by another voice
   };
   std::optional<UnseenWord> unseen_;
   bool unseen_distrusted_ = false;

@@ -53,6 +53,7 @@ void FarmJob::begin(uint32_t frame, std::unique_ptr<ActiveJob> active, Time now)
   next_frame_ = frame + 1;
   tiles_per_frame_ = active->assembler().tiles().size();
   running_.push_back({frame, std::move(active)});
+  pauses_ = 0;
   if (begun_) return;
   begun_ = now;
   done_when_begun_ = progress(now).tiles_done;
@@ -65,6 +66,19 @@ void FarmJob::end(uint32_t frame, v1::JobEnd end) {
   }
   ends_[frame] = std::move(end);
   std::erase_if(running_, [frame](const Running& running) { return running.frame == frame; });
+  scene_failures_.erase(frame);
+  expected_films_.erase(frame);
+}
+
+void FarmJob::put_aside(uint32_t frame, Hold hold) {
+  std::erase_if(running_, [frame](const Running& running) { return running.frame == frame; });
+  next_frame_ = std::min(next_frame_, frame);
+  hold_ = std::move(hold);
+}
+
+Time FarmJob::next_pause() {
+  constexpr int kMostDoublings = 6;
+  return std::chrono::seconds(1) * (1 << std::min(pauses_++, kMostDoublings));
 }
 
 void FarmJob::reopen(uint32_t frame) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -56,6 +57,34 @@ class FarmJob {
   /// It has not ended after all, and is to be begun again.
   void reopen(uint32_t frame);
 
+  /// Why it does not go on, though nothing is wrong with it that people would have to mend.
+  struct Hold {
+    std::string cause;
+    Time until = Time::max();           ///< when it is tried again
+    bool until_another_worker = false;  ///< it is tried again too when a worker comes
+  };
+  const std::optional<Hold>& hold() const { return hold_; }
+  bool held(Time now) const { return hold_ && hold_->until > now; }
+  /// The frame, which may be running, is begun again after that.
+  void put_aside(uint32_t frame, Hold hold);
+  void release() { hold_.reset(); }
+  /// What went wrong at workers with the scene of a frame that has not ended.
+  std::map<uint32_t, SceneFailures>& scene_failures() { return scene_failures_; }
+  /// How long to wait after the next failure to begin: longer each time, until forget_failures().
+  Time next_pause();
+  void forget_failures() {
+    pauses_ = 0;
+    scene_failures_.clear();
+  }
+
+  /// The film that a frame made when it was done first, where its tiles are traced again.
+  struct ExpectedFilm {
+    std::string digest;
+    bool drop_tiles = false;  ///< before it begins: those that are kept make another film
+    bool dropped = false;
+  };
+  std::map<uint32_t, ExpectedFilm>& expected_films() { return expected_films_; }
+
   /// Counts what workers hold until now; to be called before that changes.
   void account(Time now);
   /// Worker-seconds by weight: what it had until now, and will soon have had for the tiles that
@@ -88,6 +117,10 @@ class FarmJob {
   Time counted_until_{};
   std::optional<Time> begun_;
   uint64_t done_when_begun_ = 0;
+  std::optional<Hold> hold_;
+  int pauses_ = 0;
+  std::map<uint32_t, SceneFailures> scene_failures_;  ///< by frame
+  std::map<uint32_t, ExpectedFilm> expected_films_;   ///< by frame
 };
 
 }  // namespace tessera

@@ -14,7 +14,7 @@ namespace tessera {
 /// How the farm is at one moment: all that a page or a monitor may show. Plain values: a copy that
 /// any thread may read. Text in it is printable, whoever said it.
 struct FarmSnapshot {
-  enum class JobState { queued, running, paused, done, failed, cancelled };
+  enum class JobState { queued, running, paused, held, done, failed, cancelled };
   struct Job {
     uint64_t id = 0;
     std::string name;
@@ -61,7 +61,8 @@ struct FarmSnapshot {
       tile_seconds.note(seconds);
     }
   };
-  uint64_t farm = 0, epoch = 0;
+  uint64_t farm = 0;
+  std::string opening;  ///< of this coordinator, in hexadecimal
   double uptime_seconds = 0;
   std::string store_trouble;  ///< why no tile is assigned; empty: nothing is wrong
   std::vector<Job> jobs;      ///< by number

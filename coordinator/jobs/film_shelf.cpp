@@ -39,7 +39,7 @@ void FilmShelf::forget(const Digest& film) {
   std::erase_if(at_hand_, [&](const auto& entry) { return entry.first == film; });
 }
 
-BlobData FilmShelf::find(const Digest& digest, bool* damaged) {
+BlobData FilmShelf::find(const Digest& digest, State* state) {
   const auto there = std::find_if(at_hand_.begin(), at_hand_.end(),
                                   [&](const auto& entry) { return entry.first == digest; });
   if (there != at_hand_.end()) {
@@ -52,9 +52,9 @@ BlobData FilmShelf::find(const Digest& digest, bool* damaged) {
   try {
     Assembler assembler(crop, cut_tiles(crop, tile_size), aovs);
     assembler.restore(store_->find(key));
-    assembler.mark_holes();
+    const bool is_whole = assembler.mark_holes().empty();
     if (Digest::of(std::as_bytes(assembler.film().values())) != digest) {
-      if (damaged) *damaged = true;
+      if (state) *state = is_whole ? State::changed : State::incomplete;
       return nullptr;
     }
     return keep_at_hand(digest, assembler.film());

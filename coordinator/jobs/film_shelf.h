@@ -32,9 +32,15 @@ class FilmShelf {
   Digest put(const Film& film, const Recipe& recipe);
   void note(const Digest& film, const Recipe& recipe) { recipes_.emplace(film, recipe); }
   void forget(const Digest& film);
-  /// Null where there is no such film or no memory for it, or its tiles are no longer what they
-  /// were: then `damaged`, where it is given, becomes true.
-  BlobData find(const Digest& film, bool* damaged = nullptr);
+  /// What a film's tiles are found to be.
+  enum class State {
+    sound,       ///< or nothing is known against them: they cannot be read now, say
+    incomplete,  ///< some are gone, or damaged and dropped
+    changed,     ///< they are all there, and make another film
+  };
+  /// Null where there is no such film, no memory for it, or its tiles are no longer what they were,
+  /// which `state`, where it is given, then tells.
+  BlobData find(const Digest& film, State* state = nullptr);
 
  private:
   BlobData keep_at_hand(const Digest& digest, const Film& film);

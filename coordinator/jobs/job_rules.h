@@ -12,6 +12,8 @@ struct JobRules : TileRules {
   /// The share of tiles that a second worker traces too, from 0 to 1, and what chooses them.
   double verify = 0;
   uint64_t verify_key = 0;
+  /// Keys of workers that are let in; 0: there are no keys. See WorkerKeys.
+  size_t worker_keys = 0;
   /// What all submissions of clients together may come to take, blobs, scenes and films; and the
   /// films of their frames that run. One whose film is larger is refused, others wait.
   uint64_t client_budget_bytes = uint64_t{32} << 30;

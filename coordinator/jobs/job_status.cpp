@@ -26,6 +26,8 @@ FarmSnapshot::JobState state_of(const v1::JobStatus& status) {
       return FarmSnapshot::JobState::paused;
     case v1::JobStatus::RUNNING:
       return FarmSnapshot::JobState::running;
+    case v1::JobStatus::HELD:
+      return FarmSnapshot::JobState::held;
     default:
       return FarmSnapshot::JobState::queued;
   }
@@ -43,10 +45,11 @@ v1::JobStatus status_of(const FarmJob& job, uint32_t frame, const std::string& t
   status.set_weight(std::max<uint32_t>(1, request.weight()));
   status.set_animation(request.animation());
   *status.mutable_crop() = request.crop();
-  status.set_state(job.ended()             ? v1::JobStatus::ENDED
-                   : job.kept().paused()   ? v1::JobStatus::PAUSED
-                   : job.running().empty() ? v1::JobStatus::QUEUED
-                                           : v1::JobStatus::RUNNING);
+  status.set_state(job.ended()              ? v1::JobStatus::ENDED
+                   : job.kept().paused()    ? v1::JobStatus::PAUSED
+                   : !job.running().empty() ? v1::JobStatus::RUNNING
+                   : job.hold()             ? v1::JobStatus::HELD
+                                            : v1::JobStatus::QUEUED);
   const JobProgress progress = job.progress(now);
   status.set_tiles_done(progress.tiles_done);
   status.set_tiles_total(progress.tiles_total);
@@ -60,7 +63,7 @@ v1::JobStatus status_of(const FarmJob& job, uint32_t frame, const std::string& t
     if (const auto& end = job.end_of(frame)) *status.mutable_end() = *end;
   }
   if (status.state() != v1::JobStatus::ENDED) {
-    status.set_failure(trouble);
+    status.set_failure(trouble.empty() && job.hold() ? job.hold()->cause : trouble);
     return status;
   }
   if (job.kept().cancelled()) {

@@ -13,6 +13,7 @@
 #include "base/plural.h"
 #include "coordinator/jobs/job_status.h"
 #include "coordinator/jobs/preview.h"
+#include "coordinator/tiles/identity.h"
 #include "job/check_job.h"
 #include "job/job_messages.h"
 #include "job/scene_motion.h"
@@ -25,12 +26,12 @@ namespace {
 
 constexpr int kFrameBits = 20;
 constexpr size_t kMaxJobs = 4096;
-/// Whether what is kept has that frame: rows of a store may be damaged.
-bool has_frame(const v1::KeptJob& kept, uint32_t frame) {
-  return std::cmp_less(frame, std::min(kept.request().frames_size(), kept.tile_keys_size()));
-}
 
 }  // namespace
+
+bool JobTable::has_frame(const v1::KeptJob& kept, uint32_t frame) {
+  return std::cmp_less(frame, std::min(kept.request().frames_size(), kept.tile_keys_size()));
+}
 
 FilmShelf::Recipe JobTable::recipe_of(const v1::KeptJob& kept, uint32_t frame) {
   const v1::SubmitJob& request = kept.request();
@@ -40,7 +41,7 @@ FilmShelf::Recipe JobTable::recipe_of(const v1::KeptJob& kept, uint32_t frame) {
 
 JobTable::JobTable(const JobRules& rules, std::shared_ptr<JobStore> store)
     : rules_(rules), store_(std::move(store)), films_(store_) {
-  last_job_ = last_job_before_ = store_->last_job();
+  last_job_ = store_->last_job();
   std::unordered_set<Digest> blobs;
   for (v1::KeptJob& kept : store_->jobs()) {
     for (const std::string& hex : kept.blobs()) blobs.insert(Digest::from_hex(hex));
@@ -48,22 +49,17 @@ JobTable::JobTable(const JobRules& rules, std::shared_ptr<JobStore> store)
       const auto film = Digest::parse(end.end().film_digest());
       if (film && has_frame(kept, end.frame())) films_.note(*film, recipe_of(kept, end.frame()));
     }
+    last_job_ = std::max(last_job_, kept.job());
     auto job = std::make_unique<FarmJob>(std::move(kept));
     by_submission_[job->request().submission()] = job->id();
     add(std::move(job));
   }
+  last_job_before_ = last_job_;
   store_->keep_only_blobs(blobs);
   keep_rest();
   if (jobs_.empty()) return;
   spdlog::info("the store has {}, of which {} not ended", counted(jobs_.size(), "job"),
                open_.size() == 1 ? "1 has" : fmt::format("{} have", open_.size()));
-}
-
-JobRules JobTable::rules_for(uint64_t job) const {
-  JobRules rules = rules_;
-  // Of what came to us alone, nobody before us has given leases.
-  if (job > last_job_before_) rules.farm = 0;
-  return rules;
 }
 
 void JobTable::add(std::unique_ptr<FarmJob> job) {
@@ -154,17 +150,15 @@ std::shared_ptr<const FrameTrace> JobTable::trace(uint64_t job, uint32_t frame) 
   if (const ActiveJob* active = running(job, frame)) {
     return std::make_shared<const FrameTrace>(active->trace());
   }
-  const uint64_t id = frame_id(job, frame);
+  const uint64_t id = frame_number(job, frame);
   for (const auto& [ended, trace] : traces_) {
     if (ended == id) return trace;
   }
   return nullptr;
 }
 
-uint64_t JobTable::frame_id(uint64_t job, uint32_t frame) const {
-  // Numbers of jobs that do not outlive us must differ from those of the coordinator before us.
-  const uint64_t base = store_->farm() != 0 ? 0 : rules_.epoch;
-  return ((base + job) << kFrameBits) + frame + 1;
+uint64_t JobTable::frame_number(uint64_t job, uint32_t frame) {
+  return (job << kFrameBits) + frame + 1;
 }
 
 // ------------------------------------------------------------------------- jobs of this process
@@ -172,19 +166,16 @@ uint64_t JobTable::frame_id(uint64_t job, uint32_t frame) const {
 uint64_t JobTable::submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles) {
   check_job(spec);
   const uint64_t id = ++last_job_;
-  add(std::make_unique<FarmJob>(id, std::move(spec), std::move(tiles), now));
-  return frame_id(id, 0);
+  auto job = std::make_unique<FarmJob>(id, std::move(spec), std::move(tiles), now);
+  job->kept().set_id(job_id_of(rules_.opening, id));
+  add(std::move(job));
+  return frame_number(id, 0);
 }
 
 void JobTable::interrupt(uint64_t frame, Time now) {
   for (const auto& [id, job] : open_) {
-    if (!job->local() || frame_id(id, 0) != frame) continue;
-    if (job->running().empty()) {
-      job->begin(0,
-                 std::make_unique<ActiveJob>(frame, job->take_local_spec(), keeping_of(*job),
-                                             rules_for(id), now),
-                 now);
-    }
+    if (!job->local() || frame_number(id, 0) != frame) continue;
+    if (job->running().empty()) job->begin(0, make_active(*job, 0, now), now);
     job->running().front().active->interrupt();
   }
 }
@@ -226,6 +217,7 @@ void JobTable::accept(v1::SubmitJob request, const std::vector<Digest>& blobs, T
   request.set_tile_size(static_cast<uint32_t>(probe.tile_size));
   for (const Digest& blob : blobs) kept.add_blobs(blob.hex());
   kept.set_job(last_job_ + 1);
+  kept.set_id(job_id_of(rules_.opening, kept.job()));
   *kept.mutable_request() = std::move(request);
   store_->save(kept);
   ++last_job_;
@@ -276,6 +268,45 @@ void JobTable::cancel(FarmJob& job) {
   }
 }
 
+void JobTable::forget_film(const FarmJob& job, const std::string& film) {
+  films_.forget(Digest::from_hex(film));
+  for (const auto& [id, other] : jobs_) {
+    if (other.get() == &job) continue;
+    for (uint32_t frame = 0; frame < other->frame_count(); ++frame) {
+      const auto& end = other->end_of(frame);
+      if (!end || end->film_digest() != film || !has_frame(other->kept(), frame)) continue;
+      films_.note(Digest::from_hex(film), recipe_of(other->kept(), frame));
+    }
+  }
+}
+
+bool JobTable::retry(FarmJob& job) {
+  if (job.hold()) {
+    job.release();
+    job.forget_failures();
+    return true;
+  }
+  if (!job.ended() || job.kept().cancelled()) return false;
+  bool any = false;
+  for (uint32_t frame = 0; frame < job.frame_count(); ++frame) {
+    const auto& end = job.end_of(frame);
+    if (!end || end->how() != v1::JobEnd::FAILED) continue;
+    reopen(job, frame);
+    any = true;
+  }
+  return any;
+}
+
+void JobTable::reopen(FarmJob& job, uint32_t frame) {
+  store_->remove_end(job.id(), frame);
+  std::erase_if(unsaved_, [&](const auto& unsaved) {
+    return unsaved.first == job.id() && unsaved.second.frame() == frame;
+  });
+  forget_film(job, job.end_of(frame)->film_digest());
+  job.reopen(frame);
+  open_.emplace(job.id(), &job);
+}
+
 void JobTable::forget(FarmJob& job) {
   if (!job.ended()) return;
   std::unordered_set<std::string> others;
@@ -297,16 +328,7 @@ void JobTable::forget(FarmJob& job) {
   for (uint32_t frame = 0; frame < job.frame_count(); ++frame) {
     if (const auto& end = job.end_of(frame)) films.insert(end->film_digest());
   }
-  for (const std::string& film : films) films_.forget(Digest::from_hex(film));
-  // Other tiles may make up the same pictures.
-  for (const auto& [other_id, other] : jobs_) {
-    if (other_id == job.id()) continue;
-    for (uint32_t frame = 0; frame < other->frame_count(); ++frame) {
-      const auto& end = other->end_of(frame);
-      if (!end || !films.contains(end->film_digest())) continue;
-      films_.note(Digest::from_hex(end->film_digest()), recipe_of(other->kept(), frame));
-    }
-  }
+  for (const std::string& film : films) forget_film(job, film);
   std::erase_if(unsaved_, [&](const auto& end) { return end.first == job.id(); });
   by_submission_.erase(job.request().submission());
   const uint64_t id = job.id();

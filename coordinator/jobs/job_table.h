@@ -48,6 +48,9 @@ class JobTable {
   void cancel(FarmJob& job);
   /// An ended one.
   void forget(FarmJob& job);
+  /// Frames that failed are rendered again, what is held is tried now. False where there is
+  /// neither.
+  bool retry(FarmJob& job);
   v1::JobStatus status(const FarmJob& job, uint32_t frame, Time now) const;
 
   // For people.
@@ -66,6 +69,13 @@ class JobTable {
 
   /// How many threads trace now, for the choice of tile sizes; 0: not known.
   void set_threads(uint32_t threads) { threads_ = threads; }
+
+  // Workers, and by whose keys they came.
+  WorkerKeys& keys() { return *keys_; }
+  /// What is held for want of a worker may have one now.
+  void worker_has_come(WorkerId worker);
+  /// A key is convicted: what was traced under it is traced again, in jobs that have ended too.
+  void distrust(const std::string& key);
 
   // Frames that run.
   /// Counts what workers hold until now; to be called before that changes.
@@ -96,24 +106,39 @@ class JobTable {
 
  private:
   static FilmShelf::Recipe recipe_of(const v1::KeptJob& kept, uint32_t frame);
+  /// Whether what is kept has that frame: rows of a store may be damaged.
+  static bool has_frame(const v1::KeptJob& kept, uint32_t frame);
+  /// Of that job, which is not to be shown any more, though other tiles may make up the same.
+  void forget_film(const FarmJob& job, const std::string& film);
   void add(std::unique_ptr<FarmJob> job);
   /// Notes what running() is, after that has changed.
   void list_running();
-  uint64_t frame_id(uint64_t job, uint32_t frame) const;
-  std::vector<FarmJob*> startable();
+  static uint64_t frame_number(uint64_t job, uint32_t frame);
+  std::vector<FarmJob*> startable(Time now);
   bool has_room_for(const FarmJob& job) const;
   /// Of a frame of a client's job; of this process's own it is not counted.
   static uint64_t film_bytes_of(const FarmJob& job, uint32_t frame);
   /// Beside the films of the frames that run.
   bool has_memory_for(uint64_t film) const;
   void begin(FarmJob& job, uint32_t frame, Time now, Changes& changes);
+  /// Begins it, or throws.
+  std::unique_ptr<ActiveJob> make_active(FarmJob& job, uint32_t frame, Time now);
+  void hold(FarmJob& job, uint32_t frame, FarmJob::Hold hold);
+  /// The frame's tiles are kept under another key from now on: this program computes otherwise than
+  /// that which accepted the job.
+  void change_key(FarmJob& job, uint32_t frame, const Digest& key);
+  /// Whether the film is the one that is expected. Else its tiles are traced again, once.
+  bool is_expected(FarmJob& job, uint32_t frame, v1::JobEnd& end);
+  /// Whether another job's frames have their tiles under that key.
+  bool shares_key(const FarmJob& job, const std::string& key) const;
+  void redo_distrusted();
   void finish(FarmJob& job, FarmJob::Running& running, Changes& changes);
-  /// Frames that were done and whose pictures cannot be put together any more: what is damaged of
-  /// them is traced again.
-  void reopen(const Digest& film);
+  /// Frames that were done and whose pictures cannot be put together any more: what is gone of
+  /// their tiles or, where these make another film, all of them are traced again.
+  void reopen(const Digest& film, FilmShelf::State state);
+  /// The frame is to be rendered again, from the tiles that are kept, whatever film they make.
+  void reopen(FarmJob& job, uint32_t frame);
   void file_end(FarmJob& job, uint32_t frame, v1::JobEnd end);
-  /// For a frame of that job.
-  JobRules rules_for(uint64_t job) const;
   TileKeeping keeping_of(const FarmJob& job) const;
   JobSpec spec_of(FarmJob& job, uint32_t frame);
   // Of the store; each throws where they are not there, or not what they should be.
@@ -124,6 +149,7 @@ class JobTable {
 
   JobRules rules_;
   std::shared_ptr<JobStore> store_;
+  std::unique_ptr<WorkerKeys> keys_ = std::make_unique<WorkerKeys>();  ///< frames point to it
   std::map<uint64_t, std::unique_ptr<FarmJob>> jobs_;
   std::map<uint64_t, FarmJob*> open_;  ///< those of them that have not ended
   struct Need {
@@ -142,6 +168,7 @@ class JobTable {
   Changes changes_;                                             ///< that advance() has not told yet
   std::vector<std::pair<uint64_t, v1::KeptJob::End>> unsaved_;  ///< ends that the store must take
   std::string trouble_;                                         ///< with those
+  std::vector<std::string> distrusted_;                         ///< keys, of redo_distrusted()
   FilmShelf films_;
   /// Of the last frames that ended, by the number that workers know.
   std::deque<std::pair<uint64_t, std::shared_ptr<const FrameTrace>>> traces_;

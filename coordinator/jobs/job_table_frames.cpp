@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <new>
+#include <unordered_set>
 #include <utility>
 
 #include "base/log.h"
@@ -89,10 +90,10 @@ void JobTable::account(Time now) {
   }
 }
 
-std::vector<FarmJob*> JobTable::startable() {
+std::vector<FarmJob*> JobTable::startable(Time now) {
   std::vector<FarmJob*> result;
   for (const auto& [id, job] : open_) {
-    if (!job->kept().paused() && job->next_frame()) result.push_back(job);
+    if (!job->kept().paused() && !job->held(now) && job->next_frame()) result.push_back(job);
   }
   std::stable_sort(result.begin(), result.end(), [](const FarmJob* a, const FarmJob* b) {
     return a->request().priority() > b->request().priority();
@@ -149,8 +150,17 @@ JobTable::Changes JobTable::advance(Time now) {
   for (auto it = open_.begin(); it != open_.end();) {
     FarmJob& job = *it->second;
     for (size_t i = 0; i < job.running().size();) {
-      if (job.running()[i].active->ended()) {
-        finish(job, job.running()[i], changes);
+      FarmJob::Running& running = job.running()[i];
+      ActiveJob& active = *running.active;
+      const auto& shortage = active.shortage();
+      if (shortage && job.local()) active.fail(ExitCode::render_failed, shortage->cause);
+      if (active.ended()) {
+        finish(job, running, changes);
+      } else if (shortage && !active.waits_for_store()) {
+        changes.ended.push_back(active.id());
+        job.scene_failures()[running.frame] = active.scene_failures();
+        hold(job, running.frame,
+             {.cause = shortage->cause, .until_another_worker = shortage->until_another_worker});
       } else {
         ++i;
       }
@@ -162,7 +172,7 @@ JobTable::Changes JobTable::advance(Time now) {
     it = open_.erase(it);
     if (job.local()) jobs_.erase(job.id());
   }
-  for (FarmJob* job : startable()) {
+  for (FarmJob* job : startable(now)) {
     if (has_room_for(*job)) begin(*job, *job->next_frame(), now, changes);
   }
   return changes;
@@ -171,8 +181,9 @@ JobTable::Changes JobTable::advance(Time now) {
 BlobData JobTable::load_blob(const std::string& hex) {
   BlobData data = store_->find_blob(Digest::from_hex(hex));
   if (!data) {
-    throw render_error(
-        fmt::format("blob {} is gone from the store, or damaged; submit the job again", hex));
+    throw temporary_error(fmt::format(
+        "blob {} is gone from the store, or was damaged; submit its scene again and this goes on",
+        hex));
   }
   return data;
 }
@@ -236,8 +247,7 @@ void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
       throw render_error(fmt::format("a picture of {} bytes; expected at most {}", film,
                                      rules_.client_budget_bytes));
     }
-    auto active = std::make_unique<ActiveJob>(frame_id(job.id(), frame), spec_of(job, frame),
-                                              keeping_of(job), rules_for(job.id()), now);
+    auto active = make_active(job, frame, now);
     tiles_restored_ += active->report().tiles_restored;
     if (const TileCosts* earlier = earlier_costs(job)) {
       active->scheduler().costs().learn_from(*earlier);
@@ -245,16 +255,129 @@ void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
     changes.begun.push_back(active.get());
     const bool goes_on = !job.local() && job.id() <= last_job_before_ && !job.begun();
     job.begin(frame, std::move(active), now);
+    job.release();
     if (goes_on) log_going_on(job, now);
     list_running();
   } catch (const Error& error) {
-    fail(error.code(), error.what());
+    if (error.code() != ExitCode::try_again || job.local()) return fail(error.code(), error.what());
+    hold(job, frame, {.cause = error.what(), .until = now + job.next_pause()});
   } catch (const std::bad_alloc&) {
     if (job.local()) throw;
     const v1::PixelRect& crop = job.request().crop();
-    fail(ExitCode::render_failed,
-         fmt::format("the coordinator has no memory for {}x{} pixels with their scene",
-                     crop.x1() - crop.x0(), crop.y1() - crop.y0()));
+    hold(job, frame,
+         {.cause = fmt::format("the coordinator has no memory for {}x{} pixels with their scene",
+                               crop.x1() - crop.x0(), crop.y1() - crop.y0()),
+          .until = now + job.next_pause()});
+  }
+}
+
+void JobTable::hold(FarmJob& job, uint32_t frame, FarmJob::Hold hold) {
+  if (!job.hold() || job.hold()->cause != hold.cause) {
+    spdlog::warn("job {} is held: {}", job.id(), printable(hold.cause));
+  }
+  job.put_aside(frame, std::move(hold));
+  list_running();
+}
+
+std::unique_ptr<ActiveJob> JobTable::make_active(FarmJob& job, uint32_t frame, Time now) {
+  const FrameName name{frame_number(job.id(), frame), job.kept().id()};
+  if (job.local()) {
+    return std::make_unique<ActiveJob>(name, job.take_local_spec(), keeping_of(job), rules_, *keys_,
+                                       now);
+  }
+  if (!has_frame(job.kept(), frame)) throw render_error("what the store has of it is damaged");
+  JobSpec spec = spec_of(job, frame);
+  const auto expected = job.expected_films().find(frame);
+  if (expected != job.expected_films().end() && expected->second.drop_tiles) {
+    store_->drop_all(Digest::from_hex(job.kept().tile_keys(static_cast<int>(frame))));
+    expected->second.drop_tiles = false;
+    expected->second.dropped = true;
+  }
+  auto active = std::make_unique<ActiveJob>(name, std::move(spec), keeping_of(job), rules_, *keys_,
+                                            now, job.scene_failures()[frame]);
+  if (active->key().hex() != job.kept().tile_keys(static_cast<int>(frame))) {
+    change_key(job, frame, active->key());
+  }
+  return active;
+}
+
+bool JobTable::shares_key(const FarmJob& job, const std::string& key) const {
+  return std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& other) {
+    const auto& keys = other.second->kept().tile_keys();
+    return other.second.get() != &job && std::count(keys.begin(), keys.end(), key) > 0;
+  });
+}
+
+void JobTable::change_key(FarmJob& job, uint32_t frame, const Digest& key) {
+  v1::KeptJob changed = job.kept();
+  const std::string before = changed.tile_keys(static_cast<int>(frame));
+  changed.set_tile_keys(static_cast<int>(frame), key.hex());
+  store_->save(changed);
+  job.kept() = std::move(changed);
+  job.expected_films().erase(frame);
+  const auto& keys = job.kept().tile_keys();
+  if (std::count(keys.begin(), keys.end(), before) > 0 || shares_key(job, before)) return;
+  spdlog::info("job {}: frame {} is computed otherwise by this program: it begins anew", job.id(),
+               frame + 1);
+  store_->drop_all(Digest::from_hex(before));
+}
+
+bool JobTable::is_expected(FarmJob& job, uint32_t frame, v1::JobEnd& end) {
+  const auto it = job.expected_films().find(frame);
+  if (it == job.expected_films().end() || end.how() != v1::JobEnd::DONE ||
+      end.film_digest() == it->second.digest) {
+    return true;
+  }
+  forget_film(job, end.film_digest());
+  if (!it->second.dropped) {
+    it->second.drop_tiles = true;
+    return false;
+  }
+  end.set_how(v1::JobEnd::FAILED);
+  end.set_exit_code(static_cast<uint32_t>(ExitCode::render_failed));
+  end.set_failure(
+      fmt::format("traced again from nothing, the picture is {}; expected {}, as it was "
+                  "when it was done first: one of the two is wrong",
+                  end.film_digest(), it->second.digest));
+  return true;
+}
+
+void JobTable::worker_has_come(WorkerId worker) {
+  for (const auto& [id, job] : open_) {
+    if (!job->hold() || !job->hold()->until_another_worker) continue;
+    const auto& failures = job->scene_failures();
+    const bool failed = std::any_of(failures.begin(), failures.end(), [&](const auto& of_frame) {
+      return of_frame.second.contains(worker);
+    });
+    if (!failed) job->release();
+  }
+}
+
+void JobTable::distrust(const std::string& key) {
+  distrusted_.push_back(key);
+  redo_distrusted();
+}
+
+void JobTable::redo_distrusted() {
+  for (; !distrusted_.empty(); distrusted_.pop_back()) {
+    const std::vector<StoredTile> tiles = store_->tiles_traced_by(distrusted_.back());
+    std::unordered_set<std::string> keys;
+    for (const StoredTile& tile : tiles) keys.insert(tile.key.hex());
+    for (const auto& [id, job] : jobs_) {
+      if (job->local() || job->kept().cancelled()) continue;
+      for (uint32_t frame = 0; frame < job->frame_count(); ++frame) {
+        const auto& end = job->end_of(frame);
+        if (!end || end->how() != v1::JobEnd::DONE || !has_frame(job->kept(), frame) ||
+            !keys.contains(job->kept().tile_keys(static_cast<int>(frame)))) {
+          continue;
+        }
+        spdlog::warn(
+            "job {}: tiles of frame {} were traced by the key of {}: they are traced again", id,
+            frame + 1, keys_->name_of(distrusted_.back()));
+        reopen(*job, frame);
+      }
+    }
+    for (const StoredTile& tile : tiles) store_->drop(tile.key, tile.rect);
   }
 }
 
@@ -277,6 +400,9 @@ void JobTable::finish(FarmJob& job, FarmJob::Running& running, Changes& changes)
   job.last_costs() = std::move(costs);
   end.set_film_size(result.film.values().size_bytes());
   end.set_film_digest(films_.put(result.film, recipe_of(job.kept(), frame)).hex());
+  if (!is_expected(job, frame, end)) {
+    return hold(job, frame, {.cause = "its tiles are not what they were", .until = Time{}});
+  }
   file_end(job, frame, std::move(end));
 }
 
@@ -296,7 +422,7 @@ void JobTable::keep_rest() {
     if (active->waits_for_store()) active->keep_rest();
   }
   try {
-    store_->keep_epoch();
+    redo_distrusted();
     while (!unsaved_.empty()) {
       store_->save_end(unsaved_.back().first, unsaved_.back().second);
       unsaved_.pop_back();
@@ -321,27 +447,28 @@ JobTable::FoundBlob JobTable::find_blob(const Digest& digest) {
   for (ActiveJob* active : running()) {
     if (BlobData data = active->find_blob(digest)) return {std::move(data), active};
   }
-  bool damaged = false;
-  BlobData film = films_.find(digest, &damaged);
-  if (damaged) reopen(digest);
+  FilmShelf::State state = FilmShelf::State::sound;
+  BlobData film = films_.find(digest, &state);
+  if (state != FilmShelf::State::sound) reopen(digest, state);
   return {std::move(film), nullptr};
 }
 
-void JobTable::reopen(const Digest& film) {
+void JobTable::reopen(const Digest& film, FilmShelf::State state) {
+  const bool changed = state == FilmShelf::State::changed;
   for (const auto& [number, job] : jobs_) {
     const uint64_t id = number;
     if (job->local() || job->kept().cancelled()) continue;
     for (uint32_t frame = 0; frame < job->frame_count(); ++frame) {
       const auto& end = job->end_of(frame);
       if (!end || end->how() != v1::JobEnd::DONE || end->film_digest() != film.hex()) continue;
-      spdlog::warn(
-          "job {}: tiles of frame {} are damaged in the store, or gone: they are traced "
-          "again",
-          id, frame + 1);
+      spdlog::warn("job {}: tiles of frame {} are {}: they are traced again", id, frame + 1,
+                   changed ? "not those of its picture any more" : "damaged in the store, or gone");
       std::erase_if(unsaved_, [&](const auto& unsaved) {
         return unsaved.first == id && unsaved.second.frame() == frame;
       });
+      // The end stays in the store: the picture that it names is the one that is to come of this.
       job->reopen(frame);
+      job->expected_films()[frame] = {film.hex(), changed};
       open_.emplace(id, job.get());
     }
   }

@@ -75,21 +75,7 @@ SqliteJobStore::SqliteJobStore(const fs::path& folder)
     set_number("farm", (uint64_t{random()} << 31 | random()) | 1);
   }
   farm_ = number("farm");
-  epoch_ = number("epoch") + 1;
-  try {
-    // Before anybody is served: what an earlier coordinator said is told apart from now on.
-    keep_epoch();
-  } catch (const Error&) {
-    // As a coordinator that runs does, this one waits for room, which it says.
-  }
   make_reserve();
-}
-
-void SqliteJobStore::keep_epoch() {
-  if (epoch_kept_) return;
-  const SqliteDatabase::Flushed flushed(database_);
-  set_number("epoch", epoch_);
-  epoch_kept_ = true;
 }
 
 void SqliteJobStore::make_reserve() const {
@@ -185,6 +171,18 @@ void SqliteJobStore::save_end(uint64_t job, const v1::KeptJob::End& end) {
       .bind(int64_t{end.frame()})
       .bind_blob(kept)
       .step();
+}
+
+void SqliteJobStore::remove_end(uint64_t job, uint32_t frame) {
+  const Timed timed(commit_seconds_);
+  Statement(database_, "DELETE FROM ends WHERE job = ? AND frame = ?")
+      .bind(static_cast<int64_t>(job))
+      .bind(int64_t{frame})
+      .step();
+}
+
+std::vector<StoredTile> SqliteJobStore::tiles_traced_by(const std::string& key) {
+  return tiles_.traced_by(key);
 }
 
 void SqliteJobStore::remove(uint64_t job, const std::vector<Digest>& tile_keys,

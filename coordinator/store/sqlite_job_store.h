@@ -14,22 +14,22 @@ namespace tessera {
 /// (blobs/). What was written survives the end of the process at any instant.
 class SqliteJobStore : public JobStore {
  public:
-  /// Opens the folder or makes it, and counts one epoch more; where a store that is there has no
-  /// room for that, keep_epoch() tries again. Throws usage_error where it cannot be
-  /// used, another coordinator uses it, or it is something else.
+  /// Opens the folder or makes it. Throws usage_error where it cannot be used, another coordinator
+  /// uses it, or it is something else.
   explicit SqliteJobStore(const std::filesystem::path& folder);
 
   uint64_t farm() const override { return farm_; }
-  uint64_t epoch() const override { return epoch_; }
-  void keep_epoch() override;
 
   SecondsHistogram commit_seconds() const override { return commit_seconds_; }
   std::vector<v1::KeptJob> jobs() override;
   uint64_t last_job() override;
   void save(const v1::KeptJob& job) override;
   void save_end(uint64_t job, const v1::KeptJob::End& end) override;
+  void remove_end(uint64_t job, uint32_t frame) override;
   void remove(uint64_t job, const std::vector<Digest>& tile_keys,
               const std::vector<Digest>& blobs) override;
+
+  std::vector<StoredTile> tiles_traced_by(const std::string& key) override;
 
   bool has_blob(const Digest& digest) override;
   void put_blob(const Digest& digest, const BlobData& data) override;
@@ -38,6 +38,7 @@ class SqliteJobStore : public JobStore {
 
   void keep(const Digest& key, const FinishedTile& tile) override;
   void drop(const Digest& key, const PixelRect& tile) override { tiles_.drop(key, tile); }
+  void drop_all(const Digest& key) override { tiles_.drop_all(key); }
   std::vector<FinishedTile> find(const Digest& key) override { return tiles_.find(key); }
 
  private:
@@ -53,8 +54,7 @@ class SqliteJobStore : public JobStore {
   std::unordered_set<Digest> verified_;  ///< blobs, by this process
   SqliteDatabase database_;
   TileTable tiles_;
-  uint64_t farm_ = 0, epoch_ = 0;
-  bool epoch_kept_ = false;
+  uint64_t farm_ = 0;
   SecondsHistogram commit_seconds_;
 };
 

@@ -84,7 +84,9 @@ void Assembler::note_build_counters(const v1::Counters& counters) {
   }
 }
 
-std::vector<uint32_t> Assembler::restore(const std::vector<FinishedTile>& kept) {
+std::vector<uint32_t> Assembler::restore(
+    const std::vector<FinishedTile>& kept,
+    const std::function<WorkerId(uint32_t, const FinishedTile&)>& tracer_of) {
   std::vector<uint32_t> restored;
   if (kept.empty()) return restored;
   std::map<std::pair<int, int>, uint32_t> tile_at;
@@ -93,10 +95,11 @@ std::vector<uint32_t> Assembler::restore(const std::vector<FinishedTile>& kept) 
   for (const FinishedTile& tile : kept) {
     const auto place = tile_at.find({tile.rect.x0, tile.rect.y0});
     if (place == tile_at.end() || tiles_[place->second] != tile.rect) continue;
+    const WorkerId from = tracer_of ? tracer_of(place->second, tile) : kFromStore;
     for (v1::TileBand band : tile.kept.bands()) {
       band.set_tile(place->second);
       band.set_lease(place->second);
-      if (add(band, kFromStore).completed_tile) restored.push_back(place->second);
+      if (add(band, from).completed_tile) restored.push_back(place->second);
     }
     // What is damaged is traced again.
     if (!complete(place->second)) reopen(place->second);

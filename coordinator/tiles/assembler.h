@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -10,6 +11,7 @@
 
 #include "coordinator/tiles/tile_scheduler.h"
 #include "coordinator/tiles/tile_store.h"
+#include "coordinator/tiles/worker_keys.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "renderer/film/film.h"
 #include "renderer/film/tile.h"
@@ -24,9 +26,6 @@ struct Mismatch {
   WorkerId second = 0;
   std::vector<float> first_pixels{}, second_pixels{};  ///< of that row
 };
-
-/// Stands for no worker: its pixels were kept from before.
-inline constexpr WorkerId kFromStore = ~WorkerId{0};
 
 /// What became of a band.
 struct BandResult {
@@ -49,8 +48,11 @@ class Assembler {
   /// as it has pixels. False where something of it is there.
   bool fill(uint32_t tile, std::span<const float> value, const v1::Counters& of_pixel,
             WorkerId from);
-  /// Takes up tiles that were kept, as far as they are sound and of this grid. Which are complete.
-  std::vector<uint32_t> restore(const std::vector<FinishedTile>& kept);
+  /// Takes up tiles that were kept, as far as they are sound and of this grid. Returns those that
+  /// are complete. `tracer_of` names whose pixels they are; without it nobody knows.
+  std::vector<uint32_t> restore(
+      const std::vector<FinishedTile>& kept,
+      const std::function<WorkerId(uint32_t tile, const FinishedTile&)>& tracer_of = {});
   /// A complete tile as bands whose last has its counters.
   std::vector<v1::TileBand> bands_of(uint32_t tile) const;
   /// Forgets what there is of the tile: the next pixels of its rows are the first again.

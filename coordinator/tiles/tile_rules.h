@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <string>
 
 #include "base/monotonic.h"
 
@@ -16,9 +17,8 @@ struct TileRules {
   /// No tile is split into parts that take less than this.
   Time smallest_part = std::chrono::milliseconds(4);
 
-  // What RenderLoop fills in.
-  uint64_t farm = 0;   ///< of the store; 0: jobs end with this process
-  uint64_t epoch = 0;  ///< another at each start of a coordinator, below 2^44
+  /// 16 random bytes that name this coordinator, drawn at each start. RenderLoop fills them in.
+  std::string opening{};
 };
 
 }  // namespace tessera

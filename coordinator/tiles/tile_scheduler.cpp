@@ -4,6 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include "coordinator/tiles/identity.h"
+
 namespace tessera {
 namespace {
 
@@ -15,9 +17,8 @@ constexpr size_t kMaxLeasesOfTile = 2;
 constexpr size_t kDurationsKept = 1024;
 // A worker that vanishes takes no more than this of work along that was done and not sent.
 constexpr Time kAtOnce = std::chrono::milliseconds(100);
-// The upper bits of a lease: which coordinator gave it, and which of its leases it is.
-constexpr int kEpochShift = 52, kCountShift = 32;
-constexpr uint64_t kEpochTags = uint64_t{1} << (64 - kEpochShift);
+// The upper bits of a lease: a tag of the coordinator that gave it, and which of its leases it is.
+constexpr int kTagShift = 52, kCountShift = 32;
 
 std::vector<PixelRect> row_of_pixels(size_t count) {
   std::vector<PixelRect> result;
@@ -27,14 +28,16 @@ std::vector<PixelRect> row_of_pixels(size_t count) {
 
 }  // namespace
 
-TileScheduler::TileScheduler(std::vector<PixelRect> tiles, int tile_size, const TileRules& rules)
+TileScheduler::TileScheduler(std::vector<PixelRect> tiles, int tile_size, const TileRules& rules,
+                             const WorkerKeys* keys)
     : rules_(rules),
+      keys_(keys),
       rects_(std::move(tiles)),
       tiles_(rects_.size()),
       costs_(rects_, tile_size),
       pending_(rects_.size()),
       open_tiles_(rects_.size()) {
-  leases_issued_ = epoch_tag() << (kEpochShift - kCountShift);
+  leases_issued_ = opening_tag() << (kTagShift - kCountShift);
   std::iota(pending_.begin(), pending_.end(), 0u);
 }
 
@@ -93,11 +96,13 @@ SchedulerEvents TileScheduler::leave(WorkerId worker, LossCause cause, Time now)
 }
 
 bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now, bool busy) const {
-  if (std::count(tile.disputed_by.begin(), tile.disputed_by.end(), worker) > 0) return false;
+  const auto index = static_cast<uint32_t>(&tile - tiles_.data());
+  if (is_party(index, worker)) return false;
   if (tile.state == State::done) {
-    const auto check = checks_.find(static_cast<uint32_t>(&tile - tiles_.data()));
+    const auto check = checks_.find(index);
+    const auto has_its_voice = [&](WorkerId by) { return voice_of(by) == voice_of(worker); };
     if (check == checks_.end() ||
-        std::count(check->second.begin(), check->second.end(), worker) > 0) {
+        std::any_of(check->second.begin(), check->second.end(), has_its_voice)) {
       return false;
     }
   }
@@ -252,8 +257,10 @@ size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& 
   std::map<LeaseId, LeaseProgress> by_id;
   for (const LeaseProgress& progress : held) {
     by_id.emplace(progress.lease, progress);
-    const bool ours = !holders_.contains(worker) || !adopt(progress.lease, worker);
-    if (!ours) go_on(progress, worker, now);
+    const bool goes_on = !progress.ours && holders_.contains(worker) &&
+                         !issued_.contains(progress.lease) &&
+                         accepts(progress.lease, false, worker);
+    if (goes_on) go_on(progress, worker, now);
     const auto it = live_.find(progress.lease);
     if (it != live_.end() && it->second.worker == worker) {
       grew |= progress.work_done > it->second.work_done;
@@ -286,16 +293,15 @@ size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& 
   return foreign;
 }
 
-uint64_t TileScheduler::epoch_tag() const { return rules_.epoch % kEpochTags; }
+uint64_t TileScheduler::opening_tag() const { return number_of(rules_.opening) >> kTagShift; }
 
-bool TileScheduler::adopt(LeaseId lease, WorkerId worker) {
-  const uint64_t tag = lease >> kEpochShift;
-  // Where epochs have not come round yet, those to come have given none.
-  const bool of_before =
-      rules_.farm != 0 && tag != epoch_tag() && (rules_.epoch >= kEpochTags || tag < rules_.epoch);
-  if (!of_before || tile_of(lease) >= tiles_.size() || issued_.contains(lease)) return false;
-  // Into which parts that coordinator had split what is not known any more.
-  if (!TilePiece::of(lease).whole()) return false;
+bool TileScheduler::accepts(LeaseId lease, bool ours, WorkerId worker) {
+  // Leases of another coordinator whose tag happens to be the same (one in 4,096) cannot be told
+  // from ours: their tiles are traced again.
+  if (ours != (lease >> kTagShift == opening_tag())) return false;
+  if (ours || issued_.contains(lease)) return issued(lease, worker);
+  // Into which parts that coordinator had split a tile is not known any more.
+  if (tile_of(lease) >= tiles_.size() || !TilePiece::of(lease).whole()) return false;
   // No more than there are honest ones.
   if (adopted_ >= tiles_.size() * kMaxLeasesOfTile) return false;
   ++adopted_;

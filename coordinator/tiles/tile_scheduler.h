@@ -14,6 +14,7 @@
 #include "coordinator/tiles/tile_costs.h"
 #include "coordinator/tiles/tile_piece.h"
 #include "coordinator/tiles/tile_rules.h"
+#include "coordinator/tiles/worker_keys.h"
 
 namespace tessera {
 
@@ -37,6 +38,7 @@ struct LeaseProgress {
   LeaseId lease = 0;
   uint64_t work_done = 0;
   bool started = false;
+  bool ours = true;  ///< given by this coordinator, not by one before it on the same store
 };
 
 /// How a worker ceased to be there.
@@ -69,8 +71,10 @@ struct SchedulerEvents {
 /// A tile that fails is whole again. Plain values; no clock.
 class TileScheduler {
  public:
-  /// Tiles of the grid of that size, as cut_tiles() orders them.
-  TileScheduler(std::vector<PixelRect> tiles, int tile_size, const TileRules& rules);
+  /// Tiles of the grid of that size, as cut_tiles() orders them. `keys`, which must outlive this,
+  /// tells which workers speak with one voice; null: none do.
+  TileScheduler(std::vector<PixelRect> tiles, int tile_size, const TileRules& rules,
+                const WorkerKeys* keys = nullptr);
   /// So many tiles of one pixel each.
   TileScheduler(size_t tiles, const TileRules& rules);
 
@@ -119,6 +123,9 @@ class TileScheduler {
   SchedulerEvents dispute(uint32_t tile, WorkerId one, WorkerId other, Time now);
   /// The workers of earlier calls of dispute() for the tile.
   const std::vector<WorkerId>& disputed_by(uint32_t tile) const { return tiles_[tile].disputed_by; }
+  /// Whether what the worker says of the tile decides nothing: the tile is in dispute, and the
+  /// worker, or one that speaks with the same voice, is a party to it.
+  bool is_party(uint32_t tile, WorkerId worker) const;
   /// One of the two is known to be wrong: the other may trace it again.
   void forget_dispute(uint32_t tile);
   /// A disputed tile that no other worker has taken for a whole lease.
@@ -138,12 +145,11 @@ class TileScheduler {
   /// not. A check that stalls too often is given up.
   SchedulerEvents stall(const Lease& lease, Time now);
 
-  /// Whether this worker was ever given that lease.
-  bool issued(LeaseId lease, WorkerId worker) const;
-  /// Takes a lease of a whole tile for issued that a coordinator before us gave, on the same store:
-  /// what was traced under it is as good. Whether this worker got it nobody knows any more. False
-  /// where it cannot be one.
-  bool adopt(LeaseId lease, WorkerId worker);
+  /// Whether pixels that the worker sends under that lease count: it was given the lease by this
+  /// coordinator (`ours`), or by one before it on the same store, whose leases of whole tiles are
+  /// adopted: what was traced under them is as good, though nobody knows any more whether this
+  /// worker got them. At most two are adopted for each tile.
+  bool accepts(LeaseId lease, bool ours, WorkerId worker);
   /// Nobody has it or ever had it.
   bool untouched(uint32_t tile) const {
     return tiles_[tile].state == State::pending && tiles_[tile].attempts == 0 &&
@@ -225,7 +231,12 @@ class TileScheduler {
   void forget_check(uint32_t tile);
   /// The worker goes on with a tile of adopt().
   void go_on(const LeaseProgress& progress, WorkerId worker, Time now);
-  uint64_t epoch_tag() const;
+  bool issued(LeaseId lease, WorkerId worker) const;
+  /// The upper bits of the leases that this coordinator gives.
+  uint64_t opening_tag() const;
+  WorkerKeys::Voice voice_of(WorkerId worker) const {
+    return keys_ ? keys_->voice_of(worker) : worker;
+  }
   Time straggler_age() const;
   Time lease_length(const Tile& tile) const;
   /// Forgets a live lease; the tile is pending if that was its last.
@@ -234,6 +245,7 @@ class TileScheduler {
   void give_up(uint32_t tile, SchedulerEvents& events);
 
   TileRules rules_;
+  const WorkerKeys* keys_;
   std::vector<PixelRect> rects_;
   std::vector<Tile> tiles_;
   TileCosts costs_;

@@ -38,6 +38,18 @@ SchedulerEvents TileScheduler::dispute(uint32_t index, WorkerId one, WorkerId ot
   return events;
 }
 
+bool TileScheduler::is_party(uint32_t index, WorkerId worker) const {
+  // Pairs, as dispute() has added them. Processes of one key that differ from each other accuse
+  // nobody else, and may be judged by a third of them.
+  const std::vector<WorkerId>& by = tiles_[index].disputed_by;
+  for (size_t i = 0; i + 1 < by.size(); i += 2) {
+    if (by[i] == worker || by[i + 1] == worker) return true;
+    const WorkerKeys::Voice one = voice_of(by[i]), other = voice_of(by[i + 1]);
+    if (one != other && (one == voice_of(worker) || other == voice_of(worker))) return true;
+  }
+  return false;
+}
+
 std::vector<Lease> TileScheduler::leases_of(WorkerId worker) const {
   std::vector<Lease> leases;
   const auto holder = holders_.find(worker);
@@ -107,9 +119,8 @@ std::optional<uint32_t> TileScheduler::undecided(Time now) const {
     const Tile& tile = tiles_[index];
     if (tile.state != State::pending || now - tile.disputed_at < rules_.lease) return false;
     // Who could decide may be busy.
-    return std::none_of(holders_.begin(), holders_.end(), [&](const auto& holder) {
-      return std::count(tile.disputed_by.begin(), tile.disputed_by.end(), holder.first) == 0;
-    });
+    return std::all_of(holders_.begin(), holders_.end(),
+                       [&](const auto& holder) { return is_party(index, holder.first); });
   });
   return it == disputed_.end() ? std::nullopt : std::optional(*it);
 }

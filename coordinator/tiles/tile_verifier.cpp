@@ -27,7 +27,7 @@ bool TileVerifier::selects(uint32_t tile) const {
 bool TileVerifier::wants_second(uint32_t tile) const {
   const std::vector<WorkerId>& by = traced_by_[tile];
   return selects(tile) || std::any_of(by.begin(), by.end(), [this](WorkerId worker) {
-           return suspects_.contains(worker);
+           return suspects_.contains(voice_of(worker));
          });
 }
 
@@ -36,11 +36,12 @@ void TileVerifier::note_rows(uint32_t tile, WorkerId worker) {
   if (std::find(by.begin(), by.end(), worker) == by.end()) by.push_back(worker);
 }
 
-std::vector<uint32_t> TileVerifier::tiles_of(WorkerId worker) const {
+std::vector<uint32_t> TileVerifier::tiles_of(WorkerId worker, bool by_voice) const {
   std::vector<uint32_t> tiles;
   for (uint32_t tile = 0; tile < traced_by_.size(); ++tile) {
     const std::vector<WorkerId>& by = traced_by_[tile];
-    if (std::find(by.begin(), by.end(), worker) != by.end()) tiles.push_back(tile);
+    const auto is_its = [&](WorkerId id) { return same(id, worker, by_voice); };
+    if (std::any_of(by.begin(), by.end(), is_its)) tiles.push_back(tile);
   }
   return tiles;
 }
@@ -48,7 +49,8 @@ std::vector<uint32_t> TileVerifier::tiles_of(WorkerId worker) const {
 bool TileVerifier::note_same_rows(uint32_t tile, WorkerId worker, const PixelRect& rect,
                                   int first_row, int rows) {
   const std::vector<WorkerId>& by = traced_by_[tile];
-  if (std::find(by.begin(), by.end(), worker) != by.end()) return false;
+  const auto has_its_voice = [&](WorkerId id) { return voice_of(id) == voice_of(worker); };
+  if (std::any_of(by.begin(), by.end(), has_its_voice)) return false;
   std::vector<bool>& same = same_[{tile, worker}];
   same.resize(static_cast<size_t>(rect.height()));
   std::fill_n(same.begin() + (first_row - rect.y0), rows, true);
@@ -72,10 +74,12 @@ const Mismatch* TileVerifier::dispute(uint32_t tile) const {
   return it == disputes_.end() ? nullptr : &it->second;
 }
 
-std::vector<uint32_t> TileVerifier::disputes_of(WorkerId worker) const {
+std::vector<uint32_t> TileVerifier::disputes_of(WorkerId worker, bool by_voice) const {
   std::vector<uint32_t> tiles;
   for (const auto& [tile, dispute] : disputes_) {
-    if (dispute.first == worker || dispute.second == worker) tiles.push_back(tile);
+    if (same(dispute.first, worker, by_voice) || same(dispute.second, worker, by_voice)) {
+      tiles.push_back(tile);
+    }
   }
   return tiles;
 }

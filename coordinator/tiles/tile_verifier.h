@@ -10,6 +10,7 @@
 
 #include "coordinator/tiles/assembler.h"
 #include "coordinator/tiles/tile_scheduler.h"
+#include "coordinator/tiles/worker_keys.h"
 
 namespace tessera {
 
@@ -20,23 +21,25 @@ class TileVerifier {
  public:
   /// `share` from 0 to 1; `key` is drawn and known to nobody else, so that no worker can tell which
   /// of its tiles are looked at.
-  TileVerifier(size_t tiles, double share, uint64_t key)
-      : share_(share), key_(key), traced_by_(tiles) {}
+  /// `keys`, which must outlive this, tells which workers speak with one voice; null: none do.
+  TileVerifier(size_t tiles, double share, uint64_t key, const WorkerKeys* keys = nullptr)
+      : share_(share), key_(key), keys_(keys), traced_by_(tiles) {}
 
   bool selects(uint32_t tile) const;
   /// Whether a second worker is to trace it too: selects(), or a suspect has traced of it.
   bool wants_second(uint32_t tile) const;
   /// What this worker said is not what another did: all that it traces is looked at.
-  void suspect(WorkerId worker) { suspects_.insert(worker); }
+  void suspect(WorkerId worker) { suspects_.insert(voice_of(worker)); }
 
   /// Rows of the tile were taken from the worker.
   void note_rows(uint32_t tile, WorkerId worker);
   /// Whose rows a tile has, or may have.
   const std::vector<WorkerId>& traced_by(uint32_t tile) const { return traced_by_[tile]; }
-  /// Tiles of which that is true.
-  std::vector<uint32_t> tiles_of(WorkerId worker) const;
-  /// The tile is complete, and these rows came again from another worker, with the same bits. True
-  /// once all of `tile`'s rows came so from this one.
+  /// Tiles of which that is true of that worker or, with `by_voice`, of any that speaks with the
+  /// same voice.
+  std::vector<uint32_t> tiles_of(WorkerId worker, bool by_voice = false) const;
+  /// The tile is complete, and these rows came again, with the same bits. True once all of `tile`'s
+  /// rows came so from this worker, and it speaks with another voice than those that traced it.
   bool note_same_rows(uint32_t tile, WorkerId worker, const PixelRect& rect, int first_row,
                       int rows);
   /// Nothing of it counts any more.
@@ -48,17 +51,26 @@ class TileVerifier {
   const Mismatch* dispute(uint32_t tile) const;
   /// Who of the two was wrong, as the third's pixels of the row say; nothing where both were.
   static std::optional<WorkerId> judge(const Mismatch& dispute, std::span<const float> third);
-  /// Tiles about which this worker and another differ.
-  std::vector<uint32_t> disputes_of(WorkerId worker) const;
+  /// Tiles about which this worker and another differ; `by_voice` as of tiles_of().
+  std::vector<uint32_t> disputes_of(WorkerId worker, bool by_voice = false) const;
   void settle(uint32_t tile) { disputes_.erase(tile); }
 
  private:
+  WorkerKeys::Voice voice_of(WorkerId worker) const {
+    return keys_ ? keys_->voice_of(worker) : worker;
+  }
+  /// Whether `a` is the worker `b` or, with `by_voice`, speaks with the same voice.
+  bool same(WorkerId a, WorkerId b, bool by_voice) const {
+    return a == b || (by_voice && voice_of(a) == voice_of(b));
+  }
+
   double share_;
   uint64_t key_;
+  const WorkerKeys* keys_;
   std::vector<std::vector<WorkerId>> traced_by_;                     ///< by tile
   std::map<std::pair<uint32_t, WorkerId>, std::vector<bool>> same_;  ///< rows
   std::map<uint32_t, Mismatch> disputes_;
-  std::set<WorkerId> suspects_;
+  std::set<WorkerKeys::Voice> suspects_;
 };
 
 }  // namespace tessera

@@ -17,7 +17,8 @@ std::string text_of(const Json& json) {
 }
 
 const char* name_of(FarmSnapshot::JobState state) {
-  constexpr std::array kNames = {"queued", "running", "paused", "done", "failed", "cancelled"};
+  constexpr std::array kNames = {"queued", "running", "paused",   "held",
+                                 "done",   "failed",  "cancelled"};
   return kNames[static_cast<size_t>(state)];
 }
 
@@ -114,7 +115,7 @@ std::string job_json(const FarmSnapshot::Job& job) { return text_of(to_json(job)
 std::string farm_json(const FarmSnapshot& snapshot) {
   return text_of({{"version", kVersion},
                   {"farm", std::to_string(snapshot.farm)},
-                  {"epoch", std::to_string(snapshot.epoch)},
+                  {"opening", snapshot.opening},
                   {"uptime_seconds", rounded(snapshot.uptime_seconds)},
                   {"store_trouble", snapshot.store_trouble},
                   {"counters", to_json(snapshot.counters)},

@@ -61,13 +61,16 @@ class Metrics {
 double number(uint64_t value) { return static_cast<double>(value); }
 
 void add_jobs(Metrics& metrics, const FarmSnapshot& snapshot) {
-  constexpr std::array kStates = {"queued", "running", "paused", "done", "failed", "cancelled"};
+  constexpr std::array kStates = {"queued", "running", "paused",   "held",
+                                  "done",   "failed",  "cancelled"};
   std::array<double, kStates.size()> jobs{};
   double queue = 0;
   for (const FarmSnapshot::Job& job : snapshot.jobs) {
     ++jobs[static_cast<size_t>(job.state)];
-    const bool open =
-        job.state == FarmSnapshot::JobState::queued || job.state == FarmSnapshot::JobState::running;
+    // Held ones count: what they lack may be another worker.
+    const bool open = job.state == FarmSnapshot::JobState::queued ||
+                      job.state == FarmSnapshot::JobState::running ||
+                      job.state == FarmSnapshot::JobState::held;
     if (open) queue += number(job.tiles_total - std::min(job.tiles_done, job.tiles_total));
   }
   std::vector<Metrics::Sample> samples;
@@ -75,7 +78,7 @@ void add_jobs(Metrics& metrics, const FarmSnapshot& snapshot) {
     samples.push_back({fmt::format("{{state=\"{}\"}}", kStates[i]), jobs[i]});
   }
   metrics.add("jobs", "gauge", "Jobs that the coordinator knows, by state.", samples);
-  metrics.gauge("queue_tiles", "Tiles of queued and running jobs that are not done.", queue);
+  metrics.gauge("queue_tiles", "Tiles of queued, held and running jobs that are not done.", queue);
   metrics.counter("jobs_accepted_total", "Jobs that clients submitted.",
                   number(snapshot.counters.jobs_accepted));
 }
@@ -139,8 +142,6 @@ std::string metrics_text(const FarmSnapshot& snapshot, const FarmMonitor::Work& 
   metrics.add("build_info", "gauge", "Always 1.",
               {{fmt::format("{{version=\"{}\"}}", kVersion), 1}});
   metrics.gauge("uptime_seconds", "Since the coordinator was started.", snapshot.uptime_seconds);
-  metrics.gauge("coordinator_epoch", "Another at each start of a coordinator.",
-                number(snapshot.epoch));
   metrics.gauge("store_trouble", "1 where no tile is given out since the store takes none.",
                 snapshot.store_trouble.empty() ? 0 : 1);
   add_jobs(metrics, snapshot);

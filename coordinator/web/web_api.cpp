@@ -66,6 +66,8 @@ const char* name_of(v1::JobStatus::State state) {
       return "paused";
     case v1::JobStatus::RUNNING:
       return "running";
+    case v1::JobStatus::HELD:
+      return "held";
     case v1::JobStatus::ENDED:
       return "ended";
     default:

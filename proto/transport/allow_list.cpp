@@ -101,6 +101,11 @@ std::string AllowList::line(const Key& key, const AllowedKey& allowed) {
   return fmt::format("{} {} {}\n", key_text(key), role_name(allowed.role), allowed.name);
 }
 
+size_t AllowList::count(Role role) const {
+  return static_cast<size_t>(std::count_if(
+      keys_.begin(), keys_.end(), [role](const auto& key) { return key.second.role == role; }));
+}
+
 const AllowedKey* AllowList::find(const std::string& hex) const {
   const auto it = keys_.find(hex);
   return it == keys_.end() ? nullptr : &it->second;

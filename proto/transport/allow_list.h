@@ -38,6 +38,7 @@ class AllowList {
   /// Whose key this is, or null. `hex` as of key_text().
   const AllowedKey* find(const std::string& hex) const;
   size_t size() const { return keys_.size(); }
+  size_t count(Role role) const;
 
  private:
   std::unordered_map<std::string, AllowedKey> keys_;  ///< by key_text()

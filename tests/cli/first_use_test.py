@@ -22,7 +22,7 @@ nodes { keys { time: 0 transform { } } keys { time: 1 transform { steps { transl
 
 class Help(TesseraTest):
     def test_lines_fit(self):
-        for command in ["", "render", "serve", "worker", "submit", "status", "pause", "resume",
+        for command in ["", "render", "serve", "worker", "submit", "status", "pause", "resume", "retry",
                         "cancel", "fetch", "convert", "info", "compare", "bench",
                         "bench rays", "bench octree", "bench farm"]:
             for line in self.run_program("help", *command.split()).out.splitlines():

@@ -16,6 +16,7 @@
 #include "proto/transport/zmq_transport.h"
 #include "proto/wire/frame.h"
 #include "proto/wire/pixels.h"
+#include "tests/farm/frame_names.h"
 #include "tests/farm/played_hello.h"
 
 namespace {
@@ -230,6 +231,7 @@ int attack(const std::string& endpoint, bool as_worker, uint64_t seed, Time end)
   const auto transport = connect_client(endpoint);
   const uint64_t worker = seed | 1;
   uint64_t sent = 0, session = 1;
+  tessera::testing::FrameNames names;
   const auto greet = [&] {
     v1::Envelope hello = tessera::testing::played_hello(worker);
     hello.mutable_hello()->set_session(session);
@@ -242,6 +244,7 @@ int attack(const std::string& endpoint, bool as_worker, uint64_t seed, Time end)
       const auto message = decode(received->bytes, max_message_bytes(received->channel));
       if (!message) continue;
       inventor.hear(*message);
+      names.note(*message);
       if (message->has_welcome()) transport->connect_bulk(message->welcome().bulk_endpoint());
       if (message->has_job_status()) {
         transport->connect_bulk(message->job_status().bulk_endpoint());
@@ -254,10 +257,13 @@ int attack(const std::string& endpoint, bool as_worker, uint64_t seed, Time end)
         v1::Envelope ready;
         ready.mutable_scene_ready()->set_session(session);
         ready.mutable_scene_ready()->set_job(message->job_start().job());
+        names.complete(ready);
         transport->send(Channel::control, encode(ready));
       }
       if (message->has_assign() && inventor.chance(0.3)) {
-        transport->send(Channel::control, encode(lie(message->assign(), session, inventor)));
+        v1::Envelope lied = lie(message->assign(), session, inventor);
+        names.complete(lied);
+        transport->send(Channel::control, encode(lied));
       }
     }
     for (int i = 0; i < 20; ++i) {

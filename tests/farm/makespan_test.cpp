@@ -16,6 +16,7 @@
 #include "coordinator/coordinator.h"
 #include "job/tile_grid.h"
 #include "proto/wire/pixels.h"
+#include "tests/farm/frame_names.h"
 #include "tests/farm/played_hello.h"
 
 namespace tessera::testing {
@@ -137,7 +138,8 @@ class Farm {
     }
   }
 
-  void say(uint64_t id, const v1::Envelope& message) {
+  void say(uint64_t id, v1::Envelope message) {
+    names_.complete(message);
     at(now_ + kLatency, [this, id, message] {
       coordinator_.on_message(Channel::control, std::to_string(id), message, now_);
       deliver();
@@ -157,6 +159,7 @@ class Farm {
   void hear(uint64_t id, const v1::Envelope& message) {
     Worker& worker = workers_.at(id);
     if (worker.stopped) return;
+    names_.note(message);
     if (message.has_job_start()) {
       frame_ = message.job_start().job();
       v1::Envelope ready;
@@ -233,6 +236,7 @@ class Farm {
   }
 
   Coordinator coordinator_;
+  FrameNames names_;
   Cost cost_;
   std::map<uint64_t, Worker> workers_;
   std::priority_queue<Event> events_;
@@ -243,7 +247,7 @@ class Farm {
 
 CoordinatorOptions sound() {
   CoordinatorOptions options;
-  options.epoch = 1;
+  options.opening = "a bench of farms";
   return options;
 }
 

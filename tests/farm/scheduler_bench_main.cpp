@@ -15,6 +15,7 @@
 #include "base/process_usage.h"
 #include "coordinator/coordinator.h"
 #include "proto/wire/pixels.h"
+#include "tests/farm/frame_names.h"
 #include "tests/farm/played_hello.h"
 
 namespace tessera {
@@ -93,7 +94,8 @@ class Bench {
   }
 
   /// Seconds that the coordinator took.
-  double say(uint64_t worker, const v1::Envelope& message) {
+  double say(uint64_t worker, v1::Envelope message) {
+    names_.complete(message);
     const double start = computed();
     coordinator_.on_message(Channel::control, std::to_string(worker), message, now_);
     collect();
@@ -104,6 +106,7 @@ class Bench {
 
   void collect() {
     for (OutgoingMessage& out : coordinator_.take_outgoing()) {
+      names_.note(out.message);
       if (out.message.has_job_start()) frame_ = out.message.job_start().job();
       if (!out.message.has_assign()) continue;
       ++given_;
@@ -138,6 +141,7 @@ class Bench {
 
   uint64_t workers_;
   Coordinator coordinator_{CoordinatorOptions{}};
+  testing::FrameNames names_;
   uint64_t id_ = 0, frame_ = 0, work_ = 0, ticks_ = 0;
   Time now_ = std::chrono::seconds(1), next_tick_ = now_;
   std::deque<std::pair<uint64_t, v1::Assign>> assigned_;

@@ -55,7 +55,7 @@ void ServiceSimulation::with_coordinator(const std::function<void(Coordinator&)>
 void ServiceSimulation::restart() {
   say("the coordinator is killed, and started anew");
   ++restarts_;
-  ++options_.epoch;
+  options_.opening = opening_of(++openings_);
   coordinator_ = std::make_unique<Coordinator>(options_, store_);
   deliver();
 }

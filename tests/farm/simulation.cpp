@@ -23,7 +23,7 @@ Simulation::Simulation(uint64_t seed,
                        const std::function<void(Faults&, CoordinatorOptions&)>& adjust)
     : random_(seed) {
   draw_faults();
-  options_.epoch = 1;
+  options_.opening = opening_of(1);
   options_.host = kHost;
   options_.compress_pixels = draw() < 0.2;
   options_.verify = draw() < 0.2 ? draw() : 0;
@@ -204,7 +204,7 @@ void Simulation::submit() {
 
 void Simulation::restart_coordinator() {
   say("the coordinator is started anew");
-  ++options_.epoch;
+  options_.opening = opening_of(++openings_);
   coordinator_ = std::make_unique<Coordinator>(options_);
   if (client_) return;
   job_.frame.set_seed(job_.frame.seed() + 1);

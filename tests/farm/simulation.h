@@ -12,6 +12,7 @@
 
 #include "client/job_client.h"
 #include "coordinator/coordinator.h"
+#include "coordinator/tiles/identity.h"
 #include "tests/farm/fake_renderer.h"
 #include "worker/session_spool.h"
 
@@ -120,6 +121,8 @@ class Simulation {
   void end_drain(uint32_t process);
   void something_happens();
   void thaw_all();
+  /// How the coordinator of that number calls itself.
+  static std::string opening_of(uint64_t number) { return job_id_of("simulated", number); }
   /// A new coordinator with a new job, whose picture is another.
   void restart_coordinator();
   void submit();
@@ -143,6 +146,7 @@ class Simulation {
   double pace_ = 1;  ///< of tracing: larger is slower
   JobSpec job_;
   Time now_ = std::chrono::seconds(1000);
+  uint64_t openings_ = 1;
   uint64_t order_ = 0, messages_ = 0;
   std::priority_queue<Event> events_;
   std::map<std::string, Time> last_arrival_;  ///< by line, where messages keep their order

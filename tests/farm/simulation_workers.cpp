@@ -224,9 +224,10 @@ void Simulation::perform(Worker& worker) {
         if (!builder) return;
         BuildOutcome outcome;
         outcome.job = run->job;
+        outcome.frame_id = run->frame_id;
         if (faults_.bad_scene) {
           outcome.failure = "simulated";
-          outcome.exit_code = static_cast<int>(ExitCode::bad_scene);
+          outcome.cause = v1::SceneFailed::BAD_SCENE;
         } else {
           outcome.renderer = make_fake_renderer(run->scene, run->blobs, run->frame, 1);
         }

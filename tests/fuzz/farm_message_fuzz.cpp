@@ -18,6 +18,7 @@
 #include "proto/wire/frame.h"
 #include "proto/wire/pixels.h"
 #include "tests/farm/fake_renderer.h"
+#include "tests/farm/frame_names.h"
 #include "worker/worker_session.h"
 
 namespace {
@@ -58,13 +59,13 @@ class Farm {
   explicit Farm(const JobSpec& job) {
     const auto store = std::make_shared<MemoryJobStore>(7);
     CoordinatorOptions options;
-    options.epoch = 2;
+    options.opening = "the one before";
     options.verify = 0.5;
     {
       Coordinator before(options, store);
       submit(before, job);
     }
-    options.epoch = 3;
+    options.opening = "this one, at last";
     coordinator = Coordinator(options, store);
     coordinator.submit(job, {});
     coordinator.on_tick({});
@@ -87,6 +88,7 @@ class Farm {
     for (auto told = coordinator.take_outgoing(); !told.empty();) {
       for (const OutgoingMessage& out : told) {
         encode(out.message);
+        names_.note(out.message);
         if (out.message.has_assign() && assigns_.size() < 256) {
           assigns_.push_back(out.message.assign());
         }
@@ -94,6 +96,7 @@ class Farm {
         v1::Envelope ready;
         ready.mutable_scene_ready()->set_session(1);
         ready.mutable_scene_ready()->set_job(out.message.job_start().job());
+        names_.complete(ready);
         coordinator.on_message(Channel::control, out.peer, ready, {});
       }
       told = coordinator.take_outgoing();
@@ -117,6 +120,7 @@ class Farm {
     } else if (message.has_tile_band()) {
       make_known(*message.mutable_tile_band());
     }
+    names_.complete(message);
   }
 
   Coordinator coordinator{CoordinatorOptions{}};
@@ -159,6 +163,7 @@ class Farm {
     band.set_pixel_crc(sound.pixel_crc());
   }
 
+  testing::FrameNames names_;
   std::vector<v1::Assign> assigns_;
 };
 

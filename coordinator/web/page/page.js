@@ -30,7 +30,7 @@ async function ask() {
     const [now, history, log] = await Promise.all([get("farm"), get("history"), get(`log?after=${lastLine}`)]);
     if (mine !== turn) return;
     // Another coordinator on the same store counts its lines from the start.
-    const anew = farm !== null && (farm.epoch !== now.epoch || farm.farm !== now.farm);
+    const anew = farm !== null && (farm.opening !== now.opening || farm.farm !== now.farm);
     if (anew) startAnew();
     farm = now;
     failures = 0;
@@ -252,6 +252,7 @@ async function showFrame(mine) {
 function waitingFor(job, tiles) {
   if (job.state === "queued") return "waiting for its turn";
   if (job.state === "paused") return "paused";
+  if (job.state === "held") return `held: ${job.failure}`;
   if (job.state !== "running") return "there is no picture";
   return tiles.tiles.length && !farm.workers.some((w) => w.state !== "lost") ? "waiting for workers" : "";
 }

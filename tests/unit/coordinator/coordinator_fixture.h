@@ -7,6 +7,7 @@
 
 #include "coordinator/coordinator.h"
 #include "proto/wire/pixels.h"
+#include "tests/farm/frame_names.h"
 
 namespace tessera::testing {
 
@@ -37,14 +38,24 @@ class CoordinatorTest : public ::testing::Test {
     return message;
   }
 
-  void say(const PeerId& peer, const v1::Envelope& message, Time now = {},
-           const AllowedKey& sender = {}) {
+  /// What is missing of the names of frames is filled in, as a worker would.
+  void say(const PeerId& peer, v1::Envelope message, Time now = {}, const AllowedKey& sender = {}) {
+    listen();
+    names.complete(message);
     coordinator.on_message(Channel::control, peer, message, now, sender);
+  }
+
+  void listen() {
+    for (auto& out : coordinator.take_outgoing()) {
+      names.note(out.message);
+      to.push_back(out.peer);
+      all.push_back(std::move(out.message));
+    }
   }
 
   /// All that was said since last asked, by kind.
   std::vector<v1::Envelope> heard(v1::Envelope::MessageCase kind) {
-    for (auto& out : coordinator.take_outgoing()) all.push_back(std::move(out.message));
+    listen();
     std::vector<v1::Envelope> result;
     for (const auto& message : all) {
       if (message.message_case() == kind) result.push_back(message);
@@ -74,6 +85,8 @@ class CoordinatorTest : public ::testing::Test {
 
   Coordinator coordinator{CoordinatorOptions{}};
   std::vector<v1::Envelope> all;
+  std::vector<PeerId> to;  ///< whom each of `all` was said
+  FrameNames names;
 };
 
 }  // namespace tessera::testing

@@ -207,29 +207,29 @@ TEST_F(CoordinatorTest, TakesPixelsOnlyUnderALeaseOfTheirWorker) {
 }
 
 TEST_F(CoordinatorTest, OneWorkerIsNotBelievedThatASceneIsBad) {
-  const auto failed = [](uint64_t id, uint32_t code) {
+  const auto failed = [](uint64_t id) {
     v1::Envelope message;
     message.mutable_scene_failed()->set_session(1);
     message.mutable_scene_failed()->set_job(id);
-    message.mutable_scene_failed()->set_exit_code(code);
+    message.mutable_scene_failed()->set_cause(v1::SceneFailed::BAD_SCENE);
     message.mutable_scene_failed()->set_text("bad");
     return message;
   };
   const uint64_t id = coordinator.submit(job(), {});
   say("p", hello(1));
   say("q", hello(2));
-  say("p", failed(id, 1));
-  say("p", failed(id, 1));
+  say("p", failed(id));
+  say("p", failed(id));
   EXPECT_FALSE(coordinator.take_result(id)) << "the other has not said it";
-  say("q", failed(id, 1));
+  say("q", failed(id));
   const auto result = coordinator.take_result(id);
   ASSERT_TRUE(result);
   EXPECT_EQ(result->report.exit_code, ExitCode::bad_scene);
   // The last one there is believed, also when the other goes after it spoke.
   const uint64_t next = coordinator.submit(job(), {});
-  say("p", failed(next, 1));
+  say("p", failed(next));
   coordinator.on_peer_gone("q", {});
-  say("p", failed(next, 1));
+  say("p", failed(next));
   ASSERT_TRUE(coordinator.take_result(next));
 }
 
@@ -248,7 +248,7 @@ TEST_F(CoordinatorTest, AJobThatEndsWorkersWhileTheyBuildEnds) {
   EXPECT_EQ(result->report.exit_code, ExitCode::render_failed);
   EXPECT_EQ(result->report.failure,
             "5 workers, one after the other, were lost while they built the scene, and none has "
-            "built it; it may take more memory than they have");
+            "built it; it may take more memory than they have: 'tessera retry' tries again");
 }
 
 TEST_F(CoordinatorTest, AJobIsNotBlamedForWorkersThatAreLostOtherwise) {
@@ -376,7 +376,7 @@ TEST_F(CoordinatorTest, AKeyWhoseWorkersFailUnderManyIdsIsSetAside) {
   say("m4", hello(4), {}, mallory);
   ASSERT_EQ(heard(v1::Envelope::kReject).size(), before + 1);
   EXPECT_EQ(heard(v1::Envelope::kReject).back().reject().reason(), v1::Reject::QUARANTINED);
-  coordinator.forgive_keys();
+  coordinator.set_worker_keys(2);
   say("m5", hello(5), {}, mallory);
   EXPECT_EQ(coordinator.progress({}).workers, 2);
 }

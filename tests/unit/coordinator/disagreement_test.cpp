@@ -149,15 +149,14 @@ class UnseenDisagreement : public CoordinatorTest {
   }
   /// All who are given tiles trace them, until there is nothing left.
   void trace_all(float value) {
-    for (auto told = coordinator.take_outgoing(); !told.empty();) {
-      for (const auto& [channel, peer, message] : told) {
-        if (message.has_assign()) say(peer, band(message.assign(), value));
-      }
-      told = coordinator.take_outgoing();
+    for (listen(); traced < all.size(); ++traced) {
+      if (all[traced].has_assign()) say(to[traced], band(all[traced].assign(), value));
+      listen();
     }
   }
   uint64_t done() const { return coordinator.progress({}).tiles_done; }
   uint64_t id = 0;
+  size_t traced = 0;  ///< of `all`, so far
 };
 
 TEST_F(UnseenDisagreement, IsNoneWhereBothSayTheSame) {

@@ -7,6 +7,7 @@
 
 #include "base/log.h"
 #include "coordinator/jobs/memory_job_store.h"
+#include "coordinator/tiles/identity.h"
 #include "proto/wire/blob_transfer.h"
 #include "proto/wire/scene_codec.h"
 #include "tests/unit/coordinator/coordinator_fixture.h"
@@ -22,9 +23,13 @@ class ServiceTest : public CoordinatorTest {
   }
   void restart() {
     CoordinatorOptions options;
-    options.epoch = ++epoch;
+    options.opening = opening_of(++openings);
     coordinator = Coordinator(options, store);
     all.clear();
+    to.clear();
+  }
+  static std::string opening_of(int number) {
+    return job_id_of("a test", static_cast<uint64_t>(number));
   }
   /// The number of the job of `side` x `side` pixels in tiles of 16, once it is accepted.
   uint64_t submit(uint32_t seed, int priority = 0, int side = 32, uint32_t weight = 1,
@@ -106,6 +111,8 @@ class ServiceTest : public CoordinatorTest {
     return result;
   }
   static uint64_t job_of(const v1::Assign& assign) { return assign.job() >> 20; }
+  /// The number by which workers know the first frame of the job.
+  static uint64_t first_frame_of(uint64_t id) { return (id << 20) + 1; }
   /// Of the job among the assignments from the `from`-th on.
   size_t count_of(uint64_t id, size_t from = 0) {
     const auto all_of_them = assigned();
@@ -114,7 +121,7 @@ class ServiceTest : public CoordinatorTest {
                       [id](const v1::Assign& assign) { return job_of(assign) == id; }));
   }
 
-  uint64_t epoch = 0;
+  int openings = 0;
   std::shared_ptr<MemoryJobStore> store = std::make_shared<MemoryJobStore>(7);
 };
 

@@ -97,8 +97,8 @@ TEST(RenderService, BuildsAndSaysWhyItCouldNot) {
   }
   EXPECT_TRUE(outcomes[0].renderer);
   EXPECT_EQ(outcomes[1].failure, "bad scene");
-  EXPECT_EQ(outcomes[1].exit_code, 1);
-  EXPECT_EQ(outcomes[2].exit_code, 3);
+  EXPECT_EQ(outcomes[1].cause, v1::SceneFailed::BAD_SCENE);
+  EXPECT_EQ(outcomes[2].cause, v1::SceneFailed::OUT_OF_RESOURCES);
   EXPECT_FALSE(outcomes[3].renderer);
   EXPECT_NE(outcomes[3].failure, "");
 }

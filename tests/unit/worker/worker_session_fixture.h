@@ -93,10 +93,10 @@ class WorkerSessionTest : public ::testing::Test {
 
   void built(uint64_t job) {
     session.on_built({.job = job,
+                      .frame_id = {},
                       .renderer = std::make_shared<testing::FakeRenderer>(5),
                       .seconds = 1,
-                      .failure = {},
-                      .exit_code = 0},
+                      .failure = {}},
                      {});
   }
 

@@ -38,7 +38,12 @@ TEST_F(WorkerSessionTest, RepeatsThatASceneFailedUntilTheJobIsOver) {
   welcome(1);
   start(7);
   serve_blobs();
-  session.on_built({.job = 7, .renderer = nullptr, .seconds = 0, .failure = "bad", .exit_code = 1},
+  session.on_built({.job = 7,
+                    .frame_id = {},
+                    .renderer = nullptr,
+                    .seconds = 0,
+                    .failure = "bad",
+                    .cause = v1::SceneFailed::BAD_SCENE},
                    {});
   EXPECT_THAT(sent(v1::Envelope::kSceneFailed), SizeIs(1));
   start(7);
@@ -65,11 +70,16 @@ TEST_F(WorkerSessionTest, ReportsASceneThatCannotBeBuilt) {
   welcome(1);
   start(7);
   serve_blobs();
-  session.on_built({.job = 7, .renderer = nullptr, .seconds = 0, .failure = "bad", .exit_code = 1},
+  session.on_built({.job = 7,
+                    .frame_id = {},
+                    .renderer = nullptr,
+                    .seconds = 0,
+                    .failure = "bad",
+                    .cause = v1::SceneFailed::BAD_SCENE},
                    {});
   const auto failed = sent(v1::Envelope::kSceneFailed).at(0).scene_failed();
   EXPECT_EQ(failed.text(), "bad");
-  EXPECT_EQ(failed.exit_code(), 1u);
+  EXPECT_EQ(failed.cause(), v1::SceneFailed::BAD_SCENE);
 }
 
 TEST_F(WorkerSessionTest, LooksOnDiskBeforeItAsksAndKeepsWhatIsSent) {

@@ -66,7 +66,7 @@ TEST_F(WorkerSessionTest, TilesThatWaitForATreeGetOnWithIt) {
   welcome(1);
   start(7);
   serve_blobs();
-  session.on_built({.job = 7, .renderer = renderer, .seconds = 1, .failure = {}, .exit_code = 0},
+  session.on_built({.job = 7, .frame_id = {}, .renderer = renderer, .seconds = 1, .failure = {}},
                    {});
   assign(7, 11);
   assign(7, 12);

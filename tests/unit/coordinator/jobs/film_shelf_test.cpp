@@ -64,9 +64,9 @@ TEST_F(FilmShelfTest, OneThatThereIsNoMemoryForIsNotShown) {
   const Digest film = Digest::of(std::string("large"));
   shelf.note(film, {film, {0, 0, 8192, 8192}, 512});
   const AddressSpaceLimit limit(rlim_t{256} << 20);
-  bool damaged = false;
-  EXPECT_FALSE(shelf.find(film, &damaged));
-  EXPECT_FALSE(damaged) << "it need not be traced again";
+  FilmShelf::State state = FilmShelf::State::sound;
+  EXPECT_FALSE(shelf.find(film, &state));
+  EXPECT_EQ(state, FilmShelf::State::sound) << "it need not be traced again";
 }
 
 TEST_F(FilmShelfTest, KeepsOneThatIsTooLarge) {

@@ -143,20 +143,20 @@ TEST_F(TileSchedulerTest, LeasesOfTilesThatThereAreNoneOfAreUnwanted) {
 }
 
 TEST_F(TileSchedulerTest, AdoptsWholeTilesOfCoordinatorsBeforeAlone) {
-  constexpr int kEpochShift = 52;
-  const auto adopts = [&](uint64_t epoch, TilePiece piece, uint64_t farm = 7) {
+  constexpr int kTagShift = 52;
+  const auto accepts = [&](uint64_t tag, TilePiece piece, bool ours) {
     TileRules rules;
-    rules.farm = farm;
-    rules.epoch = 3;
-    return TileScheduler(2, rules).adopt(epoch << kEpochShift | piece.packed(), kA);
+    rules.opening = std::string(7, 'x') + '\x03';  // its tag: the uppermost 12 bits
+    return TileScheduler(2, rules).accepts(tag << kTagShift | piece.packed(), ours, kA);
   };
-  EXPECT_TRUE(adopts(2, {1}));
-  EXPECT_TRUE(adopts(1, {0}));
-  EXPECT_FALSE(adopts(3, {1})) << "our own, which we have not given";
-  EXPECT_FALSE(adopts(4, {1})) << "of a coordinator to come";
-  EXPECT_FALSE(adopts(2, {2})) << "no tile of ours";
-  EXPECT_FALSE(adopts(2, {1, 0, 2})) << "a part";
-  EXPECT_FALSE(adopts(2, {1}, 0)) << "without a store there was nobody before";
+  constexpr uint64_t kOurs = 0x037;
+  EXPECT_TRUE(accepts(2, {1}, false));
+  EXPECT_TRUE(accepts(1, {0}, false));
+  EXPECT_FALSE(accepts(kOurs, {1}, true)) << "our own, which we have not given";
+  EXPECT_FALSE(accepts(kOurs, {1}, false)) << "one that cannot be told from our own";
+  EXPECT_FALSE(accepts(2, {1}, true)) << "said to be our own, which it is not";
+  EXPECT_FALSE(accepts(2, {2}, false)) << "no tile of ours";
+  EXPECT_FALSE(accepts(2, {1, 0, 2}, false)) << "a part";
 }
 
 TEST_F(TileSchedulerTest, CopiesAStragglerOnceWhenTheQueueIsEmpty) {

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <unordered_map>
+
+#include "coordinator/tiles/tile_piece.h"
+
+namespace tessera {
+
+/// Stands for no worker: its pixels were kept from before, and nobody knows by whose key.
+inline constexpr WorkerId kFromStore = ~WorkerId{0};
+
+/// By whose key each worker was let in. Who holds a key can run any number of processes, so where a
+/// farm has keys of at least two workers, a key has one voice, however many workers speak by it:
+/// tiles are checked, disputes decided and scenes refused by different voices. Elsewhere each
+/// process has its own, which finds faults, but proves nothing against whoever holds the key.
+/// Workers are remembered for good: late pixels of one that is gone are still its key's.
+class WorkerKeys {
+ public:
+  using Voice = uint64_t;
+
+  /// So many keys of workers are on the list; 0: the farm has no keys.
+  void set_listed(size_t keys) { listed_ = keys; }
+  size_t listed() const { return listed_; }
+  /// Whether a key has one voice.
+  bool by_key() const { return listed_ >= 2; }
+
+  /// The worker came by that key, whose holder is called `name`. Without keys both are empty.
+  void note(WorkerId worker, const std::string& key, const std::string& name);
+  /// Stands for the worker, long gone, that traced what a store has under that key.
+  WorkerId note_stored(const std::string& key);
+
+  /// The public key; empty: there was none, or it is not known.
+  const std::string& key_of(WorkerId worker) const;
+  /// What people call that key: its holder's name or, where it was not heard of in the life of this
+  /// coordinator, its first digits.
+  std::string name_of(const std::string& key) const;
+  Voice voice_of(WorkerId worker) const;
+
+ private:
+  size_t listed_ = 0;
+  struct Holder {
+    const std::string* key;  ///< that of names_
+    Voice voice;
+  };
+  std::unordered_map<WorkerId, Holder> holders_;
+  std::map<std::string, std::string> names_;  ///< by key
+};
+
+}  // namespace tessera
