@@ -263,6 +263,27 @@ pid_t codec_process() {
   return child;
 }
 
+TEST_F(ImageFile, the_codec_is_in_a_sandbox) {
+  for (const char* name : {"a.png", "a.exr"}) {
+    write_image(folder_ / name, ramp(), display_, {});
+    EXPECT_EQ(read_image(folder_ / name).width, 16);
+    std::ifstream status("/proc/" + std::to_string(codec_process()) + "/status");
+    const std::string text{std::istreambuf_iterator<char>(status), {}};
+    EXPECT_NE(text.find("\nNoNewPrivs:\t1\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("\nSeccomp:\t2\n"), std::string::npos) << text;
+  }
+}
+
+TEST_F(ImageFile, the_content_tells_the_format_not_the_name) {
+  write_image(folder_ / "a.tif", ramp(), display_, {});
+  fs::rename(folder_ / "a.tif", folder_ / "a.mov");
+  EXPECT_EQ(read_texture_image(folder_ / "a.mov").width, 16u);
+  std::string message;
+  std::ofstream(folder_ / "b.png") << "<?xml version=\"1.0\"?>\n<MPD></MPD>\n";
+  EXPECT_EQ(code_of([&] { read_texture_image(folder_ / "b.png"); }, &message), ExitCode::bad_scene);
+  EXPECT_NE(message.find("b.png: is an XML document"), std::string::npos) << message;
+}
+
 TEST_F(ImageFile, a_codec_that_is_killed_or_stopped_is_replaced) {
   prepare_to_write(folder_ / "a.png");
   prepare_to_write(folder_ / "a.png");
