@@ -79,16 +79,16 @@ constexpr std::array kRefusedCalls{
     SYS_kill, SYS_tkill, SYS_rt_sigqueueinfo, SYS_rt_tgsigqueueinfo, SYS_ptrace,
     SYS_process_vm_readv, SYS_process_vm_writev, SYS_process_madvise, SYS_pidfd_open,
     SYS_pidfd_getfd, SYS_pidfd_send_signal, SYS_kcmp, SYS_unshare, SYS_setns, SYS_setpgid,
-    SYS_setsid,
+    SYS_setsid, SYS_shmget, SYS_msgget, SYS_semget, SYS_mq_open,
     // the file system
-    SYS_mkdirat, SYS_mknodat, SYS_unlinkat, SYS_linkat, SYS_symlinkat, SYS_renameat2, SYS_truncate,
-    SYS_fchmod, SYS_fchmodat, SYS_fchown, SYS_fchownat, SYS_utimensat, SYS_setxattr, SYS_lsetxattr,
-    SYS_fsetxattr, SYS_removexattr, SYS_lremovexattr, SYS_fremovexattr, SYS_chroot, SYS_pivot_root,
-    SYS_mount, SYS_umount2, SYS_open_tree, SYS_move_mount, SYS_fsopen, SYS_fsmount,
+    SYS_mkdirat, SYS_mknodat, SYS_unlinkat, SYS_linkat, SYS_symlinkat, SYS_renameat, SYS_renameat2,
+    SYS_truncate, SYS_fchmod, SYS_fchmodat, SYS_fchown, SYS_fchownat, SYS_utimensat, SYS_setxattr,
+    SYS_lsetxattr, SYS_fsetxattr, SYS_removexattr, SYS_lremovexattr, SYS_fremovexattr, SYS_chroot,
+    SYS_pivot_root, SYS_mount, SYS_umount2, SYS_open_tree, SYS_move_mount, SYS_fsopen, SYS_fsmount,
     SYS_mount_setattr, SYS_open_by_handle_at, SYS_fanotify_init,
 #ifdef __x86_64__
-    SYS_mkdir, SYS_mknod, SYS_unlink, SYS_rmdir, SYS_link, SYS_symlink, SYS_rename, SYS_renameat,
-    SYS_chmod, SYS_chown, SYS_lchown, SYS_utime, SYS_utimes, SYS_futimesat,
+    SYS_mkdir, SYS_mknod, SYS_unlink, SYS_rmdir, SYS_link, SYS_symlink, SYS_rename, SYS_chmod,
+    SYS_chown, SYS_lchown, SYS_utime, SYS_utimes, SYS_futimesat,
 #endif
     // what goes around these rules, and what a kernel's faults are mostly reached by
     SYS_io_uring_setup, SYS_io_uring_enter, SYS_io_uring_register, SYS_bpf, SYS_perf_event_open,
@@ -122,17 +122,21 @@ std::vector<sock_filter> call_filter() {
   for (const long call : kRefusedCalls) {
     filter.insert(filter.end(), {unless_equal_skip(static_cast<uint32_t>(call)), refuse(EPERM)});
   }
-  constexpr size_t kFirstArgument = offsetof(seccomp_data, args);  // its lower half
   // A filter cannot see the flags of clone3(). Without it the C library takes clone(), whose flags
-  // have to be those of a thread. A signal may go to this process, as abort() sends it.
-  filter.insert(filter.end(),
-                {unless_equal_skip(SYS_clone3), refuse(ENOSYS),
-                 BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_clone, 0, 4), load(kFirstArgument),
-                 BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, CLONE_THREAD, 1, 0), refuse(EPERM),
-                 give(SECCOMP_RET_ALLOW),  //
-                 BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_tgkill, 0, 3), load(kFirstArgument),
-                 BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<uint32_t>(getpid()), 1, 0),
-                 refuse(EPERM), give(SECCOMP_RET_ALLOW)});
+  // have to be those of a thread.
+  filter.insert(filter.end(), {unless_equal_skip(SYS_clone3), refuse(ENOSYS)});
+  constexpr uint32_t kHas = BPF_JSET, kIs = BPF_JEQ;
+  constexpr size_t kFirstArgument = offsetof(seccomp_data, args);  // its lower half
+  const auto permit_only = [&](uint32_t call, uint32_t relation, uint32_t value) {
+    filter.insert(filter.end(),
+                  {BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 4), load(kFirstArgument),
+                   BPF_JUMP(BPF_JMP | BPF_K | relation, value, 1, 0), refuse(EPERM),
+                   give(SECCOMP_RET_ALLOW)});
+  };
+  permit_only(SYS_clone, kHas, CLONE_THREAD);
+  permit_only(SYS_tgkill, kIs, static_cast<uint32_t>(getpid()));  // as abort() sends it
+  permit_only(SYS_prlimit64, kIs, 0);                             // limits of this process
+  filter.push_back(give(SECCOMP_RET_ALLOW));
   return filter;
 }
 

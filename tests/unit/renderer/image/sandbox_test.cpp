@@ -2,8 +2,13 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <linux/filter.h>
 #include <linux/landlock.h>
+#include <linux/seccomp.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/shm.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -12,6 +17,8 @@
 
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <string>
@@ -65,6 +72,37 @@ TEST_F(SandboxTest, says_what_holds) {
   EXPECT_EQ(held, kernel_has_landlock() ? 3 : 2);
 }
 
+/// Fails from now on with ENOSYS, as in a kernel without it.
+void lose_call(long call) {
+  sock_filter filter[] = {
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<uint32_t>(call), 0, 1),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | ENOSYS),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+  };
+  const sock_fprog program{.len = std::size(filter), .filter = filter};
+  prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program);
+}
+
+TEST_F(SandboxTest, each_half_holds_without_the_other) {
+  for (const long lost : {SYS_landlock_create_ruleset, SYS_seccomp}) {
+    const pid_t child = fork();
+    if (child == 0) {
+      lose_call(lost);
+      const Sandbox sandbox = enter_sandbox({});
+      const bool opens = open("/etc/passwd", O_RDONLY) >= 0;
+      const bool connects = socket(AF_INET, SOCK_STREAM, 0) >= 0;
+      _exit((sandbox.holds_files ? 1 : 0) | (sandbox.holds_calls ? 2 : 0) | (opens ? 4 : 0) |
+            (connects ? 8 : 0));
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    const int only_files = kernel_has_landlock() ? 1 | 8 : 4 | 8;
+    EXPECT_EQ(WEXITSTATUS(status), lost == SYS_seccomp ? only_files : 2 | 4);
+  }
+}
+
 TEST_F(SandboxTest, only_the_named_files_are_read) {
   if (!kernel_has_landlock()) GTEST_SKIP() << "this kernel has no Landlock";
   const auto opened = [](const fs::path& file, int how) {
@@ -105,6 +143,8 @@ TEST_F(SandboxTest, calls_beyond_memory_and_threads_are_refused) {
       {"execve", [&] { return execve("/bin/true", nothing, nothing); }},
       {"kill", [] { return kill(getppid(), 0); }},
       {"tgkill", [] { return syscall(SYS_tgkill, getppid(), getppid(), 0); }},
+      {"prlimit", [] { return prlimit(getppid(), RLIMIT_NOFILE, nullptr, nullptr); }},
+      {"shmget", [] { return shmget(IPC_PRIVATE, 1, 0600); }},
       {"unlink", [&] { return unlink(file.c_str()); }},
       {"rename", [&] { return rename(file.c_str(), other.c_str()); }},
       {"chmod", [&] { return chmod(file.c_str(), 0); }},
