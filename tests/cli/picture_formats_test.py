@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
 """Which picture files are read, and that none leads to a file outside of the scene's folder."""
+import ctypes
+import os
 import shutil
 import struct
 import subprocess
@@ -103,12 +105,45 @@ def jp2():
             + atom(b"jp2c", JPEG_2000))
 
 
+LIBC = ctypes.CDLL(None, use_errno=True)
+
+
+def kernel_has_landlock():
+    LANDLOCK_CREATE_RULESET, VERSION = 444, 1
+    return LIBC.syscall(LANDLOCK_CREATE_RULESET, None, 0, VERSION) > 0
+
+
+class Watch:
+    """Knows whether anybody opens a folder."""
+
+    def __init__(self, folder):
+        IN_OPEN = 0x20
+        self.descriptor = LIBC.inotify_init1(os.O_NONBLOCK | os.O_CLOEXEC)
+        assert LIBC.inotify_add_watch(self.descriptor, bytes(folder), IN_OPEN) > 0
+
+    def was_opened(self):
+        try:
+            return len(os.read(self.descriptor, 4096)) > 0
+        except BlockingIOError:
+            return False
+
+    def close(self):
+        os.close(self.descriptor)
+
+
 class PictureFormats(TesseraTest):
     def setUp(self):
         super().setUp()
         (self.folder / "scene").mkdir()
         (self.folder / "private").mkdir()
         self.write("private/holiday.mp4", movie(WIDTH, HEIGHT, SECRET))
+
+    looked_into = None
+
+    def environment(self):
+        if not self.looked_into:
+            return super().environment()
+        return {**super().environment(), "OIIO_LIBRARY_PATH": self.looked_into}
 
     def render(self, scene="scene/scene.tessera", options=("--quiet",)):
         (self.folder / "out.ppm").unlink(missing_ok=True)
@@ -134,6 +169,24 @@ class PictureFormats(TesseraTest):
         self.assertEqual(0, result.code, result.err)
         self.assertRegex(result.err, "floor.mov.*: is an XML document")
         self.assertNotIn(bytes(SECRET), (self.folder / "out.ppm").read_bytes())
+
+    @unittest.skipUnless(kernel_has_landlock(), "this kernel has no Landlock")
+    def test_the_codec_opens_nothing_for_a_library_that_asks(self):
+        """OpenImageIO looks into the folder of that variable as soon as it reads a picture."""
+        self.write("a.png", png(WIDTH, HEIGHT, SECRET))
+        subprocess.run(["oiiotool", self.folder / "a.png", "-o", self.folder / "scene/floor.tif"],
+                       check=True)
+        self.write("scene/scene.tessera", SCENE % "floor.tif")
+        watch = Watch(self.folder / "private")
+        self.addCleanup(watch.close)
+        self.looked_into = str(self.folder / "private")
+        subprocess.run(["oiiotool", "--info", self.folder / "scene/floor.tif"], check=True,
+                       env=self.environment(), stdout=subprocess.DEVNULL)
+        self.assertTrue(watch.was_opened())
+        result = self.render()
+        self.assertEqual(0, result.code, result.err)
+        self.assertEqual(bytes(SECRET), (self.folder / "out.ppm").read_bytes()[-3:])
+        self.assertFalse(watch.was_opened())
 
     def test_no_movie_is_read(self):
         self.write("scene/floor.png", movie(WIDTH, HEIGHT, SECRET))
