@@ -5,6 +5,7 @@
 #include <dlfcn.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -181,6 +182,8 @@ std::vector<std::filesystem::path> readable_places(bool decodes) {
 
 int main(int count, char** arguments) {
   std::signal(SIGXFSZ, SIG_IGN);
+  // What was left open for the program that started this is nothing to a decoder.
+  syscall(SYS_close_range, STDERR_FILENO + 1, ~0U, 0);
   // What is wrong with a picture is told to who asked; libraries would print it too.
   if (std::FILE* const nowhere = std::fopen("/dev/null", "w")) stderr = nowhere;
   const bool decodes = count < 2 || std::string_view(arguments[1]) != tessera::kConvertsColors;

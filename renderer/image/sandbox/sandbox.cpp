@@ -5,7 +5,9 @@
 #include <linux/filter.h>
 #include <linux/landlock.h>
 #include <linux/seccomp.h>
+#include <linux/sockios.h>
 #include <sched.h>
+#include <sys/ioctl.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -95,6 +97,19 @@ constexpr std::array kRefusedCalls{
     SYS_userfaultfd, SYS_add_key, SYS_request_key, SYS_keyctl, SYS_init_module, SYS_finit_module,
     SYS_kexec_load, SYS_reboot, SYS_swapon, SYS_swapoff};
 
+/// Calls refused for one value of their second argument: what types for the user at a terminal, and
+/// what has the kernel send signals to other processes.
+struct RefusedRequest {
+  long call;
+  uint32_t request;
+};
+constexpr std::array<RefusedRequest, 6> kRefusedRequests{{{SYS_ioctl, TIOCSTI},
+                                                          {SYS_ioctl, TIOCLINUX},
+                                                          {SYS_ioctl, FIOSETOWN},
+                                                          {SYS_ioctl, SIOCSPGRP},
+                                                          {SYS_fcntl, F_SETOWN},
+                                                          {SYS_fcntl, F_SETOWN_EX}}};
+
 constexpr sock_filter load(size_t offset) {
   return BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<uint32_t>(offset));
 }
@@ -125,8 +140,16 @@ std::vector<sock_filter> call_filter() {
   // A filter cannot see the flags of clone3(). Without it the C library takes clone(), whose flags
   // have to be those of a thread.
   filter.insert(filter.end(), {unless_equal_skip(SYS_clone3), refuse(ENOSYS)});
+  // Of arguments the lower halves, which are first in memory.
+  constexpr size_t kFirstArgument = offsetof(seccomp_data, args);
+  constexpr size_t kSecondArgument = kFirstArgument + sizeof(uint64_t);
+  for (const RefusedRequest& refused : kRefusedRequests) {
+    filter.insert(filter.end(),
+                  {BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<uint32_t>(refused.call), 0, 4),
+                   load(kSecondArgument), unless_equal_skip(refused.request), refuse(EPERM),
+                   load(offsetof(seccomp_data, nr))});
+  }
   constexpr uint32_t kHas = BPF_JSET, kIs = BPF_JEQ;
-  constexpr size_t kFirstArgument = offsetof(seccomp_data, args);  // its lower half
   const auto permit_only = [&](uint32_t call, uint32_t relation, uint32_t value) {
     filter.insert(filter.end(),
                   {BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 4), load(kFirstArgument),

@@ -5,6 +5,7 @@
 #include <linux/filter.h>
 #include <linux/landlock.h>
 #include <linux/seccomp.h>
+#include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -145,6 +146,8 @@ TEST_F(SandboxTest, calls_beyond_memory_and_threads_are_refused) {
       {"tgkill", [] { return syscall(SYS_tgkill, getppid(), getppid(), 0); }},
       {"prlimit", [] { return prlimit(getppid(), RLIMIT_NOFILE, nullptr, nullptr); }},
       {"shmget", [] { return shmget(IPC_PRIVATE, 1, 0600); }},
+      {"typing", [] { return ioctl(memfd_create("memory", 0), TIOCSTI, "x"); }},
+      {"signals by the kernel", [] { return fcntl(memfd_create("a", 0), F_SETOWN, getppid()); }},
       {"unlink", [&] { return unlink(file.c_str()); }},
       {"rename", [&] { return rename(file.c_str(), other.c_str()); }},
       {"chmod", [&] { return chmod(file.c_str(), 0); }},
