@@ -209,8 +209,9 @@ class PictureFormats(TesseraTest):
                 file = self.folder / f"a.{ending}"
                 if not file.exists():
                     # What holds floats is taken for linear.
-                    linear = ["--colorconvert", "sRGB", "linear"] if ending in ("exr", "hdr") else []
-                    subprocess.run(["oiiotool", self.folder / "a.png", *linear, "-o", file],
+                    linear = ending in ("exr", "hdr")
+                    options = ["--colorconvert", "sRGB", "linear"] if linear else []
+                    subprocess.run(["oiiotool", self.folder / "a.png", *options, "-o", file],
                                    check=True, stdout=subprocess.DEVNULL)
                 shutil.copy(file, self.folder / "scene/texture.mov")
                 result = self.render()

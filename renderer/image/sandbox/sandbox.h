@@ -17,7 +17,8 @@ struct Sandbox {
 ///   can be opened, for reading alone. Memory files stay, by their `/proc/self/fd` paths too. Where
 ///   the kernel knows how, no signal reaches a process outside either.
 /// - System calls (seccomp): new sockets, processes, programs, changes to the file system, io_uring
-///   and access to other processes or a terminal's input fail with EPERM. Threads and inherited sockets stay.
+///   and access to other processes or a terminal's input fail with EPERM. Threads and inherited
+///   sockets stay.
 /// Each holds without the other where the kernel, or the container's own filter, lacks one.
 Sandbox enter_sandbox(const std::vector<std::filesystem::path>& readable);
 
