@@ -12,10 +12,9 @@ struct Sandbox {
 };
 
 /// Gives up rights of this process for good; call it while there is a single thread.
-/// - Files (Landlock): only files in `readable` (folders, or single files; missing ones are
-/// ignored)
-///   can be opened, for reading alone. Memory files stay, by their `/proc/self/fd` paths too. Where
-///   the kernel knows how, no signal reaches a process outside either.
+/// - Files (Landlock): only files in `readable`, which are folders or single files, can be opened,
+///   for reading alone; places that are missing are ignored. Memory files stay, by their
+///   `/proc/self/fd` paths too. Where the kernel knows how, no signal reaches a process outside.
 /// - System calls (seccomp): new sockets, processes, programs, changes to the file system, io_uring
 ///   and access to other processes or a terminal's input fail with EPERM. Threads and inherited
 ///   sockets stay.
