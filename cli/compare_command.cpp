@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
 #include "base/lower_case.h"
 #include "bench/error/metrics.h"
 #include "cli/command_line.h"
@@ -158,7 +157,6 @@ void print_metrics(const CompareOptions& options, const FloatImage& a, const Flo
 /// What cannot be read differs from nothing: it is the command line that is wrong.
 FloatImage read_picture(const std::string& path) {
   try {
-    check_input_file(path, UINT64_MAX);
     return read_image(path);
   } catch (const Error& error) {
     if (error.code() != ExitCode::bad_scene) throw;

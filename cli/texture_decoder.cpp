@@ -1,6 +1,5 @@
 #include "cli/texture_decoder.h"
 
-#include "base/file.h"
 #include "renderer/image/image_file.h"
 
 namespace tessera {
@@ -17,7 +16,6 @@ DecodedTexture as_texture(TextureImage picture) {
 }  // namespace
 
 DecodedTexture decode_texture(const std::string& path, bool to_srgb) {
-  check_input_file(path, UINT64_MAX);
   return as_texture(read_texture_image(path, to_srgb));
 }
 

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/log.h"
 #include "base/process.h"
 
 namespace tessera {
@@ -54,7 +55,12 @@ bool is_plausible(const ImageRequest& request, const ImageReply& reply) {
 }  // namespace
 
 ImageCodec& ImageCodec::shared() {
-  static ImageCodec codec;
+  static ImageCodec codec(false);
+  return codec;
+}
+
+ImageCodec& ImageCodec::for_colors() {
+  static ImageCodec codec(true);
   return codec;
 }
 
@@ -88,7 +94,9 @@ void ImageCodec::start_locked() {
   }
   OwnedDescriptor ours(ends[0]);
   const OwnedDescriptor theirs(ends[1]);
-  process_ = start_process(find_program().string(), {kProgram},
+  std::vector<std::string> arguments{kProgram};
+  if (converts_colors_) arguments.emplace_back(kConvertsColors);
+  process_ = start_process(find_program().string(), std::move(arguments),
                            {.standard_input = theirs.get(), .discards_output = true});
   socket_ = std::move(ours);
   loads_all_ = false;
@@ -105,7 +113,7 @@ int ImageCodec::end_locked() {
 }
 
 std::optional<ImageCodec::Answer> ImageCodec::try_call(const ImageRequest& request,
-                                                       std::string_view payload) {
+                                                       const Sending& send) {
   start_locked();
   // A process that something has stopped would keep a finished picture waiting for good.
   ImageChannel channel(socket_.get(), [this] {
@@ -113,7 +121,7 @@ std::optional<ImageCodec::Answer> ImageCodec::try_call(const ImageRequest& reque
     constexpr int kAsk = WEXITED | WSTOPPED | WNOHANG | WNOWAIT;
     return waitid(P_PID, static_cast<id_t>(process_), &news, kAsk) == 0 && news.si_pid == 0;
   });
-  if (!channel.send(request, payload)) return std::nullopt;
+  if (!send(channel)) return std::nullopt;
   return receive_answer(channel, request);
 }
 
@@ -124,6 +132,7 @@ std::optional<ImageCodec::Answer> ImageCodec::receive_answer(ImageChannel& chann
   const bool came = channel.receive(reply, descriptor);
   OwnedDescriptor memory(descriptor);
   if (!came || !is_plausible(request, reply)) return std::nullopt;
+  tell_sandbox(reply);
   if (reply.is_shared) {
     BlobData shared = Blob::map_sealed(std::move(memory), reply.payload_bytes);
     if (!shared) return std::nullopt;
@@ -138,13 +147,34 @@ std::optional<ImageCodec::Answer> ImageCodec::receive_answer(ImageChannel& chann
   return Answer{reply.layout, make_blob(std::move(payload))};
 }
 
+void ImageCodec::tell_sandbox(const ImageReply& reply) {
+  if (std::exchange(knows_sandbox_, true)) return;
+  if (!reply.holds_files) {
+    spdlog::debug("the kernel has no Landlock: the image codec may open the files that we may");
+  }
+  if (!reply.holds_calls) {
+    spdlog::debug("the kernel takes no seccomp filter: the image codec may use the network");
+  }
+}
+
 ImageCodec::Answer ImageCodec::call(ImageRequest request, std::string_view payload) {
-  const std::lock_guard lock(mutex_);
   request.payload_bytes = payload.size();
+  return call_by(request, [&](ImageChannel& channel) { return channel.send(request, payload); });
+}
+
+ImageCodec::Answer ImageCodec::decode(ImageRequest request, SealedMemory file) {
+  request.payload_bytes = file.bytes().size();
+  const int descriptor = file.seal();
+  if (descriptor < 0) throw render_error(std::strerror(errno));
+  return call_by(request, [&](ImageChannel& channel) { return channel.send(request, descriptor); });
+}
+
+ImageCodec::Answer ImageCodec::call_by(const ImageRequest& request, const Sending& send) {
+  const std::lock_guard lock(mutex_);
   int status = 0;
   for (int attempt = 0; attempt < 3; ++attempt) {
     try {
-      if (auto answer = try_call(request, payload)) return *std::move(answer);
+      if (auto answer = try_call(request, send)) return *std::move(answer);
     } catch (const std::bad_alloc&) {
       end_locked();  // the rest of its answer is still to come
       throw;

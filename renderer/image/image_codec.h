@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "base/error.h"
 #include "base/owned_descriptor.h"
 #include "renderer/image/channel/image_channel.h"
+#include "renderer/image/channel/sealed_memory.h"
 
 namespace tessera {
 
@@ -19,6 +21,9 @@ namespace tessera {
 class ImageCodec {
  public:
   static ImageCodec& shared();
+  /// Another process, for convert_colors alone: files that an OpenColorIO configuration names can
+  /// be anywhere, and nothing that decodes other people's files may open any.
+  static ImageCodec& for_colors();
 
   /// Throws a render error where its program is missing.
   static void check_installed();
@@ -36,24 +41,32 @@ class ImageCodec {
   };
   /// `request.payload_bytes` is filled in. Throws Refusal, or a render error where no answer comes.
   Answer call(ImageRequest request, std::string_view payload);
+  /// Has `file` decoded, which is sealed; under the same conditions.
+  Answer decode(ImageRequest request, SealedMemory file);
 
   ImageCodec(const ImageCodec&) = delete;
   ImageCodec& operator=(const ImageCodec&) = delete;
   ~ImageCodec();
 
  private:
-  ImageCodec() = default;
+  explicit ImageCodec(bool converts_colors) : converts_colors_(converts_colors) {}
+  /// How a request goes to the process; false: it is gone.
+  using Sending = std::function<bool(ImageChannel&)>;
+  Answer call_by(const ImageRequest& request, const Sending& send);
   void start_locked();
   /// Nothing: it is not all there.
-  static std::optional<Answer> receive_answer(ImageChannel& channel, const ImageRequest& request);
+  std::optional<Answer> receive_answer(ImageChannel& channel, const ImageRequest& request);
   /// Nothing: the process is gone.
-  std::optional<Answer> try_call(const ImageRequest& request, std::string_view payload);
+  std::optional<Answer> try_call(const ImageRequest& request, const Sending& send);
+  void tell_sandbox(const ImageReply& reply);
   /// Waits for the process, which is ending or made to; its status as waitpid() tells it.
   int end_locked();
 
+  const bool converts_colors_;
   std::mutex mutex_;
-  pid_t process_ = 0;       ///< 0: not running
-  bool loads_all_ = false;  ///< it was told to
+  pid_t process_ = 0;           ///< 0: not running
+  bool loads_all_ = false;      ///< it was told to
+  bool knows_sandbox_ = false;  ///< what it lacks has been logged
   OwnedDescriptor socket_;
 };
 

@@ -1,9 +1,11 @@
 #include "renderer/image/image_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <span>
@@ -11,8 +13,11 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/lower_case.h"
+#include "base/open_file.h"
+#include "base/owned_descriptor.h"
 #include "base/version.h"
 #include "renderer/image/image_codec.h"
+#include "renderer/image/image_format.h"
 
 namespace tessera {
 
@@ -100,7 +105,7 @@ void convert_colors(const ColorManagement& names, Film& film) {
   copy_name("view", names.view, request.colors.view);
   copy_name("colour space", names.color_space, request.colors.color_space);
   const auto answer =
-      ImageCodec::shared().call(request, as_text(std::as_bytes(std::span(film.values()))));
+      ImageCodec::for_colors().call(request, as_text(std::as_bytes(std::span(film.values()))));
   const auto values = std::as_writable_bytes(film.values());
   if (answer.payload->size() != values.size()) throw render_error("colours are missing");
   std::ranges::copy(*answer.payload, values.begin());
@@ -141,13 +146,55 @@ BlobData encode(const Format& format, const Film& film, const OutputSettings& se
   return ImageCodec::shared().call(request, as_text(std::as_bytes(std::span(bytes)))).payload;
 }
 
-ImageCodec::Answer decode(ImageRequest::Call call, const std::string& name,
-                          std::string_view payload, bool to_srgb = false) {
+/// The file in memory that the codec can be handed, and its format.
+struct ImageBytes {
+  const char* format;
+  SealedMemory memory;
+};
+
+SealedMemory make_memory(const std::string& name, uint64_t bytes) {
+  if (auto memory = SealedMemory::create(bytes)) return *std::move(memory);
+  throw render_error(
+      fmt::format("'{}' cannot be read: no memory for it: {}", name, std::strerror(errno)));
+}
+
+/// The first bytes of the file at `path`, as many as there is room for.
+void read_beginning(const std::string& path, const OwnedDescriptor& file,
+                    std::span<std::byte> bytes) {
+  errno = 0;
+  if (read_all_at(file.get(), 0, bytes)) return;
+  const char* const cause = errno ? std::strerror(errno) : "the file has become shorter";
+  throw scene_error(fmt::format("{}: {}", path, cause));
+}
+
+ImageBytes read_bytes(const std::string& path) {
+  // More than any picture that is_legal() has, however it is compressed.
+  constexpr uint64_t kMostFileBytes = most_encoded_bytes(16 * uint64_t{PixelLayout::kMostPixels});
+  const uint64_t size = check_input_file(path, kMostFileBytes);
+  const OwnedDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.get() < 0) throw scene_error(fmt::format("{}: {}", path, std::strerror(errno)));
+  std::array<std::byte, kFormatBytes> head;
+  const auto known = std::span(head).first(std::min<uint64_t>(size, head.size()));
+  read_beginning(path, file, known);
+  ImageBytes read{image_format_of(path, as_text(known)), make_memory(path, size)};
+  read_beginning(path, file, std::as_writable_bytes(read.memory.bytes()));
+  return read;
+}
+
+ImageBytes copy_bytes(const std::string& name, std::string_view file) {
+  ImageBytes copy{image_format_of(name, file), make_memory(name, file.size())};
+  std::ranges::copy(file, copy.memory.bytes().begin());
+  return copy;
+}
+
+ImageCodec::Answer decode(ImageRequest::Call call, const std::string& name, ImageBytes file,
+                          bool to_srgb = false) {
   ImageRequest request;
   request.call = call;
   request.to_srgb = to_srgb;
+  copy_text(file.format, request.format);
   try {
-    return ImageCodec::shared().call(request, payload);
+    return ImageCodec::shared().decode(request, std::move(file.memory));
   } catch (const ImageCodec::Refusal& refusal) {
     throw scene_error(SourcePlace{name}, fmt::format("can not be read: {}", refusal.what()),
                       "an image file");
@@ -217,7 +264,8 @@ void write_image(const fs::path& path, const Film& film, const OutputSettings& s
 }
 
 FloatImage read_image(const fs::path& path) {
-  const ImageCodec::Answer answer = decode(ImageRequest::decode_all, path.string(), path.string());
+  const ImageCodec::Answer answer =
+      decode(ImageRequest::decode_all, path.string(), read_bytes(path.string()));
   FloatImage image{answer.layout.width, answer.layout.height, {}, {}};
   image.values.resize(answer.layout.bytes() / sizeof(float));
   std::memcpy(image.values.data(), answer.payload->data(), answer.layout.bytes());
@@ -230,11 +278,12 @@ FloatImage read_image(const fs::path& path) {
 }
 
 TextureImage read_texture_image(const fs::path& path, bool to_srgb) {
-  return as_texture(decode(ImageRequest::decode_file, path.string(), path.string(), to_srgb));
+  return as_texture(
+      decode(ImageRequest::decode, path.string(), read_bytes(path.string()), to_srgb));
 }
 
 TextureImage decode_texture_image(const std::string& name, std::string_view file) {
-  return as_texture(decode(ImageRequest::decode_bytes, name, file));
+  return as_texture(decode(ImageRequest::decode, name, copy_bytes(name, file)));
 }
 
 }  // namespace tessera

@@ -68,7 +68,8 @@ bool holds_floats(const std::filesystem::path& path);
 void write_image(const std::filesystem::path& path, const Film& film,
                  const OutputSettings& settings, const ImageMetadata& metadata);
 
-/// All channels of the first picture in any file that OpenImageIO reads. Throws a scene error.
+/// All channels of the first picture in a file, whose format its content tells (image_format.h),
+/// not its name. Throws a scene error.
 FloatImage read_image(const std::filesystem::path& path);
 /// At most its first four channels, without loss. Throws a scene error. `to_srgb`: colours of 8
 /// bits are taken from an embedded colour profile to sRGB.

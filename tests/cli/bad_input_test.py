@@ -270,7 +270,7 @@ class BadScenes(TesseraTest):
         self.assert_error(result, 2, "--assets", "'nowhere'")
 
     def test_no_codec_for_an_image_is_no_fault_of_the_scene(self):
-        self.write("a.bmp", b"no picture")
+        self.write("a.bmp", b"BM, but no picture")
         self.write("a.mtl", "newmtl m\nmap_Kd a.bmp\n")
         self.write("scene.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\n"
                    "f 1/1 2/1 3/1\n")

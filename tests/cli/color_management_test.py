@@ -60,6 +60,24 @@ class ColorManagement(TesseraTest):
         self.assertEqual((51, 26, 13), self.pixel("--ocio-display", "projector"))
         self.assertEqual((51, 26, 13), self.pixel("--ocio-space", "quarter"))
 
+    def test_a_configuration_may_name_files_anywhere(self):
+        """Those that convert colours may read them; those that decode textures may not."""
+        elsewhere = self.folder / "elsewhere"
+        elsewhere.mkdir()
+        table = self.write("elsewhere/half.spi1d", "Version 1\nFrom 0 1\nLength 2\nComponents 1\n"
+                           "{\n0\n.5\n}\n")
+        config = CONFIG.replace("!<MatrixTransform> {matrix: [.5, 0, 0, 0, 0, .5, 0, 0, 0, 0, .5, 0, "
+                                "0, 0, 0, 1]}", f"!<FileTransform> {{src: {table}, "
+                                "interpolation: linear}")
+        self.assertIn(str(table), config)
+        (self.folder / "configuration").mkdir()
+        self.config = self.write("configuration/config.ocio", config)
+        picture = self.write("a.ppm", b"P6\n1 1\n255\n\xcc\x66\x34")
+        self.write("scene.tessera", SCENE.replace(
+            "solid { r: .8 g: .4 b: .2 }", 'panorama { texture: "t" }')
+            + f'textures {{ name: "t" image {{ file: "{picture.name}" encoding: ENCODING_LINEAR }} }}\n')
+        self.assertEqual((102, 51, 26), self.pixel("--ocio-view", "halved"))
+
     def test_exposure_comes_first_and_the_input_can_be_named(self):
         self.assertEqual((204, 102, 51), self.pixel("--ocio-view", "halved", "--exposure", "1"))
         self.assertEqual((204, 102, 51), self.pixel("--ocio-view", "halved", "--ocio-input", "half"))

@@ -61,8 +61,8 @@ struct MessageWithDescriptor {
 
 }  // namespace
 
-bool ImageChannel::send_shared(const ImageReply& reply, int descriptor) {
-  MessageWithDescriptor message(&reply, sizeof reply);
+bool ImageChannel::send_with(const void* bytes, size_t size, int descriptor) {
+  MessageWithDescriptor message(bytes, size);
   cmsghdr* const control = CMSG_FIRSTHDR(&message.header);
   control->cmsg_level = SOL_SOCKET;
   control->cmsg_type = SCM_RIGHTS;
@@ -72,13 +72,13 @@ bool ImageChannel::send_shared(const ImageReply& reply, int descriptor) {
   do {
     sent = sendmsg(socket_, &message.header, MSG_NOSIGNAL);
   } while (sent < 0 && may_go_on());
-  return sent > 0 && send_bytes(reinterpret_cast<const char*>(&reply) + sent,
-                                sizeof reply - static_cast<size_t>(sent));
+  return sent > 0 &&
+         send_bytes(static_cast<const char*>(bytes) + sent, size - static_cast<size_t>(sent));
 }
 
-bool ImageChannel::receive(ImageReply& reply, int& descriptor) {
+bool ImageChannel::receive_with(void* bytes, size_t size, int& descriptor) {
   descriptor = -1;
-  MessageWithDescriptor message(&reply, sizeof reply);
+  MessageWithDescriptor message(bytes, size);
   ssize_t received = -1;
   do {
     received = recvmsg(socket_, &message.header, MSG_CMSG_CLOEXEC);
@@ -88,8 +88,7 @@ bool ImageChannel::receive(ImageReply& reply, int& descriptor) {
   if (control && control->cmsg_level == SOL_SOCKET && control->cmsg_type == SCM_RIGHTS &&
       control->cmsg_len == CMSG_LEN(sizeof descriptor))
     std::memcpy(&descriptor, CMSG_DATA(control), sizeof descriptor);
-  return receive_bytes(reinterpret_cast<char*>(&reply) + received,
-                       sizeof reply - static_cast<size_t>(received));
+  return receive_bytes(static_cast<char*>(bytes) + received, size - static_cast<size_t>(received));
 }
 
 bool ImageChannel::may_go_on() const { return errno == EINTR || (errno == EAGAIN && is_alive_()); }

@@ -55,37 +55,43 @@ struct ColorNames {
 };
 
 /// Asks the image codec, a process of its own, for one thing. Both ends are of one build and of one
-/// machine, so messages are structs as they lie in memory, each followed by its payload.
+/// machine, so messages are structs as they lie in memory, each followed by its payload. A file to
+/// decode comes as the descriptor of sealed memory instead: the codec opens no file by itself.
 struct ImageRequest {
   enum Call : uint32_t {
-    encode,        ///< payload: pixels, 3 channels or those named; the reply: the file's bytes
-    decode_all,    ///< payload: a path; the reply: all channels as floats, alpha not multiplied in,
-                   ///< then the channels' names, each ended by a zero
-    decode_file,   ///< payload: a path; the reply: pixels as the file has them, at most 4 channels,
-                   ///< in the fewest bits that hold them, alpha not multiplied in
-    decode_bytes,  ///< the same of a payload that is the file itself
+    encode,      ///< payload: pixels, 3 channels or those named; the reply: the file's bytes
+    decode_all,  ///< of a file: all channels as floats, alpha not multiplied in, then the
+                 ///< channels' names, each ended by a zero
+    decode,      ///< of a file: pixels as it has them, at most 4 channels, in the fewest bits that
+                 ///< hold them, alpha not multiplied in
     convert_colors,  ///< payload: pixels of 3 floats; the reply: the same by OpenColorIO
     load             ///< gets no reply: OpenImageIO will be needed, and takes a while to load
   };
   uint32_t version = kVersion;
   Call call = encode;
-  char format[16] = {};  ///< encode: as OpenImageIO calls it
+  char format[16] = {};  ///< encode, decode: as OpenImageIO calls it
   PixelLayout layout;    ///< encode, convert_colors
   ImageWindow window;    ///< encode
   ImageAttributes attributes;
   char channel_names[256] = {};  ///< encode: separated by commas; empty: red, green, blue
   ColorNames colors;             ///< convert_colors
-  uint32_t to_srgb = 0;  ///< decode_file, decode_bytes: an embedded colour profile is heeded
-  uint64_t payload_bytes = 0;
+  uint32_t to_srgb = 0;          ///< decode: an embedded colour profile is heeded
+  uint64_t payload_bytes = 0;    ///< or, of a file to decode, those of the memory
 
-  static constexpr uint32_t kVersion = 10;
+  bool decodes() const { return call == decode_all || call == decode; }
+  static constexpr uint32_t kVersion = 11;
 };
+
+/// The program's argument where it shall convert colours, for which it may read files, and decode
+/// none.
+inline constexpr const char* kConvertsColors = "colors";
 
 /// Before the payload, which follows or, where it `is_shared`, is all of the memory that comes with
 /// this: sealed, so that nobody can change it.
 struct ImageReply {
   uint32_t done = 0;  ///< else the payload is the cause, a text
   uint32_t is_shared = 0;
+  uint32_t holds_files = 0, holds_calls = 0;  ///< which halves of its sandbox the codec is in
   PixelLayout layout;
   uint64_t payload_bytes = 0;
 };
@@ -103,18 +109,22 @@ class ImageChannel {
   bool send(const Message& message, std::string_view payload) {
     return send_bytes(&message, sizeof message) && send_bytes(payload.data(), payload.size());
   }
+  /// With `descriptor`, which stays the caller's, and without a payload.
   template <typename Message>
-  bool receive(Message& message) {
-    return receive_bytes(&message, sizeof message);
+  bool send(const Message& message, int descriptor) {
+    return send_with(&message, sizeof message, descriptor);
   }
-  /// With `descriptor`, which stays the caller's.
-  bool send_shared(const ImageReply& reply, int descriptor);
   /// `descriptor` becomes the caller's; -1: none came.
-  bool receive(ImageReply& reply, int& descriptor);
+  template <typename Message>
+  bool receive(Message& message, int& descriptor) {
+    return receive_with(&message, sizeof message, descriptor);
+  }
   bool send_bytes(const void* bytes, size_t size);
   bool receive_bytes(void* bytes, size_t size);
 
  private:
+  bool send_with(const void* bytes, size_t size, int descriptor);
+  bool receive_with(void* bytes, size_t size, int& descriptor);
   bool may_go_on() const;
 
   int socket_;

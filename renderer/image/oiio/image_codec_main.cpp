@@ -1,9 +1,11 @@
 // The image codec: a process that reads and writes pictures for the one that started it, over the
 // socket that is its standard input, until that is closed. What is most common it does at once; the
 // rest by a module that it loads when first asked for. Decoders cannot take the renderer down with
-// them.
+// them, nor open files: what they decode is handed over as memory, and a sandbox holds them.
 #include <dlfcn.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,26 +14,32 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/owned_descriptor.h"
 #include "renderer/image/channel/image_channel.h"
 #include "renderer/image/plain/image_answer.h"
 #include "renderer/image/plain/plain_formats.h"
+#include "renderer/image/sandbox/sandbox.h"
 
 namespace tessera {
 
 namespace {
 
-using Module = void (*)(const ImageRequest&, std::vector<char>, ImageAnswer&);
+using Module = void (*)(const ImageRequest&, std::vector<char> payload, int file, ImageAnswer&);
+
+std::filesystem::path module_file() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "tessera_oiio.so";
+}
 
 /// The module beside this program, loaded when first asked for.
 Module oiio_module() {
   static const Module module = [] {
-    const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-    void* const library = dlopen((folder / "tessera_oiio.so").c_str(), RTLD_NOW | RTLD_LOCAL);
+    void* const library = dlopen(module_file().c_str(), RTLD_NOW | RTLD_LOCAL);
     void* const symbol = library ? dlsym(library, "tessera_answer_image") : nullptr;
     if (!symbol) {
       fail_image(std::string("the module for this is not there (Debian's package of it is "
@@ -43,13 +51,39 @@ Module oiio_module() {
   return module;
 }
 
-ImageAnswer answer_to(const ImageRequest& request, std::vector<char> payload) {
-  if (request.version != ImageRequest::kVersion) {
-    fail_image("the image codec is of another version");
+/// What came with a request: the bytes that followed it or, of a file to decode, sealed memory.
+struct Payload {
+  std::vector<char> bytes;
+  OwnedDescriptor memory;
+};
+
+/// The mapped memory of a file to decode.
+class MappedFile {
+ public:
+  MappedFile(int descriptor, size_t size)
+      : data_(mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor, 0)), size_(size) {
+    if (data_ == MAP_FAILED) fail_image("its memory cannot be mapped");
   }
-  if (auto plain = answer_plainly(request, payload)) return *std::move(plain);
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+  ~MappedFile() { munmap(data_, size_); }
+  std::span<const char> bytes() const { return {static_cast<const char*>(data_), size_}; }
+
+ private:
+  void* data_;
+  size_t size_;
+};
+
+std::optional<ImageAnswer> answer_plainly_to(const ImageRequest& request, const Payload& payload) {
+  if (!request.decodes()) return answer_plainly(request, payload.bytes);
+  const MappedFile file(payload.memory.get(), request.payload_bytes);
+  return answer_plainly(request, file.bytes());
+}
+
+ImageAnswer answer_to(const ImageRequest& request, Payload payload) {
+  if (auto plain = answer_plainly_to(request, payload)) return *std::move(plain);
   ImageAnswer answer;
-  oiio_module()(request, std::move(payload), answer);
+  oiio_module()(request, std::move(payload.bytes), payload.memory.get(), answer);
   return answer;
 }
 
@@ -75,48 +109,87 @@ bool load_oiio() {
   return true;
 }
 
-bool send(ImageChannel& channel, ImageAnswer& answer) {
-  if (!answer.shared) {
-    return channel.send(ImageReply{1, 0, answer.layout, answer.payload.size()},
-                        {answer.payload.data(), answer.payload.size()});
-  }
-  const int descriptor = answer.shared->seal();
-  return descriptor >= 0 &&
-         channel.send_shared({1, 1, answer.layout, answer.layout.bytes()}, descriptor);
-}
+class Server {
+ public:
+  Server(int socket, bool decodes, Sandbox sandbox)
+      : channel_(socket), decodes_(decodes), sandbox_(sandbox) {}
 
-bool serve_one(ImageChannel& channel) {
-  ImageRequest request;
-  if (!channel.receive(request)) return false;
-  limit_processor_time(request.call != ImageRequest::encode &&
-                       request.call != ImageRequest::convert_colors);
-  if (request.call == ImageRequest::load) return load_oiio();
-  std::vector<char> payload(request.payload_bytes);
-  if (!channel.receive_bytes(payload.data(), payload.size())) return false;
-  std::string cause;
-  try {
-    ImageAnswer answer = answer_to(request, std::move(payload));
-    return send(channel, answer);
-  } catch (const std::bad_alloc&) {
-    cause = "there is not enough memory for it";
-  } catch (const std::exception& error) {
-    cause = error.what();
-    if (cause.empty()) cause = "OpenImageIO does not tell why";
-    std::replace(cause.begin(), cause.end(), '\n', ' ');
+  /// Answers one request; false: nobody asks any more.
+  bool serve_one() {
+    ImageRequest request;
+    int memory = -1;
+    if (!channel_.receive(request, memory)) return false;
+    Payload payload{{}, OwnedDescriptor(memory)};
+    limit_processor_time(request.decodes());
+    if (request.call == ImageRequest::load) return load_oiio();
+    if (memory < 0) payload.bytes.resize(request.payload_bytes);
+    if (!channel_.receive_bytes(payload.bytes.data(), payload.bytes.size())) return false;
+    std::string cause;
+    try {
+      if (request.version != ImageRequest::kVersion) {
+        fail_image("the image codec is of another version");
+      }
+      if (request.decodes() && !decodes_) fail_image("this process may not decode files");
+      ImageAnswer answer = answer_to(request, std::move(payload));
+      return send(answer);
+    } catch (const std::bad_alloc&) {
+      cause = "there is not enough memory for it";
+    } catch (const std::exception& error) {
+      cause = error.what();
+      if (cause.empty()) cause = "OpenImageIO does not tell why";
+      std::replace(cause.begin(), cause.end(), '\n', ' ');
+    }
+    return channel_.send(reply(false, {}, cause.size()), cause);
   }
-  return channel.send(ImageReply{0, 0, {}, cause.size()}, cause);
+
+ private:
+  ImageReply reply(bool done, PixelLayout layout, uint64_t payload_bytes) const {
+    return {.done = done,
+            .holds_files = sandbox_.holds_files,
+            .holds_calls = sandbox_.holds_calls,
+            .layout = layout,
+            .payload_bytes = payload_bytes};
+  }
+
+  bool send(ImageAnswer& answer) {
+    if (!answer.shared) {
+      return channel_.send(reply(true, answer.layout, answer.payload.size()),
+                           {answer.payload.data(), answer.payload.size()});
+    }
+    ImageReply shared = reply(true, answer.layout, answer.layout.bytes());
+    shared.is_shared = 1;
+    const int descriptor = answer.shared->seal();
+    return descriptor >= 0 && channel_.send(shared, descriptor);
+  }
+
+  ImageChannel channel_;
+  bool decodes_;
+  Sandbox sandbox_;
+};
+
+/// Those that this process may read from now on. The files that an OpenColorIO configuration names
+/// may be anywhere, so whoever converts colours may read all, and decodes nothing.
+std::vector<std::filesystem::path> readable_places(bool decodes) {
+  if (!decodes) return {"/"};
+  std::vector<std::filesystem::path> places = library_places();
+  places.push_back(module_file());
+  return places;
 }
 
 }  // namespace
 
 }  // namespace tessera
 
-int main() {
+int main(int count, char** arguments) {
   std::signal(SIGXFSZ, SIG_IGN);
+  // What was left open for the program that started this is nothing to a decoder.
+  syscall(SYS_close_range, STDERR_FILENO + 1, ~0U, 0);
   // What is wrong with a picture is told to who asked; libraries would print it too.
   if (std::FILE* const nowhere = std::fopen("/dev/null", "w")) stderr = nowhere;
-  tessera::ImageChannel channel(STDIN_FILENO);
-  while (tessera::serve_one(channel)) {
+  const bool decodes = count < 2 || std::string_view(arguments[1]) != tessera::kConvertsColors;
+  tessera::Server server(STDIN_FILENO, decodes,
+                         tessera::enter_sandbox(tessera::readable_places(decodes)));
+  while (server.serve_one()) {
   }
   // Nothing is left to be written; taking the libraries down in order would only cost time.
   _exit(0);

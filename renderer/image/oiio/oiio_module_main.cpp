@@ -26,8 +26,13 @@ namespace tessera {
 
 namespace {
 
+/// The path of a descriptor of this process, under which the sandbox lets memory be opened.
+std::string path_of(int descriptor) {
+  return OIIO::Strutil::sprintf("/proc/self/fd/%d", descriptor);
+}
+
 /// A file in memory for the encoders, which write files only: several of them take a full disk for
-/// success, and one ends the process. It serves the decoders the same way.
+/// success, and one ends the process.
 class MemoryFile {
  public:
   MemoryFile() : file_(memfd_create("picture", MFD_CLOEXEC)) {
@@ -37,21 +42,12 @@ class MemoryFile {
   MemoryFile& operator=(const MemoryFile&) = delete;
   ~MemoryFile() { close(file_); }
 
-  std::string path() const { return OIIO::Strutil::sprintf("/proc/self/fd/%d", file_); }
+  std::string path() const { return path_of(file_); }
 
   /// A limit on file sizes, which holds here too, shows now.
   void check_room(uint64_t bytes) const {
     if (ftruncate(file_, static_cast<off_t>(bytes)) != 0 || ftruncate(file_, 0) != 0) {
       fail_image(std::strerror(errno));
-    }
-  }
-
-  void fill(const std::vector<char>& bytes) const {
-    check_room(bytes.size());
-    for (size_t at = 0; at < bytes.size();) {
-      const ssize_t written = write(file_, bytes.data() + at, bytes.size() - at);
-      if (written <= 0) fail_image(std::strerror(errno));
-      at += static_cast<size_t>(written);
     }
   }
 
@@ -128,12 +124,18 @@ void* make_room(ImageAnswer& answer, int most_channels) {
   return answer.payload.data();
 }
 
-/// A reader that leaves colours as the file has them.
-std::unique_ptr<OIIO::ImageInput> open(const std::string& path) {
-  OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  auto input = OIIO::ImageInput::open(path, &config);
+/// A reader of that format alone, whatever the file may be, which leaves colours as it has them.
+std::unique_ptr<OIIO::ImageInput> open(const std::string& format, int file) {
+  // Asked for a format that it does not have, OpenImageIO would try all that it has.
+  const auto formats = OIIO::Strutil::splits(OIIO::get_string_attribute("input_format_list"), ",");
+  if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
+    fail_image("OpenImageIO is built without the format '" + format + "' here");
+  }
+  auto input = OIIO::ImageInput::create(format);
   if (!input) fail_image(OIIO::geterror());
+  OIIO::ImageSpec config, spec;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  if (!input->open(path_of(file), spec, config)) fail_image(input->geterror());
   return input;
 }
 
@@ -147,8 +149,8 @@ void read_pixels(OIIO::ImageInput& input, OIIO::TypeDesc type, int most_channels
   }
 }
 
-ImageAnswer decode_all(const std::string& path) {
-  const auto input = open(path);
+ImageAnswer decode_all(const std::string& format, int file) {
+  const auto input = open(format, file);
   const OIIO::ImageSpec& spec = input->spec();
   ImageAnswer answer{{spec.width, spec.height, spec.nchannels, 32}, {}};
   read_pixels(*input, OIIO::TypeDesc::FLOAT, PixelLayout::kMostChannels, answer);
@@ -159,8 +161,8 @@ ImageAnswer decode_all(const std::string& path) {
   return answer;
 }
 
-ImageAnswer decode(const std::string& path, bool to_srgb) {
-  const auto input = open(path);
+ImageAnswer decode(const std::string& format, int file, bool to_srgb) {
+  const auto input = open(format, file);
   const OIIO::ImageSpec& spec = input->spec();
   // Integers of 16 bits are more than half floats hold.
   const OIIO::TypeDesc type = spec.format == OIIO::TypeDesc::UINT8  ? OIIO::TypeDesc::UINT8
@@ -232,11 +234,11 @@ ImageAnswer convert_colors(const ImageRequest& request, std::vector<char> pixels
 
 }  // namespace tessera
 
-/// Throws std::exception with the cause.
+/// Throws std::exception with the cause. `file`: the memory of a file to decode.
 extern "C" __attribute__((visibility("default"))) void tessera_answer_image(
-    const tessera::ImageRequest& request, std::vector<char> payload, tessera::ImageAnswer& answer) {
+    const tessera::ImageRequest& request, std::vector<char> payload, int file,
+    tessera::ImageAnswer& answer) {
   using namespace tessera;
-  const auto path = [&payload] { return std::string(payload.begin(), payload.end()); };
   switch (request.call) {
     case ImageRequest::load:
       return;
@@ -244,20 +246,14 @@ extern "C" __attribute__((visibility("default"))) void tessera_answer_image(
       answer = encode(request, payload);
       return;
     case ImageRequest::decode_all:
-      answer = decode_all(path());
+      answer = decode_all(request.format, file);
       return;
-    case ImageRequest::decode_file:
-      answer = decode(path(), request.to_srgb != 0);
+    case ImageRequest::decode:
+      answer = decode(request.format, file, request.to_srgb != 0);
       return;
     case ImageRequest::convert_colors:
       answer = convert_colors(request, std::move(payload));
       return;
-    case ImageRequest::decode_bytes: {
-      const MemoryFile file;
-      file.fill(payload);
-      answer = decode(file.path(), request.to_srgb != 0);
-      return;
-    }
   }
   fail_image("the image codec does not know what it is asked for");
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "renderer/image/channel/image_channel.h"
-#include "renderer/image/channel/shared_pixels.h"
+#include "renderer/image/channel/sealed_memory.h"
 
 namespace tessera {
 
@@ -16,13 +16,13 @@ namespace tessera {
 struct ImageAnswer {
   PixelLayout layout;
   std::vector<char> payload;
-  std::optional<SharedPixels> shared{};  ///< in place of the payload
+  std::optional<SealedMemory> shared{};  ///< in place of the payload
 
   /// Where the pixels of `layout` go. Large ones are shared: each such picture costs whoever asked
   /// a descriptor, a smaller one a copy.
   std::span<char> make_room() {
     constexpr uint64_t kLeastShared = uint64_t{16} << 20;
-    if (layout.bytes() >= kLeastShared) shared = SharedPixels::create(layout.bytes());
+    if (layout.bytes() >= kLeastShared) shared = SealedMemory::create(layout.bytes());
     if (shared) return shared->bytes();
     payload.resize(layout.bytes());
     return payload;

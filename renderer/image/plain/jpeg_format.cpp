@@ -12,7 +12,7 @@ namespace tessera {
 namespace {
 
 /// False after an error; the frame owns nothing.
-bool read_header(JpegDecompressor& jpeg, const std::vector<char>& file) {
+bool read_header(JpegDecompressor& jpeg, std::span<const char> file) {
   if (setjmp(jpeg.place)) return false;
   jpeg_decompress_struct& info = jpeg.info;
   jpeg_create_decompress(&info);
@@ -52,11 +52,7 @@ std::optional<SrgbConversion> read_conversion(JpegDecompressor& jpeg) {
 
 }  // namespace
 
-bool is_jpeg(const std::vector<char>& file) {
-  return file.size() > 3 && file[0] == '\xff' && file[1] == '\xd8' && file[2] == '\xff';
-}
-
-std::optional<ImageAnswer> decode_jpeg(const std::vector<char>& file, bool to_srgb) {
+std::optional<ImageAnswer> decode_jpeg(std::span<const char> file, bool to_srgb) {
   JpegDecompressor jpeg;
   const jpeg_decompress_struct& info = jpeg.info;
   if (!read_header(jpeg, file) || jpeg.errors.num_warnings != 0) return std::nullopt;
@@ -76,7 +72,7 @@ std::optional<ImageAnswer> decode_jpeg(const std::vector<char>& file, bool to_sr
   const auto conversion = to_srgb && channels == 3 ? read_conversion(jpeg) : std::nullopt;
   const auto finish = [&](std::span<char> pixels) {
     if (conversion) conversion->convert(pixels, channels);
-    if (answer.shared) SharedPixels::finish(pixels);
+    if (answer.shared) SealedMemory::finish(pixels);
   };
   const std::span<char> pixels = answer.make_room();
   if (const auto slices = JpegSlices::cut(info, file)) {

@@ -1,15 +1,14 @@
 #pragma once
 
 #include <optional>
-#include <vector>
+#include <span>
 
 #include "renderer/image/plain/image_answer.h"
 
 namespace tessera {
 
-bool is_jpeg(const std::vector<char>& file);
 /// Nothing for a picture that is neither grey nor YCbCr or RGB, or where libjpeg as much as warns.
 /// `to_srgb`: an embedded colour profile is heeded.
-std::optional<ImageAnswer> decode_jpeg(const std::vector<char>& file, bool to_srgb);
+std::optional<ImageAnswer> decode_jpeg(std::span<const char> file, bool to_srgb);
 
 }  // namespace tessera

@@ -68,7 +68,7 @@ bool read_slice(JpegDecompressor& jpeg, std::span<const char> file, size_t chann
 }  // namespace
 
 std::optional<JpegSlices> JpegSlices::cut(const jpeg_decompress_struct& info,
-                                          const std::vector<char>& file) {
+                                          std::span<const char> file) {
   if (info.progressive_mode || info.arith_code || info.restart_interval == 0 ||
       info.comps_in_scan != info.num_components)
     return std::nullopt;

@@ -20,7 +20,7 @@ class JpegSlices {
   /// file has no markers between its rows, or fewer than it should, where slices would be few or
   /// large, and where rows of pixels depend on others than those of their blocks.
   static std::optional<JpegSlices> cut(const jpeg_decompress_struct& info,
-                                       const std::vector<char>& file);
+                                       std::span<const char> file);
   size_t count() const { return begins_.size() - 1; }
   /// Decodes slice `number` to its place in `pixels`, which are the whole picture's, `channels`
   /// bytes each, and returns that place; nothing where libjpeg as much as warns. Several threads

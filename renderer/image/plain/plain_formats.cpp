@@ -1,6 +1,6 @@
 #include "renderer/image/plain/plain_formats.h"
 
-#include <fstream>
+#include <string_view>
 
 #include "renderer/image/plain/jpeg_format.h"
 #include "renderer/image/plain/png_format.h"
@@ -8,20 +8,10 @@
 namespace tessera {
 namespace {
 
-std::vector<char> read_file(const std::vector<char>& path) {
-  constexpr std::streamoff kMostBytes = std::streamoff{1} << 30;
-  std::ifstream in(std::string(path.begin(), path.end()), std::ios::binary | std::ios::ate);
-  const std::streamoff size = in ? static_cast<std::streamoff>(in.tellg()) : -1;
-  if (size <= 0 || size > kMostBytes) return {};
-  std::vector<char> bytes(static_cast<size_t>(size));
-  in.seekg(0);
-  in.read(bytes.data(), size);
-  return in ? bytes : std::vector<char>{};
-}
-
-std::optional<ImageAnswer> decode(const std::vector<char>& file, bool to_srgb) {
-  if (is_jpeg(file)) return decode_jpeg(file, to_srgb);
-  if (is_png(file)) return decode_png(file, to_srgb);
+std::optional<ImageAnswer> decode(const ImageRequest& request, std::span<const char> file) {
+  const std::string_view format = request.format;
+  if (format == "jpeg") return decode_jpeg(file, request.to_srgb != 0);
+  if (format == "png") return decode_png(file, request.to_srgb != 0);
   return std::nullopt;
 }
 
@@ -45,14 +35,12 @@ std::vector<std::pair<std::string, std::string>> image_texts(const ImageAttribut
 }
 
 std::optional<ImageAnswer> answer_plainly(const ImageRequest& request,
-                                          const std::vector<char>& payload) {
+                                          std::span<const char> bytes) {
   switch (request.call) {
     case ImageRequest::encode:
-      return encode_png(request, payload);
-    case ImageRequest::decode_file:
-      return decode(read_file(payload), request.to_srgb != 0);
-    case ImageRequest::decode_bytes:
-      return decode(payload, request.to_srgb != 0);
+      return encode_png(request, bytes);
+    case ImageRequest::decode:
+      return decode(request, bytes);
     default:
       return std::nullopt;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,9 +15,9 @@ namespace tessera {
 std::vector<std::pair<std::string, std::string>> image_texts(const ImageAttributes& attributes);
 
 /// Answers the most common requests with libpng and libjpeg alone, which load at once: writing PNG,
-/// and reading JPEG and PNG of 8 bits. Pixels are what OpenImageIO would give. Nothing where it
-/// takes more, or something is wrong with the file: that is for OpenImageIO to tell.
-std::optional<ImageAnswer> answer_plainly(const ImageRequest& request,
-                                          const std::vector<char>& payload);
+/// and reading JPEG and PNG of 8 bits. `bytes` are the pixels to encode or the file to decode.
+/// Pixels are those that OpenImageIO would give. Returns nullopt where that takes more, or where
+/// something is wrong with the file, which OpenImageIO then tells.
+std::optional<ImageAnswer> answer_plainly(const ImageRequest& request, std::span<const char> bytes);
 
 }  // namespace tessera

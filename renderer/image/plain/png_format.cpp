@@ -48,7 +48,7 @@ class Png {
 };
 
 struct Source {
-  const std::vector<char>& file;
+  std::span<const char> file;
   size_t at = 0;
 };
 
@@ -87,7 +87,7 @@ unsigned char paeth(int a, int b, int c) {
 }
 
 /// Rows of 8-bit RGB from `begin` on, each after the number of its filter.
-Octets filtered(const std::vector<char>& pixels, size_t row_bytes, size_t begin, size_t end) {
+Octets filtered(std::span<const char> pixels, size_t row_bytes, size_t begin, size_t end) {
   constexpr size_t kPixel = 3;
   const Octets black(row_bytes);
   Octets out((end - begin) * (row_bytes + 1));
@@ -129,7 +129,7 @@ Octets deflated_alone(const Octets& bytes, bool is_last) {
 }
 
 /// The data of the image (RFC 1950) in parts, which several threads make.
-std::vector<Octets> deflated(const std::vector<char>& pixels, size_t row_bytes) {
+std::vector<Octets> deflated(std::span<const char> pixels, size_t row_bytes) {
   constexpr size_t kPartBytes = size_t{64} << 10;
   const size_t height = pixels.size() / row_bytes;
   const size_t rows = std::max<size_t>(1, kPartBytes / row_bytes);
@@ -153,7 +153,7 @@ std::vector<Octets> deflated(const std::vector<char>& pixels, size_t row_bytes) 
   return parts;
 }
 
-std::optional<ImageAnswer> decode(const Png& png, const std::vector<char>& file, bool to_srgb) {
+std::optional<ImageAnswer> decode(const Png& png, std::span<const char> file, bool to_srgb) {
   Source source{file};
   png_set_read_fn(png.get(), &source, read_bytes);
   png_set_user_limits(png.get(), PixelLayout::kMostSide, PixelLayout::kMostSide);
@@ -195,13 +195,7 @@ std::optional<ImageAnswer> decode(const Png& png, const std::vector<char>& file,
 
 }  // namespace
 
-bool is_png(const std::vector<char>& file) {
-  constexpr size_t kSignature = 8;
-  return file.size() > kSignature &&
-         png_sig_cmp(reinterpret_cast<png_const_bytep>(file.data()), 0, kSignature) == 0;
-}
-
-std::optional<ImageAnswer> decode_png(const std::vector<char>& file, bool to_srgb) {
+std::optional<ImageAnswer> decode_png(std::span<const char> file, bool to_srgb) {
   try {
     const Png png(true);
     return decode(png, file, to_srgb);
@@ -210,8 +204,7 @@ std::optional<ImageAnswer> decode_png(const std::vector<char>& file, bool to_srg
   }
 }
 
-std::optional<ImageAnswer> encode_png(const ImageRequest& request,
-                                      const std::vector<char>& pixels) {
+std::optional<ImageAnswer> encode_png(const ImageRequest& request, std::span<const char> pixels) {
   const PixelLayout& layout = request.layout;
   const bool fits = std::string_view(request.format) == "png" && layout.is_legal() &&
                     layout.channels == 3 && layout.bits == 8 && layout.bytes() == pixels.size();

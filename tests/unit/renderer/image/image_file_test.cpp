@@ -1,5 +1,6 @@
 #include "renderer/image/image_file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -261,6 +262,42 @@ pid_t codec_process() {
   pid_t child = 0;
   children >> child;
   return child;
+}
+
+TEST_F(ImageFile, the_codec_is_in_a_sandbox) {
+  for (const char* name : {"a.png", "a.exr"}) {
+    write_image(folder_ / name, ramp(), display_, {});
+    EXPECT_EQ(read_image(folder_ / name).width, 16);
+    std::ifstream status("/proc/" + std::to_string(codec_process()) + "/status");
+    const std::string text{std::istreambuf_iterator<char>(status), {}};
+    EXPECT_NE(text.find("\nNoNewPrivs:\t1\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("\nSeccomp:\t2\n"), std::string::npos) << text;
+  }
+}
+
+TEST_F(ImageFile, the_codec_inherits_no_open_file) {
+  std::ofstream(folder_ / "private") << "text";
+  const int left_open = open((folder_ / "private").c_str(), O_RDONLY);
+  ASSERT_GE(left_open, 0);
+  if (const pid_t before = codec_process(); before > 0) kill(before, SIGKILL);
+  write_image(folder_ / "a.png", ramp(), display_, {});
+  EXPECT_EQ(read_image(folder_ / "a.png").width, 16);
+  const fs::path files = "/proc/" + std::to_string(codec_process()) + "/fd";
+  EXPECT_TRUE(fs::exists(files / "0"));
+  for (const auto& file : fs::directory_iterator(files)) {
+    EXPECT_NE(fs::read_symlink(file), folder_ / "private");
+  }
+  close(left_open);
+}
+
+TEST_F(ImageFile, the_content_tells_the_format_not_the_name) {
+  write_image(folder_ / "a.tif", ramp(), display_, {});
+  fs::rename(folder_ / "a.tif", folder_ / "a.mov");
+  EXPECT_EQ(read_texture_image(folder_ / "a.mov").width, 16u);
+  std::string message;
+  std::ofstream(folder_ / "b.png") << "<?xml version=\"1.0\"?>\n<MPD></MPD>\n";
+  EXPECT_EQ(code_of([&] { read_texture_image(folder_ / "b.png"); }, &message), ExitCode::bad_scene);
+  EXPECT_NE(message.find("b.png: is an XML document"), std::string::npos) << message;
 }
 
 TEST_F(ImageFile, a_codec_that_is_killed_or_stopped_is_replaced) {

@@ -6,16 +6,17 @@
 
 namespace tessera {
 
-/// Memory that the image codec fills with pixels and hands over instead of copying them.
-class SharedPixels {
+/// Memory that a program fills with a file, or its image codec with pixels, and that is handed to
+/// the other instead of being copied.
+class SealedMemory {
  public:
   /// Zeros; nothing where there is none to be had, as under a limit on the sizes of files.
-  static std::optional<SharedPixels> create(uint64_t bytes);
-  SharedPixels(SharedPixels&& other) noexcept;
-  SharedPixels& operator=(SharedPixels&& other) noexcept;
-  ~SharedPixels();
+  static std::optional<SealedMemory> create(uint64_t bytes);
+  SealedMemory(SealedMemory&& other) noexcept;
+  SealedMemory& operator=(SealedMemory&& other) noexcept;
+  ~SealedMemory();
 
-  std::span<char> bytes() const { return pixels_; }
+  std::span<char> bytes() const { return bytes_; }
   /// Says that `part` of bytes() is done with: unmapping it is work, which threads can share.
   static void finish(std::span<char> part);
   /// Takes away the right to write from everybody, this process too, which has no bytes() from now
@@ -23,11 +24,11 @@ class SharedPixels {
   int seal();
 
  private:
-  SharedPixels(int descriptor, std::span<char> pixels) : descriptor_(descriptor), pixels_(pixels) {}
+  SealedMemory(int descriptor, std::span<char> bytes) : descriptor_(descriptor), bytes_(bytes) {}
   void unmap();
 
   int descriptor_;
-  std::span<char> pixels_;
+  std::span<char> bytes_;
 };
 
 }  // namespace tessera
