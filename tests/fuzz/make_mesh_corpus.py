@@ -9,7 +9,7 @@ import sys
 MESH, SPHERE, BOX, CSG, POINT, SUN, INSTANCE = 0, 2, 3, 6, 7, 8, 9
 OBJECT, MOVED = 0x40, 0x80  # added to the kind of a node
 STRIP, GLOWING = 2, 4  # of a mesh
-EMBREE = 2  # of the whole
+CAMERA, EMBREE = 1, 2  # of the whole
 
 # As in Numbers::number().
 EXTREMES = {1e38: 14, 2.5e38: 18, -2.5e38: 19, 1e39: 24, 1e100: 26, 1e154: 29, 1.7e308: 32, -1.7e308: 33,
@@ -47,6 +47,8 @@ def move(by, scale=(1, 1, 1), axis=(0, 1, 0), angle=0):
 
 def inputs():
     whole = bytes([EMBREE])
+    from_near = bytes([EMBREE | CAMERA]) + numbers(0, 0, 3.5, 0, 0, 0)
+    sun = bytes([SUN]) + numbers(-1, -1, -2)
     most = 3.4028234e38
     yield "huge", whole + bytes([MESH]) + mesh(soup(1, 100, *[2.5e38] * 3))
     yield "largest", whole + bytes([MESH]) + mesh(soup(2, 200, *[most] * 3))
@@ -57,17 +59,17 @@ def inputs():
     yield "strip", whole + bytes([MESH]) + mesh(soup(8, 34, *[2.5e38] * 3), STRIP, 100)
     yield "glowing", whole + bytes([MESH]) + mesh(soup(9, 40, *[2.5e38] * 3), GLOWING)
     small = mesh(soup(11, 20, 1, 1, 1))
-    yield "instances", (whole + bytes([MESH | OBJECT]) + small +
+    yield "instances", (from_near + sun + bytes([MESH | OBJECT]) + small +
                         b"".join(bytes([INSTANCE | MOVED]) + move(by, scale) + b"\0"
                                  for by, scale in [((0, 0, 0), (1, 1, 1)), ((1e38, 0, 0), (1e38, 1, 1)),
                                                    ((1e39, 0, 1), (1, 1, 1)), ((0, 1.7e308, 0), (1, 1, 1)),
                                                    ((1, 0, 1), (1e-310, 1, 1)), ((0, 1e154, 0), (1e100, 1e100, 1e100))]))
-    yield "round", (bytes([0]) + bytes([SPHERE]) + numbers(0, 0, 0, 1e38) + bytes([SPHERE]) + numbers(1, 1, 1, 5e-324) +
+    yield "round", (from_near + sun + bytes([SPHERE]) + numbers(0, -2.5e38, 0, 2.5e38) + bytes([SPHERE]) + numbers(1, 1, 1, 5e-324) +
                     bytes([BOX]) + numbers(-2.5e38, -1, -1, 2.5e38, 1, 1) + bytes([CSG, 1]) +
                     numbers(-1, -1, -1, 1, 1, 1) + b"\0" + numbers(0, 0, 0, 0.5))
     lights = b"".join(bytes([POINT | MOVED]) + move((by, 0, 0), (s, s, s)) + numbers(by, 1, 1)
                       for by, s in [(1.7e308, 1), (1, 1), (-1.7e308, 1), (1e154, 1e154), (1e39, 1), (1.7e308, 1e100)])
-    yield "lights", bytes([0]) + bytes([SPHERE]) + numbers(0, 0, 0, 1) + bytes([SUN]) + numbers(1, -1.7e308, 1) + lights
+    yield "lights", from_near + bytes([SPHERE]) + numbers(0, 0, 0, 1) + bytes([SUN]) + numbers(1, -1.7e308, 1) + lights
 
 
 folder = pathlib.Path(sys.argv[1])

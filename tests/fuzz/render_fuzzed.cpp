@@ -67,8 +67,22 @@ bool is_small(const v1::Scene& scene, const BlobStore& blobs) {
   return bytes <= kMostBlobBytes && SceneSize(scene).is_small();
 }
 
-/// Leaves out what takes long and is not looked for here.
-void make_cheap(v1::Scene& scene) {
+/// Leaves out what takes long, and what a reader leaves to others: included files are not there,
+/// and each picture is a single texel.
+void make_ready(v1::Scene& scene, BlobStore& blobs) {
+  scene.clear_includes();
+  for (v1::Texture& texture : *scene.mutable_textures()) {
+    if (!texture.has_image() || texture.image().width() > 0) continue;
+    v1::Texture::Image& image = *texture.mutable_image();
+    image.set_width(1);
+    image.set_height(1);
+    image.set_channels(3);
+    image.set_bits(8);
+    image.set_levels(1);
+    const std::vector<std::byte> grey(3, std::byte{128});
+    image.mutable_texels()->set_size(grey.size());
+    image.mutable_texels()->set_digest(blobs.put(grey).hex());
+  }
   v1::Settings& settings = *scene.mutable_settings();
   settings.clear_sampling();
   settings.clear_accelerator();
@@ -122,9 +136,9 @@ bool has_embree() {
 
 }  // namespace
 
-void render_fuzzed(v1::Scene scene, const BlobStore& blobs, bool with_embree) {
+void render_fuzzed(v1::Scene scene, BlobStore blobs, bool with_embree) {
   if (!is_small(scene, blobs)) return;
-  make_cheap(scene);
+  make_ready(scene, blobs);
   spdlog::set_level(spdlog::level::off);  // of what a scene leaves out
   Skips no_scans;
   no_scans.small_trees = false;

@@ -11,6 +11,6 @@ namespace tessera {
 /// without a camera is seen from one that frames all of it and carries a light. Scenes that would
 /// take long are left alone: see kMostNodes and the like in the source. `with_embree`: Embree too,
 /// where its module is beside the program; it takes longer to start than all others to build.
-void render_fuzzed(v1::Scene scene, const BlobStore& blobs, bool with_embree = false);
+void render_fuzzed(v1::Scene scene, BlobStore blobs, bool with_embree = false);
 
 }  // namespace tessera
