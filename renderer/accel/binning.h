@@ -41,23 +41,25 @@ struct Box {
 
 struct Range {
   size_t begin = 0, end = 0;
-  Box box = Box::empty(),
-      centroids = Box::empty();  // centroids are low + high halved before the sum, to stay in range
+  Box box = Box::empty();
+  Box half_centroids = Box::empty();  // around half_centroid() of each box
   size_t count() const { return end - begin; }
 };
 
-inline Lanes centroid(const BuildBox& b) {
+/// Half of a box's centroid, in single precision. The difference of two centroids may overflow
+/// there, that of their halves never does, whatever finite boxes they belong to.
+inline Lanes half_centroid(const BuildBox& b) {
   Lanes high = b.high;
   high[3] = 0;  // the number kept there is a denormal, slow to reckon with
-  return b.low * 0.5f + high * 0.5f;
+  return b.low * 0.25f + high * 0.25f;
 }
 
 inline Range make_range(const BuildBox* boxes, size_t begin, size_t end) {
   Range r{begin, end};
   for (size_t i = begin; i < end; ++i) {
     r.box.extend(boxes[i].low, boxes[i].high);
-    const Lanes c = centroid(boxes[i]);
-    r.centroids.extend(c, c);
+    const Lanes c = half_centroid(boxes[i]);
+    r.half_centroids.extend(c, c);
   }
   return r;
 }
@@ -72,21 +74,22 @@ inline Range make_range(const BuildBox* boxes, size_t count, int threads) {
   Range all{0, count};
   for (const Range& part : parts) {
     all.box.extend(part.box.low, part.box.high);
-    all.centroids.extend(part.centroids.low, part.centroids.high);
+    all.half_centroids.extend(part.half_centroids.low, part.half_centroids.high);
   }
   return all;
 }
 
-/// Maps centroids to bins, the same way wherever it is asked.
+/// Maps boxes to bins by their centroids. Total: every box is in a bin from 0 to bins - 1 on each
+/// axis, even one that is not finite; what is not a number is in bin 0.
 struct Binning {
   int bins;
-  Lanes base, scale;
-  bool usable[3];
+  Lanes base, scale;  // of half centroids
+  bool usable[3];     // the centroids differ on that axis, and not by too little to be scaled
 
   explicit Binning(const Range& range) {
     bins = static_cast<int>(std::min<size_t>(kMaxBins, 4 + range.count() / 4));
-    base = range.centroids.low;
-    const Lanes extent = range.centroids.high - range.centroids.low;
+    base = range.half_centroids.low;
+    const Lanes extent = range.half_centroids.high - range.half_centroids.low;
     scale = Lanes{};
     for (int a = 0; a < 3; ++a) {
       const float s = static_cast<float>(bins) * 0.99999f / extent[a];
@@ -94,9 +97,19 @@ struct Binning {
       scale[a] = usable[a] ? s : 0;
     }
   }
-  std::array<int, 3> operator()(Lanes c) const {
-    const Lanes f = (c - base) * scale;
-    return {static_cast<int>(f[0]), static_cast<int>(f[1]), static_cast<int>(f[2])};
+  std::array<int, 3> operator()(const BuildBox& b) const {
+    Lanes f = (half_centroid(b) - base) * scale;
+    f = lane_max(f, Lanes{});  // 0 for what is not a number
+    f = lane_min(f, Lanes{} + static_cast<float>(bins - 1));
+    using Ints = int32_t __attribute__((vector_size(16)));
+    const Ints at = __builtin_convertvector(f, Ints);
+    return {at[0], at[1], at[2]};
+  }
+  /// Whether the box's bin on that axis is below `bin`, which is 1 to bins - 1. Not by way of the
+  /// whole number: builders branch on this, and the sooner it is known the better.
+  bool is_below(const BuildBox& b, int axis, int bin) const {
+    const float along = b.low[axis] * 0.25f + b.high[axis] * 0.25f;
+    return !((along - base[axis]) * scale[axis] >= static_cast<float>(bin));
   }
 };
 
@@ -117,7 +130,7 @@ class Bins {
   }
   void add(const Binning& binning, const BuildBox* boxes, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const std::array<int, 3> at = binning(centroid(boxes[i]));
+      const std::array<int, 3> at = binning(boxes[i]);
       for (int a = 0; a < 3; ++a) {
         box_[a][at[a]].extend(boxes[i].low, boxes[i].high);
         ++count_[a][at[a]];

@@ -76,6 +76,7 @@ LightBuffer LightBuffer::of_direction(const BoxRow& row, const Vec3& direction) 
     }
     least = all.low;
     scale = kSide / (all.high - all.low);
+    if (!std::isfinite(scale)) scale = 0;  // all in one cell: too small to be divided
   };
   spread(buffer.right_, buffer.least_.x, buffer.scale_.x);
   spread(buffer.down_, buffer.least_.y, buffer.scale_.y);
@@ -89,11 +90,12 @@ LightBuffer LightBuffer::of_direction(const BoxRow& row, const Vec3& direction) 
 }
 
 void LightBuffer::add(uint32_t box, int face, const Range& columns, const Range& rows) {
+  // An end that is not a number may be anywhere.
   const auto first = [](const Range& r) {
-    return static_cast<int>(std::clamp(r.low, 0.0, double{kSide}));
+    return r.low > 0 ? static_cast<int>(std::min(r.low, double{kSide})) : 0;
   };
   const auto last = [](const Range& r) {
-    return static_cast<int>(std::clamp(r.high, -1.0, kSide - 1.0));
+    return r.high < kSide - 1 ? static_cast<int>(std::max(r.high, -1.0)) : kSide - 1;
   };
   for (int y = first(rows); y <= last(rows); ++y)
     for (int x = first(columns); x <= last(columns); ++x)

@@ -38,8 +38,8 @@ class Builder {
     root.bounds = root.held;
     root.count = boxes_.size();
     root.budget = static_cast<double>(boxes_.size()) * options_.max_duplication + 64;
-    for (int a = 0; a < 3; ++a)
-      min_width_ = std::max(min_width_, (root.bounds.high[a] - root.bounds.low[a]) * kMinWidth);
+    for (size_t a = 0; a < 3; ++a)
+      min_width_ = std::max(min_width_, half_width(root.bounds, a) * (2 * kMinWidth));
     std::vector<Voxel> voxels;
     voxels.push_back(std::move(root));
     size_t begin = 0;
@@ -65,6 +65,11 @@ class Builder {
   }
 
  private:
+  /// The whole width may leave single precision.
+  static float half_width(const FloatBox& box, size_t a) {
+    return box.high[a] * 0.5f - box.low[a] * 0.5f;
+  }
+
   /// Where the voxel splits on each axis; infinity on an axis too narrow to split.
   std::array<float, 3> place(const Voxel& voxel) const {
     std::array<float, 3> split;
@@ -72,7 +77,7 @@ class Builder {
     for (size_t a = 0; a < 3; ++a) {
       const float low = voxel.bounds.low[a], high = voxel.bounds.high[a];
       const float centre = low * 0.5f + high * 0.5f;
-      const bool wide = high - low > 2 * min_width_ && centre > low && centre < high;
+      const bool wide = half_width(voxel.bounds, a) > min_width_ && centre > low && centre < high;
       split[a] = wide ? centre : kNoSplit;
       stretch[a].search_low = stretch[a].search_high = split[a];
     }
@@ -99,7 +104,7 @@ class Builder {
     const float least = std::min(stretch.low + min_width_, centre);
     const float most = std::max(stretch.high - min_width_, centre);
     const float median = std::max(least, std::min(*middle, most));
-    const float more = (stretch.high - stretch.low) * kSearchMargin;
+    const float more = half_width(voxel.bounds, a) * (2 * kSearchMargin);
     stretch.search_low = std::max(least, std::min(centre, median) - more);
     stretch.search_high = std::min(most, std::max(centre, median) + more);
     return stretch;

@@ -18,6 +18,8 @@ constexpr double kSameDirection = 0x1p-11;  // sine between a triangle's normal 
 constexpr double kGrazing = 0x1p-9;         // and this minus that is above 2^-10
 constexpr size_t kMostClasses = 64;
 
+float centroid(const BuildBox& b, int axis) { return 0.5f * b.low[axis] + 0.5f * b.high[axis]; }
+
 double half_area(const BuildBox& b) { return Box{b.low, b.high}.half_area(); }
 
 /// Triangles of nearly one direction.
@@ -148,7 +150,7 @@ class Slices {
     if (!(step_ > 0 && step_ < kInf)) return;
     for (const BuildBox& b : boxes) {
       int first = slice(b.low[axis]), last = std::max(first, slice(b.high[axis]));
-      if (!pieces.can_cut(b)) first = last = slice(centroid(b)[axis]);
+      if (!pieces.can_cut(b)) first = last = slice(centroid(b, axis));
       ++begins_[static_cast<size_t>(first)];
       ++ends_[static_cast<size_t>(last)];
       if (first == last) box_[static_cast<size_t>(first)].extend(b.low, b.high);
@@ -184,7 +186,8 @@ class Slices {
  private:
   float plane(int s) const { return low_ + static_cast<float>(s) * step_; }
   int slice(float v) const {
-    return std::clamp(static_cast<int>((v - low_) / step_), 0, kCutBins - 1);
+    // 0 for what is not a number.
+    return static_cast<int>(std::min(std::max(0.0f, (v - low_) / step_), kCutBins - 1.0f));
   }
 
   int axis_;
@@ -205,7 +208,7 @@ struct Sides {
 Sides divide(const std::vector<BuildBox>& boxes, const Binning& binning, const Split& split) {
   Sides sides;
   for (const BuildBox& b : boxes) {
-    if (binning(centroid(b))[static_cast<size_t>(split.axis)] < split.bin)
+    if (binning.is_below(b, split.axis, split.bin))
       sides.add_left(b);
     else
       sides.add_right(b);
@@ -219,7 +222,7 @@ Sides divide(const Pieces& pieces, const std::vector<BuildBox>& boxes, const Cut
   std::vector<BuildBox> astride;
   for (const BuildBox& b : boxes) {
     const bool whole = !pieces.can_cut(b);
-    if (whole ? centroid(b)[cut.axis] < cut.at : b.high[cut.axis] <= cut.at)
+    if (whole ? centroid(b, cut.axis) < cut.at : b.high[cut.axis] <= cut.at)
       sides.add_left(b);
     else if (whole || b.low[cut.axis] >= cut.at)
       sides.add_right(b);

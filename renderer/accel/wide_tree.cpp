@@ -147,7 +147,7 @@ class WideTreeBuilder {
     for (const auto& part : parts) {
       for (size_t side = 0; side < 2; ++side) {
         sides[side].box.extend(part[side].box);
-        sides[side].centroids.extend(part[side].centroids);
+        sides[side].half_centroids.extend(part[side].half_centroids);
       }
       sides[0].end += part[0].count();
     }
@@ -174,16 +174,12 @@ class WideTreeBuilder {
     Range left{begin, begin}, right{end, end};
     const auto add = [](Range& side, const BuildBox& b, Lanes c) {
       side.box.extend(b.low, b.high);
-      side.centroids.extend(c, c);
+      side.half_centroids.extend(c, c);
     };
-    // The bin of one axis alone, and not made whole: the sooner the branch is known the better.
-    const float base = binning.base[split.axis], scale = binning.scale[split.axis];
-    const auto limit = static_cast<float>(split.bin);
     size_t i = begin, j = end;
     while (i < j) {
-      const Lanes c = centroid(boxes_[i]);
-      const float along = boxes_[i].low[split.axis] * 0.5f + boxes_[i].high[split.axis] * 0.5f;
-      if ((along - base) * scale < limit) {
+      const Lanes c = half_centroid(boxes_[i]);
+      if (binning.is_below(boxes_[i], split.axis, split.bin)) {
         add(left, boxes_[i++], c);
       } else {
         add(right, boxes_[i], c);
@@ -196,12 +192,12 @@ class WideTreeBuilder {
 
   /// Orders the halves by the widest axis, ties by number, so that deep trees stay useful.
   void halve(const Range& range, size_t middle) {
-    const Lanes extent = range.centroids.high - range.centroids.low;
+    const Lanes extent = range.half_centroids.high - range.half_centroids.low;
     int axis = extent[0] >= extent[1] ? 0 : 1;
     if (extent[2] > extent[axis]) axis = 2;
     std::nth_element(boxes_ + range.begin, boxes_ + middle, boxes_ + range.end,
                      [axis](const BuildBox& a, const BuildBox& b) {
-                       const float ca = centroid(a)[axis], cb = centroid(b)[axis];
+                       const float ca = half_centroid(a)[axis], cb = half_centroid(b)[axis];
                        return ca < cb || (ca == cb && a.index() < b.index());
                      });
   }

@@ -228,8 +228,14 @@ class Walker {
       if (graph_.lights.size() >= kMaxLights) {
         fail_value(where, "the scene", fmt::format("more than {} lights", kMaxLights), "fewer");
       }
+      const Light light = read_light(where, node.light(), frame);
+      // Nothing tells where it shines from.
+      if (!is_finite(light.position - Point3{}) || !is_finite(light.direction)) {
+        ++graph_.lights_off;
+        continue;
+      }
       const auto index = static_cast<uint32_t>(graph_.lights.size());
-      graph_.lights.push_back(read_light(where, node.light(), frame));
+      graph_.lights.push_back(light);
       (node.light().scoped() ? scoped : graph_.global_lights).push_back(index);
     }
     if (scoped.empty()) return inherited.scope;

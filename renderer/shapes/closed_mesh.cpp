@@ -1,6 +1,7 @@
 #include "renderer/shapes/closed_mesh.h"
 
 #include <algorithm>
+#include <compare>
 #include <numeric>
 #include <tuple>
 
@@ -208,9 +209,11 @@ void ClosedMesh::crossings(const Ray& ray, const RayError& error,
     e.primitive = triangle;
     events.push_back(e);
   });
+  // Coordinates out of range may leave a t that is not a number, which has its place too.
   std::sort(events.begin() + static_cast<std::ptrdiff_t>(begin), events.end(),
             [](const SolidEvent& x, const SolidEvent& y) {
-              return x.t != y.t ? x.t < y.t : x.primitive < y.primitive;
+              const std::weak_ordering order = std::weak_order(x.t, y.t);
+              return order != 0 ? order < 0 : x.primitive < y.primitive;
             });
 }
 

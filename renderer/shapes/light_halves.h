@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -15,14 +16,18 @@ namespace tessera {
 // which a number chooses by what they are worth.
 
 /// Puts the half of `order` that lies lower along the longest side first; of an odd count that is
-/// the smaller one. `center_of(i)` is where the light `i` lies.
+/// the smaller one. `center_of(i)` is where the light `i` lies; a coordinate that is not a number,
+/// as of a light of infinite bounds, counts as 0.
 template <typename CenterOf>
 void halve(std::span<uint32_t> order, const CenterOf& center_of) {
   Bounds3 centers;
   for (const uint32_t light : order) centers.extend(center_of(light));
   const Vec3 size = centers.diagonal();
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const auto key = [&](uint32_t light) { return std::pair(center_of(light)[axis], light); };
+  const auto key = [&](uint32_t light) {
+    const double at = center_of(light)[axis];
+    return std::pair(std::isnan(at) ? 0 : at, light);
+  };
   std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2),
                    order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
 }

@@ -1,4 +1,5 @@
-// A CRT script: refused with an Error, or a scene that survives its text form.
+// A CRT script: refused with an Error, or a scene that survives its text form and gives a
+// picture.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -8,6 +9,7 @@
 #include "base/file.h"
 #include "proto/wire/scene_codec.h"
 #include "scenes/formats/crt/crt_reader.h"
+#include "tests/fuzz/render_fuzzed.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace tessera;
@@ -21,5 +23,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string form = encode_scene(loaded.scene, loaded.blobs, SceneEncoding::text);
   const SceneWithBlobs again = decode_scene(form, SceneEncoding::text, "again");
   if (serialize_scene(again.scene) != serialize_scene(loaded.scene)) std::abort();
+  render_fuzzed(loaded.scene, loaded.blobs);
   return 0;
 }

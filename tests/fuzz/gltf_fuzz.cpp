@@ -1,5 +1,5 @@
-// Whatever the bytes, the glTF reader gives a scene or an Error. A text gets a binary part too, so
-// that accessors have something to read.
+// Whatever the bytes, the glTF reader gives a scene or an Error, and the scene a picture. A text
+// gets a binary part too, so that accessors have something to read.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "scenes/formats/gltf/gltf_reader.h"
+#include "tests/fuzz/render_fuzzed.h"
 
 namespace {
 
@@ -32,7 +33,8 @@ std::string with_binary_part(std::string_view json) {
 
 void read(std::string_view bytes) {
   try {
-    tessera::parse_gltf(bytes, "fuzz.gltf");
+    const tessera::LoadedScene loaded = tessera::parse_gltf(bytes, "fuzz.gltf");
+    tessera::render_fuzzed(loaded.scene, loaded.blobs);
   } catch (const tessera::Error&) {
   }
 }

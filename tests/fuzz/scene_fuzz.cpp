@@ -1,5 +1,5 @@
 // A scene file of our own in each of its forms: refused with an Error, or kept without loss through
-// every form. The first byte chooses the form, so that one corpus serves all three.
+// every form, and rendered. The first byte chooses the form, so that one corpus serves all three.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "proto/wire/scene_codec.h"
+#include "tests/fuzz/render_fuzzed.h"
 
 namespace {
 
@@ -35,5 +36,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const auto again = read(tessera::encode_scene(first->scene, first->blobs, encoding), encoding);
     if (!again || tessera::serialize_scene(again->scene) != before) std::abort();
   }
+  tessera::render_fuzzed(first->scene, first->blobs);
   return 0;
 }

@@ -1,4 +1,4 @@
-// Whatever the bytes, the STL reader gives a scene or an Error.
+// Whatever the bytes, the STL reader gives a scene or an Error, and the scene a picture.
 
 #include <cstddef>
 #include <cstdint>
@@ -6,10 +6,13 @@
 
 #include "base/error.h"
 #include "scenes/formats/stl/stl_reader.h"
+#include "tests/fuzz/render_fuzzed.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {
-    tessera::parse_stl({reinterpret_cast<const char*>(data), size}, "fuzz.stl");
+    const tessera::LoadedScene loaded =
+        tessera::parse_stl({reinterpret_cast<const char*>(data), size}, "fuzz.stl");
+    tessera::render_fuzzed(loaded.scene, loaded.blobs);
   } catch (const tessera::Error&) {
   }
   return 0;

@@ -157,6 +157,105 @@ TEST(N18, DegenerateInputBuildsABoundedTree) {
   }
 }
 
+/// Triangles of which one in `one_in` lies within `reach` of the origin on each axis, and the
+/// others within 1. Each takes up `size` of that on each axis.
+TriangleMesh extreme_mesh(size_t count, const Vec3& reach, size_t one_in, double size,
+                          Random& random) {
+  TriangleMesh mesh;
+  for (size_t i = 0; i < count; ++i) {
+    const Vec3 within = i % one_in == 0 ? reach : Vec3{1, 1, 1};
+    const auto base = static_cast<uint32_t>(mesh.positions.size());
+    const Vec3 center = random.in_cube(1 - size);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 at = center + random.in_cube(size);
+      mesh.positions.push_back({static_cast<float>(at.x * within.x),
+                                static_cast<float>(at.y * within.y),
+                                static_cast<float>(at.z * within.z)});
+    }
+    mesh.triangles.push_back({base, base + 1, base + 2});
+  }
+  drop_degenerate(mesh);
+  return mesh;
+}
+
+/// Rays from near the origin, from afar and from triangles to points of triangles: how many hit.
+/// Trees must have `leaves` leaves at least.
+size_t expect_agreement(const std::shared_ptr<const TriangleMesh>& mesh, const Vec3& reach,
+                        size_t leaves, int rays, Random& random, const std::string& name) {
+  const Accelerators all = Accelerators::over(mesh);
+  for (const auto& accelerator : all.all) {
+    EXPECT_LE(accelerator->statistics().depth, WideTree::kMaxDepth) << name;
+    if (dynamic_cast<const MeshLinearScan*>(accelerator.get()) == nullptr) {
+      EXPECT_GE(accelerator->statistics().leaves, leaves) << name;
+    }
+  }
+  const auto on_triangle = [&] {
+    const auto [a, b, c] = mesh->corners(random.below(mesh->triangles.size()));
+    const double u = random.uniform(0, 0.5), v = random.uniform(0, 0.5);
+    return a + (b - a) * u + (c - a) * v;
+  };
+  size_t hits = 0;
+  int wrong = 0;
+  for (int i = 0; i < rays; ++i) {
+    Point3 origin = Point3{} + random.in_cube(2);
+    if (i % 3 == 1) {
+      const Vec3 at = random.in_cube(2);
+      origin = Point3{at.x * reach.x, at.y * reach.y, at.z * reach.z};
+    }
+    if (i % 3 == 2) origin = on_triangle();
+    Vec3 direction = on_triangle() - origin;
+    if (i % 2 == 0) direction = normalize(direction);
+    const Ray ray{origin, direction};
+    wrong += disagreements(all, ray);
+    Hit hit;
+    TraversalCounters counters;
+    hits += all.all[0]->closest_hit(ray, hit, counters);
+  }
+  EXPECT_EQ(wrong, 0) << name;
+  return hits;
+}
+
+TEST(N18, CoordinatesNearTheEndOfSinglePrecisionBuildAndTraceAsByTheScan) {
+  // Extents and their sums overflow single precision, where the trees' builders work.
+  size_t hits = 0;
+  for (uint64_t seed = 1; seed <= 2; ++seed) {
+    Random random(518, seed);
+    for (const double size : {1e37, 1.7e38, 2.5e38, 3.4e38}) {
+      for (const Vec3& axes : {Vec3{1, 1, 1}, Vec3{1, 1e-38, 1e-38}, Vec3{1e-30, 1, 1e-19}}) {
+        for (const size_t count : {100, 1000, 10000}) {
+          for (const size_t one_in : {1, 2, 50}) {
+            const Vec3 reach = axes * size;
+            // Small ones that a tree can tell apart, or ones as large as all of them.
+            const double part = one_in == 1 ? 0.02 : 0.9;
+            const auto mesh = std::make_shared<const TriangleMesh>(
+                extreme_mesh(count, reach, one_in, part, random));
+            const std::string name = "seed " + std::to_string(seed) + ": " + std::to_string(count) +
+                                     " triangles within " + describe({Point3{} + reach, axes}) +
+                                     ", one in " + std::to_string(one_in);
+            const size_t leaves = one_in == 1 ? count / 50 : 1;
+            const int rays = count == 10000 ? 6 : 30;
+            hits += expect_agreement(mesh, reach, leaves, rays, random, name);
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(hits, 2000u);
+}
+
+TEST(N18, TinyCoordinatesBuildAndTraceAsByTheScan) {
+  Random random(618, 1);
+  size_t hits = 0;
+  for (const double size : {1e-30, 1e-37, 1e-40, 1e-43}) {
+    const Vec3 reach = Vec3{1, 1, 1} * size;
+    const auto mesh =
+        std::make_shared<const TriangleMesh>(extreme_mesh(500, reach, 1, 0.5, random));
+    ASSERT_GT(mesh->triangles.size(), 100u);
+    hits += expect_agreement(mesh, reach, 1, 100, random, describe({Point3{} + reach, reach}));
+  }
+  EXPECT_GT(hits, 30u);
+}
+
 /// Primitives that each accelerator tests for a ray, on the average, at most: from about the middle
 /// of where `aim` draws its targets.
 template <typename Aim>

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
 
 #include "renderer/accel/few_instances.h"
@@ -79,6 +80,21 @@ TEST(LightBuffer, LeavesOutNothingThatIsInTheWayOfADirection) {
     }
   }
   EXPECT_LT(looked_at, rays);
+}
+
+TEST(LightBuffer, LeavesOutNothingAmongTheSmallestBoxes) {
+  // The scale from places to cells overflows, or sides and the rounding between them vanish.
+  for (const double size : {1e-300, 1e-305, 1e-308, 1e-310, 5e-324}) {
+    const Bounds3 first{{0, 0, 0}, {size, size, size}};
+    const Bounds3 second{{-size, -size, size}, {0, 0, size}};
+    const BoxRow row(std::array{first, second});
+    for (const Vec3& direction :
+         {Vec3{1, 0, 0}, Vec3{0, -1, 0}, normalize(Vec3{1, 2, -3}), normalize(Vec3{1, 1, 1})}) {
+      const LightBuffer buffer = LightBuffer::of_direction(row, direction);
+      EXPECT_TRUE(buffer.boxes_met(first.max, -direction, Bounds3::kInfinity) & 1u) << size;
+      EXPECT_TRUE(buffer.boxes_met(second.min, -direction, Bounds3::kInfinity) & 2u) << size;
+    }
+  }
 }
 
 TEST(LightBuffer, AnswersNotWhereRaysStartFarOff) {

@@ -40,6 +40,23 @@ TEST(Scene, keeps_only_what_the_picture_needs) {
   EXPECT_EQ(scene->instances[0].shape, scene->instances[1].shape);
 }
 
+TEST(Scene, lights_out_of_range_leave_the_others_alone) {
+  const std::string seen = R"(
+    cameras { world_from_camera { steps { translate { z: 3 } } } } nodes { shape { sphere {} } }
+    nodes { light { directional { direction { z: -1 } } } } )";
+  // Moved to infinity, and turned to no direction.
+  const std::string far = R"(
+    nodes { transform { steps { translate { x: 1.7e308 } } } light { point { position { x: 1.7e308 } } } }
+    nodes { transform { steps { matrix { rows: [1.7e308, 1.7e308, 0, 0, -1e-300, 1e-300, 0, 0, 0, 0, 1e-8, 0] } } }
+            light { directional { direction { x: 1 y: 1 } } } } )";
+  const auto scene = build(seen + far);
+  EXPECT_EQ(scene->counters.at("lights_off"), 2u);
+  EXPECT_EQ(scene->lights.size(), 1u);
+  const std::vector<float> expected = render_text(seen, 8, 8).values;
+  EXPECT_GT(*std::ranges::max_element(expected), 0.1f);
+  EXPECT_EQ(render_text(seen + far, 8, 8).values, expected);
+}
+
 TEST(Scene, scopes_hold_their_own_lights_only) {
   std::string text = "nodes { light { point {} } } nodes { shape { sphere {} } } ";
   for (int i = 0; i < 3; ++i) {
