@@ -30,6 +30,7 @@ ServiceSimulation::ServiceSimulation(uint64_t seed)
   service_.kills = draw() < 0.3 ? 0 : static_cast<int>(draw(4));
   service_.full = draw() < 0.3;
   service_.spools = draw() < 0.4;
+  service_.restores = draw() < 0.2;
   if (service_.spools) {
     faults_.events += 4;
     faults_.orphan_timeout = seconds(3) + draw_time(seconds(5));
@@ -58,6 +59,22 @@ void ServiceSimulation::restart() {
   options_.opening = opening_of(++openings_);
   coordinator_ = std::make_unique<Coordinator>(options_, store_);
   deliver();
+}
+
+void ServiceSimulation::restore(const MortalStore& copy) {
+  say("a copy of the store is restored");
+  *store_ = copy;
+  for (auto& [peer, client] : clients_) {
+    if (client.job <= store_->last_job()) {
+      client.ended = false;
+      continue;
+    }
+    client.job = 0;
+    client.ended = false;
+    if (client.wants != v1::JobQuery::CANCEL) client.wants = v1::JobQuery::ASK;
+    client.request.set_submission(random_() | 1);
+  }
+  restart();
 }
 
 void ServiceSimulation::note_sent(const OutgoingMessage& out) {
@@ -232,6 +249,10 @@ std::string ServiceSimulation::run_service() {
   for (int i = 0; i < service_.kills; ++i) {
     at(now_ + draw_time(seconds(10)),
        [this] { store_->kill_at(static_cast<int>(draw(20)), draw() < 0.5); });
+  }
+  if (service_.restores) {
+    at(now_ + draw_time(seconds(8)),
+       [this] { at(now_ + draw_time(seconds(8)), [this, copy = *store_] { restore(copy); }); });
   }
   if (service_.full) {
     at(now_ + draw_time(seconds(5)), [this] {

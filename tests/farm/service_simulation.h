@@ -59,7 +59,8 @@ struct ServiceFaults {
   int orders = 0;  ///< pauses, resumptions, cancellations, new priorities
   int kills = 0;   ///< of the coordinator, each at some write of the store
   bool full = false;
-  bool spools = false;  ///< workers end when they are orphans for long, and leave their results
+  bool spools = false;    ///< workers end when they are orphans for long, and leave their results
+  bool restores = false;  ///< once, a copy that was made before takes the place of the store
 };
 
 /// Many jobs on a coordinator that is killed and started again from its store.
@@ -100,6 +101,8 @@ class ServiceSimulation : public Simulation {
   void on_status(Client& client, const v1::JobStatus& status);
   void give_order();
   void restart();
+  /// The store becomes what it was; whose jobs are gone submits them anew.
+  void restore(const MortalStore& copy);
   std::string verdict();
 
   ServiceFaults service_;

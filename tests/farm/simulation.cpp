@@ -28,6 +28,7 @@ Simulation::Simulation(uint64_t seed,
   options_.compress_pixels = draw() < 0.2;
   options_.verify = draw() < 0.2 ? draw() : 0;
   if (adjust) adjust(faults_, options_);
+  options_.worker_keys = faults_.keys;
   const int tile = 4 + static_cast<int>(draw(9));
   job_ = make_job(16 + static_cast<int>(draw(9)), 16 + static_cast<int>(draw(9)), tile);
   job_.crop.x0 = static_cast<int>(draw(5));
@@ -89,7 +90,9 @@ void Simulation::carry(const v1::Envelope& message, const std::string& line,
 // --------------------------------------------------------------------------------------- network
 
 void Simulation::to_coordinator(Channel channel, const PeerId& peer, const v1::Envelope& message) {
-  with_coordinator([&](Coordinator& c) { c.on_message(channel, peer, message, now_); });
+  const Worker* const worker = find(peer);
+  const AllowedKey sender = worker ? worker->key : AllowedKey{};
+  with_coordinator([&](Coordinator& c) { c.on_message(channel, peer, message, now_, sender); });
   deliver();
 }
 

@@ -31,6 +31,8 @@ struct Faults {
   bool one_hangs = false;    ///< the second worker's first tile never ends
   bool one_lies = false;     ///< the third worker's pixels are wrong
   bool one_alone = false;    ///< there is but one worker
+  uint64_t keys = 0;         ///< of workers, who take turns at them; 0: there are none
+  bool key_lies = false;     ///< all workers of the first key, alike
   bool bad_scene = false;    ///< no worker can build the scene
   bool one_starves = false;  ///< the first worker has memory for one tile at a time
   bool restarts = false;     ///< the coordinator dies once, and another takes its place
@@ -79,6 +81,7 @@ class Simulation {
     PeerId peer;
     uint32_t process = 0;
     int failures_left = 0;  ///< two do not make a tile given up
+    AllowedKey key;
     bool lies = false;
     bool starves = false;
     bool hangs = false;  ///< from its next tile on

@@ -180,6 +180,36 @@ TEST_F(FarmMutation, WhenAllIsVerifiedALiarChangesNoPicture) {
   EXPECT_LT(unverified, kCount / 100);
 }
 
+TEST_F(FarmMutation, WhenAllIsVerifiedAKeyThatLiesByManyProcessesChangesNoPicture) {
+  constexpr int kCount = 600;
+  int caught = 0, done = 0;
+  for (uint64_t seed = 1; seed <= kCount; ++seed) {
+    const bool in_peace = seed % 2 == 0;
+    Simulation simulation(seed, [&](Faults& faults, CoordinatorOptions& options) {
+      if (in_peace) faults = Faults{};
+      faults.bad_scene = faults.restarts = faults.one_alone = false;
+      faults.keys = 3;
+      faults.key_lies = true;
+      options.verify = 1;
+      options.verify_key = seed;
+    });
+    const auto result = simulation.run();
+    ASSERT_TRUE(result) << "seed " << seed << " does not end";
+    const JobReport& report = result->report;
+    caught += report.liars > 0;
+    if (report.end != JobReport::End::done) {
+      ASSERT_NE(report.failure.find("no third"), std::string::npos)
+          << seed << ": " << report.failure;
+      continue;
+    }
+    ++done;
+    if (report.unverified > 0) continue;
+    ASSERT_EQ(result->film.pixels_sha256(), expected_sha256(simulation.job())) << seed;
+  }
+  EXPECT_GT(caught, kCount / 3);
+  EXPECT_GT(done, kCount / 2);
+}
+
 TEST_F(FarmMutation, ALiarEscapesNoMoreOftenThanThePromise) {
   constexpr double kShare = 0.2;
   constexpr int kCount = 600;

@@ -38,6 +38,11 @@ void Simulation::join() {
   worker.hangs = faults_.one_hangs && processes_ == 2;
   worker.starves = faults_.one_starves && processes_ == 1;
   worker.lies = faults_.one_lies && processes_ == 3;
+  if (faults_.keys > 0) {
+    const std::string name = fmt::format("key-{}", processes_ % faults_.keys);
+    worker.key = {Role::worker, name, "public " + name};
+    worker.lies |= faults_.key_lies && processes_ % faults_.keys == 0;
+  }
   worker.slowness = draw() < 0.2 ? 10 : 0.5 + draw();
   SessionOptions options;
   v1::Hello& hello = options.hello;
