@@ -8,7 +8,7 @@ import sys
 
 MESH, SPHERE, BOX, CSG, POINT, SUN, INSTANCE = 0, 2, 3, 6, 7, 8, 9
 OBJECT, MOVED = 0x40, 0x80  # added to the kind of a node
-STRIP, GLOWING = 2, 4  # of a mesh
+STRIP, GLOWING = 1, 2  # of a mesh
 CAMERA, EMBREE = 1, 2  # of the whole
 
 # As in Numbers::number().

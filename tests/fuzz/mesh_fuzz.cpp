@@ -71,8 +71,8 @@ void put(BlobStore& blobs, const std::vector<Value>& values, v1::BlobRef* ref) {
 /// Triangles that share no corner, or strips in which each shares two with the one before.
 void add_mesh(Numbers& numbers, BlobStore& blobs, v1::Shape* shape) {
   const uint8_t kind = numbers.byte();
-  const size_t triangles = 1 + numbers.byte() + (kind & 1 ? 256 : 0);
-  const bool is_strip = (kind & 2) != 0;
+  const size_t triangles = 1 + numbers.byte();
+  const bool is_strip = (kind & 1) != 0;
   std::vector<uint32_t> indices;
   for (uint32_t i = 0; i < triangles; ++i)
     for (uint32_t k = 0; k < 3; ++k) indices.push_back(is_strip ? i + k : 3 * i + k);
@@ -83,7 +83,7 @@ void add_mesh(Numbers& numbers, BlobStore& blobs, v1::Shape* shape) {
     positions.push_back(static_cast<float>(std::clamp(numbers.number(), -kMost, kMost)));
   put(blobs, positions, shape->mutable_mesh()->mutable_positions());
   put(blobs, indices, shape->mutable_mesh()->mutable_triangles());
-  if (kind & 4) shape->add_materials("glowing");
+  if (kind & 2) shape->add_materials("glowing");
 }
 
 void add_shape(Numbers& numbers, uint8_t kind, BlobStore& blobs, v1::Shape* shape) {

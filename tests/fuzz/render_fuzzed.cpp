@@ -22,8 +22,8 @@ namespace tessera {
 namespace {
 
 // Bounds on what is rendered, so that an input takes milliseconds.
-constexpr size_t kMostNodes = 64;        ///< with all that instances show
-constexpr size_t kMostTriangles = 1000;  ///< of all instances together
+constexpr size_t kMostNodes = 64;       ///< with all that instances show
+constexpr size_t kMostTriangles = 400;  ///< of all instances together
 constexpr size_t kMostBlobBytes = size_t{1} << 18;
 constexpr uint32_t kMostDepth = 3;
 constexpr uint32_t kSide = 5;  ///< of the frame, in pixels: fills no packet of rays
