@@ -100,8 +100,9 @@ class AcceptGuardTest : public ::testing::Test {
   void SetUp() override { spdlog::set_level(spdlog::level::off); }
   void TearDown() override { spdlog::set_level(spdlog::level::info); }
 
-  void serve(const std::string& endpoint = "tcp://127.0.0.1:*", bool has_keys = true) {
-    const Limit few(kDescriptors);
+  void serve(const std::string& endpoint = "tcp://127.0.0.1:*", bool has_keys = true,
+             rlim_t descriptors = kDescriptors) {
+    const Limit limit(descriptors);
     ServerSecurity security;
     if (has_keys) {
       security.keys = server_keys_;
@@ -191,6 +192,20 @@ TEST_F(AcceptGuardTest, OfManyAddressesTheOneWithTheMostIsEnded) {
   // The first of all is of an address that has no other.
   EXPECT_TRUE(silent.is_open(0));
   EXPECT_FALSE(silent.is_open(1));
+  EXPECT_TRUE(silent.is_open(silent.size() - 1));
+}
+
+TEST_F(AcceptGuardTest, OneAddressHasAQuarterOfThePlaces) {
+  constexpr size_t kOfAnAddress = 256;
+  const Limit enough(4096);  // a quarter of which may wait
+  serve("tcp://127.0.0.1:*", true, 4096);
+  Silent silent;
+  for (int i = 0; i < 100; ++i) silent.connect(port(), 2);
+  const size_t others = silent.size();
+  for (size_t i = 0; i < 2 * kOfAnAddress; ++i) silent.connect(port());
+  EXPECT_TRUE(wait_until([&] { return silent.open_ones() <= others + kOfAnAddress; }));
+  EXPECT_EQ(silent.open_ones(), others + kOfAnAddress);
+  EXPECT_FALSE(silent.is_open(others));
   EXPECT_TRUE(silent.is_open(silent.size() - 1));
 }
 
