@@ -24,8 +24,8 @@ int core_count();
 /// Throws render_error where the stacks of so many more threads find no room (ulimit -v): told
 /// before, since libraries that cannot start a thread abort.
 void check_room_for_threads(int count);
-/// How many of them every transport over sockets starts.
-inline constexpr int kTransportThreads = 2;
+/// How many of them a transport over sockets starts, at the most.
+inline constexpr int kTransportThreads = 3;
 
 /// Waits until it ends; its status as waitpid() tells it.
 int wait_for_process(pid_t process);

@@ -27,38 +27,97 @@ int end_all_that_wait(void* argument) {
   }
 }
 
+constexpr int kGuardEvents = ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_ACCEPT_FAILED |
+                             ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED;
+
+/// While it lives, signals go to other threads than this one and those that it starts.
+class SignalsBlocked {
+ public:
+  SignalsBlocked() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before_);
+  }
+  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsBlocked(const SignalsBlocked&) = delete;
+  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+
+ private:
+  sigset_t before_;
+};
+
 }  // namespace
 
-AcceptGuard::AcceptGuard(zmq::context_t& context, zmq::socket_t& watched)
-    : monitor_(context, watched, ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPT_FAILED) {}
+AcceptGuard::Watched::Watched(zmq::context_t& context, zmq::socket_t& socket)
+    : monitor(context, socket, kGuardEvents) {}
 
-void AcceptGuard::act() {
-  bool failed = false;
-  while (const auto seen = monitor_.next()) {
-    if (seen->event == ZMQ_EVENT_LISTENING) {
-      listener_ = static_cast<int>(seen->value);
-      // Somebody else may take the last that waits.
-      fcntl(listener_, F_SETFL, fcntl(listener_, F_GETFL) | O_NONBLOCK);
-    }
-    failed |=
-        seen->event == ZMQ_EVENT_ACCEPT_FAILED && (seen->value == EMFILE || seen->value == ENFILE);
+AcceptGuard::AcceptGuard(zmq::context_t& context, const std::vector<zmq::socket_t*>& watched,
+                         bool has_keys)
+    : waiting_(has_keys) {
+  for (zmq::socket_t* socket : watched) {
+    watched_.emplace_back(context, *socket);
   }
-  if (failed) turn_away();
+  const SignalsBlocked blocked;  // they interrupt the server's thread
+  thread_ = std::thread([this] { run(); });
 }
 
-void AcceptGuard::turn_away() {
-  if (listener_ < 0) return;
+AcceptGuard::~AcceptGuard() {
+  end_.wake();
+  thread_.join();
+}
+
+void AcceptGuard::run() {
+  std::vector<zmq::pollitem_t> items{{nullptr, end_.descriptor(), ZMQ_POLLIN, 0}};
+  for (Watched& each : watched_) {
+    items.push_back({each.monitor.socket().handle(), 0, ZMQ_POLLIN, 0});
+  }
+  while (true) {
+    poll_sockets(items, std::chrono::milliseconds(-1));
+    if (items[0].revents != 0) return;
+    for (Watched& each : watched_) read(each);
+    waiting_.enforce();
+  }
+}
+
+// All there is: libzmq tells that a connection has ended before it closes the descriptor. If the
+// descriptor of one just added is another file's by now, that it ended is read here too. To read
+// takes a small part of the time that it takes libzmq to accept, so that it does come to an end.
+void AcceptGuard::read(Watched& watched) {
+  bool failed = false;
+  while (const auto seen = watched.monitor.next()) {
+    const int value = static_cast<int>(seen->value);
+    switch (seen->event) {
+      case ZMQ_EVENT_LISTENING:
+        watched.listener = value;
+        // Somebody else may take the last that waits.
+        fcntl(value, F_SETFL, fcntl(value, F_GETFL) | O_NONBLOCK);
+        break;
+      case ZMQ_EVENT_ACCEPTED:
+        waiting_.add(watched.listener, value);
+        break;
+      case ZMQ_EVENT_DISCONNECTED:
+        waiting_.remove(watched.listener, value);
+        break;
+      case ZMQ_EVENT_HANDSHAKE_SUCCEEDED:
+        waiting_.note_admission();
+        break;
+      case ZMQ_EVENT_ACCEPT_FAILED:
+        failed |= value == EMFILE || value == ENFILE;
+        break;
+    }
+  }
+  if (failed) turn_away(watched.listener);
+}
+
+void AcceptGuard::turn_away(int listener) {
+  if (listener < 0) return;
   // All that wait, since each would wake the thread that accepts again. Not here: a descriptor
   // given up for that purpose could be taken at once by that thread. The child has our memory but
   // not our descriptors, and this thread stands still until it has ended.
   alignas(16) std::array<char, 64 << 10> stack;
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_BLOCK, &all, &before);  // no handler of ours shall run in it
   const pid_t child =
-      clone(end_all_that_wait, stack.data() + stack.size(), CLONE_VM | CLONE_VFORK, &listener_);
+      clone(end_all_that_wait, stack.data() + stack.size(), CLONE_VM | CLONE_VFORK, &listener);
   if (child > 0) waitpid(child, nullptr, __WALL);
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (std::exchange(told_, true)) return;
   spdlog::warn(
       "no file descriptor is left for another connection: whoever comes is turned away; expected a "

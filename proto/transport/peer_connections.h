@@ -1,7 +1,5 @@
 #pragma once
 
-#include <sys/socket.h>
-
 #include <chrono>
 #include <map>
 #include <string>
@@ -10,6 +8,7 @@
 #include <zmq.hpp>
 
 #include "proto/transport/allow_list.h"
+#include "proto/transport/connection.h"
 #include "proto/transport/transport.h"
 
 namespace tessera {
@@ -29,16 +28,14 @@ class PeerConnections {
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct Connection {
+  struct Peer {
     std::string key;
-    int descriptor = -1;
-    sockaddr_storage address{};  ///< of the other side, by which a re-used descriptor is told
+    Connection connection;
     Clock::time_point last{};
   };
-  static void end(const Connection& connection);
   void forget_silent(Clock::time_point now);
 
-  std::map<std::pair<Channel, PeerId>, Connection> connections_;
+  std::map<std::pair<Channel, PeerId>, Peer> peers_;
   Clock::time_point next_look_{};
 };
 

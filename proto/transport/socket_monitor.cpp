@@ -12,18 +12,16 @@ namespace tessera {
 SocketMonitor::SocketMonitor(zmq::context_t& context, zmq::socket_t& watched, int events)
     : watched_(watched.handle()), events_(context, zmq::socket_type::pair) {
   events_.set(zmq::sockopt::linger, 0);
+  events_.set(zmq::sockopt::rcvhwm, 0);
   static std::atomic<uint64_t> count{0};
   const std::string endpoint = fmt::format("inproc://monitor-{}", ++count);
   if (zmq_socket_monitor(watched_, endpoint.c_str(), events) != 0) throw zmq::error_t();
   events_.connect(endpoint);
 }
 
-// Whoever reads must not go first: the I/O thread would wait for ever for somebody to take what it
-// tells, and with it all that the context's sockets send and receive. Nor may it wait for room now.
-SocketMonitor::~SocketMonitor() {
-  while (next()) continue;
-  zmq_socket_monitor(watched_, nullptr, 0);
-}
+// First nothing is told any more: without anybody to read it, libzmq's thread would wait for ever,
+// and with it all that the context's sockets send and receive.
+SocketMonitor::~SocketMonitor() { zmq_socket_monitor(watched_, nullptr, 0); }
 
 std::optional<SocketMonitor::Event> SocketMonitor::next() {
   while (true) {

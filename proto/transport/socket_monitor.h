@@ -6,8 +6,9 @@
 
 namespace tessera {
 
-/// What libzmq's I/O thread tells of a socket. For this room alone; used by the socket's thread,
-/// and to be destroyed before the socket is closed.
+/// What libzmq's I/O thread tells of a socket: it keeps all that was not read yet, so that this
+/// thread never waits for whoever reads. For this room alone; made and destroyed by the socket's
+/// thread, before the socket is closed, and read by one thread.
 class SocketMonitor {
  public:
   struct Event {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 #include <zmq.hpp>
 
 #include "base/descriptors.h"
@@ -20,6 +21,10 @@
 namespace tessera {
 namespace {
 
+/// Connections that the system keeps until libzmq accepts them, so that of many that come at once
+/// none is dropped, which it would notice seconds later. The system may keep fewer (somaxconn).
+constexpr int kBacklog = 4096;
+
 class ZmqServer final : public ServerTransport {
  public:
   ZmqServer(const Endpoint& endpoint, ServerSecurity security)
@@ -29,11 +34,11 @@ class ZmqServer final : public ServerTransport {
          {std::pair{&control_, Channel::control}, std::pair{&bulk_, Channel::bulk}}) {
       configure(*socket, channel);
       socket->set(zmq::sockopt::router_mandatory, 1);
+      socket->set(zmq::sockopt::backlog, kBacklog);
       if (security.keys) ZapHandler::protect(*socket, *security.keys);
       if (endpoint.host.starts_with("[")) socket->set(zmq::sockopt::ipv6, 1);
     }
-    control_guard_.emplace(context_, control_);
-    bulk_guard_.emplace(context_, bulk_);
+    guard_.emplace(context_, std::vector{&control_, &bulk_}, zap_.has_value());
     Endpoint bulk = endpoint;
     if (!endpoint.tcp) bulk.path += ".bulk";
     if (endpoint.tcp && endpoint.port != 0) ++bulk.port;
@@ -55,16 +60,12 @@ class ZmqServer final : public ServerTransport {
   std::string bulk_endpoint() const override { return bulk_endpoint_; }
 
   void wait(std::chrono::milliseconds timeout) override {
-    std::array<zmq::pollitem_t, 6> items = {{{control_.handle(), 0, ZMQ_POLLIN, 0},
+    std::array<zmq::pollitem_t, 4> items = {{{control_.handle(), 0, ZMQ_POLLIN, 0},
                                              {bulk_.handle(), 0, ZMQ_POLLIN, 0},
-                                             {nullptr, wake_.descriptor(), ZMQ_POLLIN, 0},
-                                             {control_guard_->socket().handle(), 0, ZMQ_POLLIN, 0},
-                                             {bulk_guard_->socket().handle(), 0, ZMQ_POLLIN, 0}}};
-    if (zap_) items[5] = {zap_->socket().handle(), 0, ZMQ_POLLIN, 0};
-    poll_sockets(std::span(items).first(zap_ ? 6 : 5), timeout);
+                                             {nullptr, wake_.descriptor(), ZMQ_POLLIN, 0}}};
+    if (zap_) items[3] = {zap_->socket().handle(), 0, ZMQ_POLLIN, 0};
+    poll_sockets(std::span(items).first(zap_ ? 4 : 3), timeout);
     wake_.clear();
-    control_guard_->act();
-    bulk_guard_->act();
     if (zap_) zap_->answer();
   }
 
@@ -150,7 +151,7 @@ class ZmqServer final : public ServerTransport {
   std::optional<ZapHandler> zap_;  ///< where there are keys
   PeerConnections connections_;    ///< of those let in by a key
   zmq::socket_t control_, bulk_;
-  std::optional<AcceptGuard> control_guard_, bulk_guard_;  ///< always there once bound
+  std::optional<AcceptGuard> guard_;  ///< always there once bound
   SocketFile control_file_, bulk_file_;
   WakeUp wake_;
   std::string endpoint_, bulk_endpoint_;

@@ -15,7 +15,6 @@ namespace {
 // keep their whole windows asked for.
 constexpr int kHighWater = 256, kBulkHighWater = 16;
 constexpr int kLingerMs = 500;
-constexpr int kHandshakeMs = 5000;
 // A machine that is gone says nothing: its connections end after so many seconds without any sign
 // of it, be they idle or not. The system's own probes tell, for libzmq's heartbeats end the whole
 // process where a peer that sent more than was read yet closes (libzmq issues 4364 and 4767).
@@ -44,7 +43,8 @@ void configure(zmq::socket_t& socket, Channel channel) {
   const int high_water = channel == Channel::bulk ? kBulkHighWater : kHighWater;
   socket.set(zmq::sockopt::sndhwm, high_water);
   socket.set(zmq::sockopt::rcvhwm, high_water);
-  socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
+  socket.set(zmq::sockopt::handshake_ivl,
+             static_cast<int>(std::chrono::milliseconds(kHandshake).count()));
   socket.set(zmq::sockopt::tcp_keepalive, 1);
   socket.set(zmq::sockopt::tcp_keepalive_idle, kProbeAfterSeconds);
   socket.set(zmq::sockopt::tcp_keepalive_intvl, kProbeAfterSeconds);

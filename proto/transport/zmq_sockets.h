@@ -14,6 +14,9 @@ namespace tessera {
 /// What either end opens before the first connection, and some more.
 inline constexpr int kTransportDescriptors = 32;
 
+/// A connection that has not completed its handshake after so long is ended by libzmq.
+inline constexpr std::chrono::seconds kHandshake{5};
+
 /// Interrupts a wait from another thread.
 class WakeUp {
  public:
