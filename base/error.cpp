@@ -38,6 +38,10 @@ Error render_error(std::string_view message) {
   return Error(ExitCode::render_failed, escape_controls(message, true));
 }
 
+Error temporary_error(std::string_view message) {
+  return Error(ExitCode::try_again, escape_controls(message, true));
+}
+
 namespace {
 
 /// Edits from `a` to `b` without regard to case, where two neighbours that changed places count as

@@ -18,7 +18,14 @@ struct SourcePlace {
 };
 
 /// The process exit codes of the command-line contract.
-enum class ExitCode { done = 0, bad_scene = 1, bad_usage = 2, render_failed = 3, interrupted = 4 };
+enum class ExitCode {
+  done = 0,
+  bad_scene = 1,
+  bad_usage = 2,
+  render_failed = 3,
+  interrupted = 4,
+  try_again = 75,  ///< EX_TEMPFAIL of sysexits.h
+};
 
 /// What the user has to know of a failure that is not our own bug: thrown where it is found, told
 /// in the command line. Between them it is caught only to add the place that the thrower did not
@@ -40,6 +47,9 @@ Error scene_error(std::string_view message);
 Error usage_error(std::string_view message);
 /// Rendering or writing failed (exit code 3).
 Error render_error(std::string_view message);
+/// A condition that passes, such as a port in use or a full disk (exit code 75): the same command
+/// may succeed later.
+Error temporary_error(std::string_view message);
 
 /// The candidate nearest to `name` by edit distance, if near enough to be a likely slip of the pen;
 /// else the first that it may be short for, or that is short for it: 'sobol' for 'owen-sobol'.

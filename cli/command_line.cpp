@@ -35,7 +35,8 @@ constexpr char kFooter[] =
     "\n"
     "'tessera help COMMAND' tells all about a command.\n"
     "Exit codes: 0 done; 1 the scene or its data is wrong; 2 the command line is wrong;\n"
-    "3 rendering failed (the picture, with holes marked, is still written); 4 interrupted.";
+    "3 rendering failed (the picture, with holes marked, is still written); 4 interrupted;\n"
+    "75 not now, such as a port in use or a full disk: try again.";
 
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;

@@ -45,8 +45,8 @@ class ZmqServer final : public ServerTransport {
     try {
       bulk = parse_endpoint(bind(bulk_, bulk, bulk_file_));
     } catch (const Error& error) {
-      throw usage_error(fmt::format("{} (scenes and pictures go there, beside '{}')", error.what(),
-                                    endpoint.str()));
+      throw Error(error.code(), fmt::format("{} (scenes and pictures go there, beside '{}')",
+                                            error.what(), endpoint.str()));
     }
     bulk_endpoint_ = bulk.tcp ? fmt::format("tcp://:{}", bulk.port) : bulk.str();
   }
@@ -137,10 +137,10 @@ class ZmqServer final : public ServerTransport {
     try {
       socket.bind(endpoint.str());
     } catch (const zmq::error_t& error) {
-      throw usage_error(
-          fmt::format("cannot bind endpoint '{}': {}; expected one that is free and "
-                      "on this machine",
-                      endpoint.str(), error.what()));
+      const std::string what = fmt::format(
+          "cannot bind endpoint '{}': {}; expected one that is free and on this machine",
+          endpoint.str(), error.what());
+      throw error.num() == EADDRINUSE ? temporary_error(what) : usage_error(what);
     }
     if (has_file(endpoint)) file.own(endpoint.path);
     return socket.get(zmq::sockopt::last_endpoint);
