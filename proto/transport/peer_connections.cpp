@@ -1,5 +1,8 @@
 #include "proto/transport/peer_connections.h"
 
+#include <netdb.h>
+
+#include <array>
 #include <cstring>
 
 #include "proto/transport/zap_handler.h"
@@ -48,6 +51,16 @@ const std::string& PeerConnections::key_of_peer(Channel channel, const PeerId& p
   return it == connections_.end() ? kNone : it->second.key;
 }
 
+std::string PeerConnections::address_of_peer(Channel channel, const PeerId& peer) const {
+  const auto it = connections_.find({channel, peer});
+  if (it == connections_.end()) return {};
+  std::array<char, NI_MAXHOST> host{};
+  const auto* const address = reinterpret_cast<const sockaddr*>(&it->second.address);
+  const int failed = getnameinfo(address, sizeof it->second.address, host.data(), host.size(),
+                                 nullptr, 0, NI_NUMERICHOST);
+  return failed ? "" : host.data();
+}
+
 void PeerConnections::end(const Connection& connection) {
   const sockaddr_storage now = address_of(connection.descriptor);
   // Local sockets have no address to tell them by: what comes from them is dropped all the same.
@@ -66,7 +79,7 @@ void PeerConnections::end(const zmq::message_t& message) {
 std::vector<PeerId> PeerConnections::end_all_but(const AllowList& allowed) {
   std::vector<PeerId> ended;
   for (const auto& [place, connection] : connections_) {
-    if (allowed.find(connection.key)) continue;
+    if (allowed.admitted(connection.key)) continue;
     end(connection);
     if (place.first == Channel::control) ended.push_back(place.second);
   }

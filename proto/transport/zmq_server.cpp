@@ -108,6 +108,10 @@ class ZmqServer final : public ServerTransport {
     return connections_.end_all_but(zap_->allowed());
   }
 
+  std::string address(const PeerId& peer) const override {
+    return connections_.address_of_peer(Channel::control, peer);
+  }
+
   void wake() override { wake_.wake(); }
 
  private:
@@ -125,7 +129,7 @@ class ZmqServer final : public ServerTransport {
 
   bool is_shut_out(Channel channel, const PeerId& peer) const {
     const std::string& key = connections_.key_of_peer(channel, peer);
-    return !key.empty() && !zap_->allowed().find(key);
+    return !key.empty() && !zap_->allowed().admitted(key);
   }
 
   /// Not those in the abstract name space.
