@@ -150,6 +150,12 @@ Error usage_error_from(const CLI::App& app, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
     const std::vector<std::string> extras = command->remaining();
     const std::string extra = extras.empty() ? app.remaining(true).front() : extras.front();
+    if (extra == "--" && extras.size() > 1) {
+      return usage_error(
+          fmt::format("'{}' is one argument too many behind '--'; options go before "
+                      "it{}",
+                      extras[1], help));
+    }
     const std::string name = extra.substr(0, extra.find('='));
     if (!name.starts_with("-")) {
       return usage_error(fmt::format("'{}' is one argument too many{}", extra, help));
