@@ -35,7 +35,8 @@ constexpr char kFooter[] =
     "\n"
     "'tessera help COMMAND' tells all about a command.\n"
     "Exit codes: 0 done; 1 the scene or its data is wrong; 2 the command line is wrong;\n"
-    "3 rendering failed (the picture, with holes marked, is still written); 4 interrupted.";
+    "3 rendering failed (the picture, with holes marked, is still written); 4 interrupted;\n"
+    "75 not now, such as a port in use or a full disk: try again.";
 
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
@@ -149,6 +150,12 @@ Error usage_error_from(const CLI::App& app, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
     const std::vector<std::string> extras = command->remaining();
     const std::string extra = extras.empty() ? app.remaining(true).front() : extras.front();
+    if (extra == "--" && extras.size() > 1) {
+      return usage_error(
+          fmt::format("'{}' is one argument too many behind '--'; options go before "
+                      "it{}",
+                      extras[1], help));
+    }
     const std::string name = extra.substr(0, extra.find('='));
     if (!name.starts_with("-")) {
       return usage_error(fmt::format("'{}' is one argument too many{}", extra, help));

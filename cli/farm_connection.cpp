@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-constexpr uint64_t kLongestKeyFile = 64 * 1024;
+constexpr uint64_t kLongestKeyFile = 4 << 20;
 constexpr uint64_t kLongestAllowList = 16 << 20;
 
 /// Keys are no scenes: what is wrong with them is wrong with the command line.
@@ -26,14 +26,18 @@ std::string read_file(const std::string& path, const std::string& option, uint64
 
 }  // namespace
 
-KeyPair read_secret_key(const std::string& path, const std::string& option) {
-  const std::string text = read_file(path, option, kLongestKeyFile);
+std::string read_secret_file(const std::string& path, const std::string& option) {
+  std::string text = read_file(path, option, kLongestKeyFile);
   struct stat status {};
   if (stat(path.c_str(), &status) == 0 && (status.st_mode & S_IRWXO) != 0) {
     throw usage_error(fmt::format("{}: '{}' has mode {:04o}: every user can read it; expected 0600",
                                   option, path, status.st_mode & 07777));
   }
-  return parse_secret_key_file(text, path);
+  return text;
+}
+
+KeyPair read_secret_key(const std::string& path, const std::string& option) {
+  return parse_secret_key_file(read_secret_file(path, option), path);
 }
 
 Key read_public_key(const std::string& text, const std::string& option) {
@@ -47,11 +51,15 @@ Key read_public_key(const std::string& text, const std::string& option) {
                   option, text));
 }
 
-AllowList read_allow_list(const std::string& path, const std::string& option) {
+std::string read_allow_text(const std::string& path, const std::string& option) {
   struct stat status {};
   // Nobody at all may be let in, yet.
   if (stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode) && status.st_size == 0) return {};
-  return AllowList::parse(read_file(path, option, kLongestAllowList), path);
+  return read_file(path, option, kLongestAllowList);
+}
+
+AllowList read_allow_list(const std::string& path, const std::string& option) {
+  return AllowList::parse(read_allow_text(path, option), path);
 }
 
 void add_connection_options(CLI::App& command, FarmConnection& connection,

@@ -313,7 +313,8 @@ void add_job_commands(CLI::App& app, Action& action) {
             "Tiles that are done can still be fetched, with holes marked.\n"
             "Examples:\n"
             "  tessera cancel 7\n"
-            "  tessera cancel 7 --forget          and delete what there is of it",
+            "  tessera cancel 7 --forget          and delete what there is of it\n"
+            "  tessera cancel --forget -- -o      a job whose name looks like an option",
             v1::JobQuery::CANCEL);
 }
 

@@ -74,6 +74,17 @@ uint64_t parse_bytes(std::string_view option, std::string_view text) {
   return *value << shift;
 }
 
+std::chrono::seconds parse_duration(std::string_view option, std::string_view text) {
+  constexpr std::string_view kUnits = "smhd";
+  constexpr int64_t kSeconds[] = {1, 60, 3600, 86400}, kMost = 3650 * kSeconds[3];
+  const size_t unit = text.empty() ? std::string_view::npos : kUnits.find(text.back());
+  const auto value = whole_text_as<int64_t>(text.substr(0, text.empty() ? 0 : text.size() - 1));
+  if (unit == std::string_view::npos || !value || *value < 1 || *value > kMost / kSeconds[unit]) {
+    throw bad_value(option, text, "a duration such as 90m, 24h or 7d, at most 3650d");
+  }
+  return std::chrono::seconds(*value * kSeconds[unit]);
+}
+
 double parse_share(std::string_view option, std::string_view text) {
   const bool percent = text.ends_with('%');
   const auto value = whole_text_as<double>(text.substr(0, text.size() - (percent ? 1 : 0)));

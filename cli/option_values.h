@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -31,6 +32,8 @@ struct FrameRange {
 int64_t parse_whole(std::string_view option, std::string_view text, int64_t least, int64_t most);
 /// A whole number above 0, K, M, G or T behind it being powers of 1024.
 uint64_t parse_bytes(std::string_view option, std::string_view text);
+/// A whole number of at least 1 with s, m, h or d behind it, such as 90m; at most ten years.
+std::chrono::seconds parse_duration(std::string_view option, std::string_view text);
 /// A share from 0 to 1: "2.5%" or "0.025".
 double parse_share(std::string_view option, std::string_view text);
 /// A finite number.

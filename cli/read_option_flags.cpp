@@ -34,7 +34,7 @@ void add_choice(CLI::App& command, const char* name, const char* type, const cha
 }  // namespace
 
 void add_read_options(CLI::App& command, ReadOptions& options) {
-  using Color = ReadOptions::Color;
+  using X3dColor = ReadOptions::Color;
   using Shadows = ReadOptions::Shadows;
   using Texture = ReadOptions::X3dTexture;
   command
@@ -54,8 +54,8 @@ void add_read_options(CLI::App& command, ReadOptions& options) {
   add_choice(command, "--x3d-color", "display|linear",
              "Colours as they are, or decoded from sRGB and lit in linear light [display]",
              options.x3d_color,
-             std::array<std::pair<const char*, Color>, 2>{
-                 {{"display", Color::display}, {"linear", Color::linear}}});
+             std::array<std::pair<const char*, X3dColor>, 2>{
+                 {{"display", X3dColor::display}, {"linear", X3dColor::linear}}});
   add_choice(command, "--x3d-shadows", "on|file|off",
              "Which lights cast shadows: all, those that the file says, or none [on]",
              options.x3d_shadows,

@@ -2,10 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
 #include "base/descriptors.h"
+#include "base/file.h"
 #include "base/json_log.h"
 #include "base/log.h"
 #include "base/plural.h"
@@ -17,6 +19,7 @@
 #include "cli/option_values.h"
 #include "cli/say.h"
 #include "cli/service_manager.h"
+#include "coordinator/key_registry.h"
 #include "coordinator/render_loop.h"
 #include "coordinator/store/sqlite_job_store.h"
 #include "coordinator/tev/tev_viewer.h"
@@ -33,7 +36,7 @@ constexpr Time kBetweenLooks = std::chrono::milliseconds(20);
 
 struct ServeOptions {
   std::string endpoint = kDefaultEndpoint;
-  std::string key, allow;
+  std::string key, allow, enrolled;
   bool insecure = false;
   std::string http, http_token, tev, store;
   bool json_log = false;
@@ -48,6 +51,9 @@ ServerSecurity read_security(const ServeOptions& options) {
                           ? "--allow: needs --key, the coordinator's secret key, beside it"
                           : "--key: needs --allow, the list of keys that are let in, beside it");
   }
+  if (options.key.empty() && !options.enrolled.empty()) {
+    throw usage_error("--enrolled: needs --allow, which holds the enrolment tokens, beside it");
+  }
   if (options.key.empty()) return security;
   if (options.insecure) throw usage_error("--insecure: is for no keys; expected no --key");
   security.keys = read_secret_key(options.key, "--key");
@@ -55,12 +61,28 @@ ServerSecurity read_security(const ServeOptions& options) {
   return security;
 }
 
+/// The keys of --allow, and those that machines enrolled before. Those of later ones are kept in
+/// --enrolled, or in the store's folder, which is locked by now.
+KeyRegistry open_registry(const ServeOptions& options, AllowList listed) {
+  std::string file = options.enrolled;
+  if (!file.empty()) check_output_file(file, "--enrolled");
+  if (file.empty() && !options.store.empty()) {
+    file = (std::filesystem::path(options.store) / "enrolled.allow").string();
+  }
+  if (file.empty()) return KeyRegistry(std::move(listed));
+  std::error_code unknown;
+  const bool is_new = !std::filesystem::exists(file, unknown) && !unknown;
+  return KeyRegistry(
+      std::move(listed), [file](const std::string& text) { write_output_file(file, text); },
+      is_new ? "" : read_allow_text(file, "--enrolled"), file);
+}
+
 /// Takes up the list of keys as it is now. A wrong one changes nothing.
-void read_keys_again(RenderLoop& loop, const ServeOptions& options) {
+void read_keys_again(RenderLoop& loop, KeyRegistry& keys, const ServeOptions& options) {
   try {
-    AllowList allowed = read_allow_list(options.allow, "--allow");
-    spdlog::info("the list of keys has been read again: {}", counted(allowed.size(), "key"));
-    loop.set_allowed(std::move(allowed));
+    keys.set_listed(read_allow_list(options.allow, "--allow"));
+    spdlog::info("the list of keys has been read again: {}", counted(keys.keys().size(), "key"));
+    loop.set_allowed(keys.keys());
   } catch (const Error& error) {
     spdlog::error("the list of keys stays as it was: {}", error.what());
   }
@@ -107,10 +129,14 @@ ExitCode serve(const ServeOptions& options) {
   std::shared_ptr<JobStore> store;
   if (!options.store.empty()) store = std::make_shared<SqliteJobStore>(options.store);
   const bool has_keys = security.keys.has_value();
+  KeyRegistry keys =
+      has_keys ? open_registry(options, std::move(security.allowed)) : KeyRegistry(AllowList());
+  security.allowed = keys.keys();
   catch_hangups();
   CoordinatorOptions rules = coordinator_options(options);
   rules.worker_keys = security.allowed.count(Role::worker);
   RenderLoop loop(bind_server(options.endpoint, std::move(security)), rules, std::move(store));
+  loop.enrol_into(&keys);
   say("serving at {}\n", loop.endpoint());
   if (page) say("page at http://{}/\n", page->address());
   loop.observe(
@@ -127,7 +153,7 @@ ExitCode serve(const ServeOptions& options) {
     if (!has_keys && options.http_token.empty()) {
       spdlog::info("SIGHUP: there is neither --allow nor --http-token to read again");
     }
-    if (has_keys) read_keys_again(loop, options);
+    if (has_keys) read_keys_again(loop, keys, options);
     if (!options.http_token.empty()) read_tokens_again(*page);
   });
   notify_service_manager("STOPPING=1");
@@ -159,8 +185,16 @@ void add_serve_command(CLI::App& app, Action& action) {
   command->add_option("--key", options->key, "The coordinator's secret key, of 'tessera keygen'")
       ->type_name("FILE");
   command
-      ->add_option("--allow", options->allow,
-                   "The keys that are let in: lines KEY ROLE NAME, as 'tessera keygen' prints them")
+      ->add_option(
+          "--allow", options->allow,
+          "The keys that are let in: lines KEY ROLE NAME, as 'tessera keygen' prints them; "
+          "KEY revoked NAME shuts out one that was enrolled")
+      ->type_name("FILE");
+  command
+      ->add_option(
+          "--enrolled", options->enrolled,
+          "Where keys are kept that machines enrol by tokens of --allow [enrolled.allow in "
+          "the folder of --store]")
       ->type_name("FILE");
   command->add_flag("--insecure", options->insecure,
                     "Let in whoever can reach the endpoint, from other machines too, without keys");

@@ -127,6 +127,17 @@ v1::JobList FarmClient::list() {
   return all;
 }
 
+v1::EnrolAnswer FarmClient::enrol(const v1::Enrol& request) {
+  v1::Envelope question;
+  *question.mutable_enrol() = request;
+  v1::EnrolAnswer result;
+  converse(question, [&](Channel, const v1::Envelope& message) {
+    if (message.has_enrol_answer()) result = message.enrol_answer();
+    return message.has_enrol_answer();
+  });
+  return result;
+}
+
 std::optional<Film> FarmClient::fetch_film(const v1::JobStatus& status) {
   const v1::PixelRect& r = status.crop();
   const PixelRect crop{r.x0(), r.y0(), r.x1(), r.y1()};

@@ -35,6 +35,9 @@ class FarmClient {
   v1::JobStatus ask(const v1::JobQuery& query);
   /// All jobs. `jobs` of the result has them all.
   v1::JobList list();
+  /// Makes a key known by the enrolment token that the connection is made with. Throws usage_error
+  /// where that token is not let in, or is none.
+  v1::EnrolAnswer enrol(const v1::Enrol& request);
   /// The film of a frame that has ended. Nothing where the coordinator has it not, or no longer:
   /// what has become of the job is to be asked then. Throws render_error where it cannot be
   /// fetched.

@@ -28,7 +28,6 @@ Coordinator::Coordinator(CoordinatorOptions options, std::shared_ptr<JobStore> s
 }
 
 void Coordinator::set_worker_keys(size_t listed) {
-  workers_->forgive_keys();
   jobs_->keys().set_listed(listed);
   if (options_.verify == 0 || listed == 0 || listed > 2) return;
   spdlog::warn("--verify: keys of {} are listed: {}; expected three or more",

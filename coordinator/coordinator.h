@@ -51,9 +51,10 @@ class Coordinator {
   /// `sender`: by whose key, where there are keys.
   void on_message(Channel channel, const PeerId& peer, const v1::Envelope& message, Time now,
                   const AllowedKey& sender = {});
-  /// The list of keys was read again, and has so many of workers: what was counted against keys
-  /// counts no more.
+  /// So many keys of workers are let in from now on.
   void set_worker_keys(size_t listed);
+  /// The list of keys was read again: what was counted against them counts no more.
+  void forgive_keys() { workers_->forgive_keys(); }
   /// The transport found that this control connection is no more. Where not even the welcome could
   /// be sent, its hello was read late: the worker had given it up for another, and is not lost.
   void on_peer_gone(const PeerId& peer, Time now, bool welcomed = true);

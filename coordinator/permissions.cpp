@@ -30,6 +30,8 @@ std::optional<Role> needed_role(const v1::Envelope& message) {
       return is_question(message.job_query()) ? Role::viewer : Role::submitter;
     case v1::Envelope::kJobListQuery:
       return Role::viewer;
+    case v1::Envelope::kEnrol:
+      return Role::enrol;
     // Whoever knows a digest has seen the list that it is on.
     case v1::Envelope::kBlobRequest:
       return Role::any;
@@ -44,6 +46,11 @@ bool has_role(Role has, Role needs) {
   return needs == Role::viewer && has == Role::submitter;
 }
 
+/// "a worker's", of keys of that role.
+std::string whose(Role role) {
+  return role == Role::enrol ? "an enrolment token" : fmt::format("a {}'s", role_name(role));
+}
+
 }  // namespace
 
 bool may_submit(const AllowedKey& sender) { return has_role(sender.role, Role::submitter); }
@@ -55,12 +62,11 @@ std::optional<v1::Reject> refuse(const AllowedKey& sender, const v1::Envelope& m
   v1::Reject reject;
   reject.set_reason(v1::Reject::NOT_ALLOWED);
   const Role expected = needed.value_or(Role::any);
-  reject.set_text(
-      fmt::format("the key of {} is a {}'s; expected {}", sender.name, role_name(sender.role),
-                  !needed                    ? "no such message"
-                  : expected == Role::any    ? std::string("a worker's or submitter's")
-                  : expected == Role::viewer ? std::string("a viewer's or submitter's")
-                                             : fmt::format("a {}'s", role_name(expected))));
+  reject.set_text(fmt::format("the key of {} is {}; expected {}", sender.name, whose(sender.role),
+                              !needed                    ? "no such message"
+                              : expected == Role::any    ? std::string("a worker's or submitter's")
+                              : expected == Role::viewer ? std::string("a viewer's or submitter's")
+                                                         : whose(expected)));
   return reject;
 }
 

@@ -11,6 +11,7 @@
 #include "base/log.h"
 #include "base/plural.h"
 #include "coordinator/coordinator.h"
+#include "coordinator/key_registry.h"
 #include "coordinator/permissions.h"
 #include "coordinator/tiles/identity.h"
 #include "proto/wire/frame.h"
@@ -143,6 +144,10 @@ void RenderLoop::receive() {
       turn_away(*received, *reject);
       continue;
     }
+    if (message->has_enrol()) {
+      if (keys_ && received->sender.role == Role::enrol) enrol(*received, message->enrol());
+      continue;
+    }
     // Counted before the job may end with this very band, so the writing of the last one is not.
     if (message->has_tile_band()) {
       coordinator_->note_assembling(message->tile_band().job(), monotonic_now() - start);
@@ -165,8 +170,33 @@ void RenderLoop::turn_away(const ReceivedMessage& received, const v1::Reject& re
   transport_->send(received.channel, received.peer, encode(answer));
 }
 
+void RenderLoop::enrol(const ReceivedMessage& received, const v1::Enrol& request) {
+  const AllowedKey& token = received.sender;
+  const size_t known = keys_->keys().size();
+  v1::Envelope answer;
+  *answer.mutable_enrol_answer() = keys_->enrol(token, request, wall_clock_now());
+  const v1::EnrolAnswer& outcome = answer.enrol_answer();
+  std::string address = transport_->address(received.peer);
+  if (address.empty()) address = "an unknown address";
+  if (keys_->keys().size() > known) {
+    spdlog::info("enrolled the {} {}, key {}, by the token {}, from {}", outcome.role(),
+                 outcome.name(), request.public_key(), token.name, address);
+    let_in(keys_->keys());
+  } else if (outcome.outcome() != v1::EnrolAnswer::ENROLLED &&
+             told_refused_.insert(token.name).second) {
+    spdlog::warn("enrolled nobody by the token {} from {}: {}", token.name, address,
+                 outcome.text());
+  }
+  transport_->send(received.channel, received.peer, encode(answer));
+}
+
 void RenderLoop::set_allowed(AllowList allowed) {
   told_refused_.clear();
+  coordinator_->forgive_keys();
+  let_in(std::move(allowed));
+}
+
+void RenderLoop::let_in(AllowList allowed) {
   coordinator_->set_worker_keys(allowed.count(Role::worker));
   const Time now = monotonic_now();
   for (const PeerId& peer : transport_->set_allowed(std::move(allowed))) {

@@ -13,12 +13,14 @@
 #include "coordinator/coordinator_options.h"
 #include "coordinator/local_workers.h"
 #include "job/job.h"
+#include "proto/tessera/v1/farm.pb.h"
 #include "proto/transport/transport.h"
 
 namespace tessera {
 
 class Coordinator;
 class JobStore;
+class KeyRegistry;
 class TileStore;
 
 /// Moves messages between a ServerTransport, which it owns, and a Coordinator. Used by one thread.
@@ -51,8 +53,11 @@ class RenderLoop {
   /// every 50 ms until then.
   void serve(const std::atomic<bool>& stop, Time drain = Time{0},
              const std::function<void()>& each_round = {});
-  /// From now on nobody else is let in. Who is not on it any more is lost at once.
+  /// From now on nobody else is let in. Who is not on it any more is lost at once; whose key was
+  /// set aside may come back.
   void set_allowed(AllowList allowed);
+  /// Where machines enrol, by tokens that are let in. The caller keeps it; null: nowhere.
+  void enrol_into(KeyRegistry* keys) { keys_ = keys; }
 
   /// Tells every worker to end. The message leaves while this object or, for up to 500 ms, its
   /// destructor lives.
@@ -67,6 +72,9 @@ class RenderLoop {
   void receive();
   /// Answers what the sender's key is not for.
   void turn_away(const ReceivedMessage& received, const v1::Reject& reject);
+  /// Answers a machine that makes its key known, which is let in before it hears of it.
+  void enrol(const ReceivedMessage& received, const v1::Enrol& request);
+  void let_in(AllowList allowed);
   void deliver();
   void attend_local_workers(Time now);
   /// Kills local workers that were stopped before they could say hello.
@@ -75,6 +83,7 @@ class RenderLoop {
   std::unique_ptr<ServerTransport> transport_;
   std::unique_ptr<Coordinator> coordinator_;
   LocalWorkers* local_workers_ = nullptr;
+  KeyRegistry* keys_ = nullptr;
   Time greeting_;                       ///< as in CoordinatorOptions
   std::map<pid_t, Time> silent_since_;  ///< local workers that have not said hello
   Time next_look_{};                    ///< at local workers

@@ -16,12 +16,20 @@ namespace tessera {
 namespace {
 
 constexpr size_t kShortestToken = 16;
-constexpr char kBearer[] = "Bearer ";
+constexpr std::string_view kBearer = "bearer ";
 
 /// The host of "name:port", without what stands for the port.
 std::string host_of(const std::string& header) {
   if (header.starts_with('[')) return header.substr(0, header.find(']') + 1);
   return header.substr(0, header.find(':'));
+}
+
+/// The type of "type/subtype; parameters" in lower case, without spaces around it.
+std::string media_type(const std::string& header) {
+  const std::string type = lower_case(header.substr(0, header.find(';')));
+  const size_t begin = type.find_first_not_of(" \t");
+  if (begin == std::string::npos) return {};
+  return type.substr(begin, type.find_last_not_of(" \t") + 1 - begin);
 }
 
 bool names_this_machine(const std::string& host) {
@@ -82,8 +90,9 @@ WebAccess WebAccess::read(const std::filesystem::path& path) {
 
 std::optional<WebAccess::Role> WebAccess::role_of(const HttpRequest& request) const {
   const std::string header = request.header("authorization");
-  if (!header.starts_with(kBearer)) return std::nullopt;
-  const Digest digest = Digest::of(std::string_view(header).substr(sizeof kBearer - 1));
+  // The name of the scheme is taken in any case (RFC 9110, 11.1), the token as it is.
+  if (lower_case(header.substr(0, kBearer.size())) != kBearer) return std::nullopt;
+  const Digest digest = Digest::of(std::string_view(header).substr(kBearer.size()));
   const auto it = std::find_if(tokens_.begin(), tokens_.end(),
                                [&](const Token& token) { return token.digest == digest; });
   return it == tokens_.end() ? std::nullopt : std::optional(it->role);
@@ -113,7 +122,7 @@ std::optional<HttpResponse> WebAccess::refuse(const HttpRequest& request, Role n
   const bool foreign =
       !origin.empty() && (scheme == std::string::npos || origin.substr(scheme + 3) != host);
   if (foreign) return http_error(403, "orders are taken from our own page alone");
-  if (request.header("content-type") != "application/json") {
+  if (media_type(request.header("content-type")) != "application/json") {
     return http_error(415, "expected Content-Type: application/json");
   }
   return std::nullopt;

@@ -101,8 +101,9 @@ class WebServer::Impl : public std::enable_shared_from_this<WebServer::Impl> {
       acceptor_.bind(endpoint);
       acceptor_.listen();
     } catch (const boost::system::system_error& error) {
-      throw usage_error(
-          fmt::format("--http: '{}' cannot be bound: {}", address, error.code().message()));
+      const std::string what =
+          fmt::format("--http: '{}' cannot be bound: {}", address, error.code().message());
+      throw error.code() == asio::error::address_in_use ? temporary_error(what) : usage_error(what);
     }
   }
 

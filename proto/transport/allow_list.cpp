@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <vector>
 
 #include "base/error.h"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr size_t kLongestName = 64;
 constexpr std::array kRoles{Role::worker, Role::submitter, Role::viewer};
+constexpr std::string_view kEnrol = "enrol:";
 
 /// Hostile bytes of a file do not reach a terminal.
 std::string shown(std::string_view text) {
@@ -24,7 +26,54 @@ std::string shown(std::string_view text) {
   return result;
 }
 
+/// Takes up "until=TIME" and the like. False for any other word.
+bool set_attribute(AllowedKey& allowed, std::string_view word) {
+  const size_t equals = word.find('=');
+  if (equals == word.npos) return false;
+  const std::string_view name = word.substr(0, equals), value = word.substr(equals + 1);
+  if (name == "token") {
+    const bool good = parse_key(value) && allowed.token.empty();
+    if (good) allowed.token = value;
+    return good;
+  }
+  if (name != "until" && name != "since") return false;
+  std::optional<WallTime>& time = name == "until" ? allowed.until : allowed.since;
+  const auto parsed = parse_wall_time(value);
+  if (!parsed || time) return false;
+  time = parsed;
+  return true;
+}
+
 }  // namespace
+
+WallTime wall_clock_now() {
+  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+std::string wall_time_text(WallTime time) {
+  const auto day = std::chrono::floor<std::chrono::days>(time);
+  const std::chrono::year_month_day date(day);
+  const std::chrono::hh_mm_ss clock(time - day);
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", int(date.year()),
+                     unsigned(date.month()), unsigned(date.day()), clock.hours().count(),
+                     clock.minutes().count(), clock.seconds().count());
+}
+
+std::optional<WallTime> parse_wall_time(std::string_view text) {
+  int year = 0;
+  unsigned month = 0, day = 0, hour = 0, minute = 0, second = 0;
+  if (std::sscanf(std::string(text).c_str(), "%4d-%2u-%2uT%2u:%2u:%2uZ", &year, &month, &day, &hour,
+                  &minute, &second) != 6) {
+    return std::nullopt;
+  }
+  const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(month),
+                                         std::chrono::day(day)};
+  if (!date.ok()) return std::nullopt;
+  const WallTime time = std::chrono::sys_days(date) + std::chrono::hours(hour) +
+                        std::chrono::minutes(minute) + std::chrono::seconds(second);
+  // Whatever was overlooked, such as the 25th hour or a sign, reads otherwise when it is written.
+  return wall_time_text(time) == text ? std::optional(time) : std::nullopt;
+}
 
 std::string_view role_name(Role role) {
   switch (role) {
@@ -34,6 +83,10 @@ std::string_view role_name(Role role) {
       return "submitter";
     case Role::viewer:
       return "viewer";
+    case Role::enrol:
+      return "enrol";
+    case Role::revoked:
+      return "revoked";
     case Role::any:
       break;
   }
@@ -75,19 +128,31 @@ AllowList AllowList::parse(std::string_view text, const std::string& file) {
                       "prints it",
                       place(0), shown(line.words[0].text)));
     }
-    if (line.words.size() != 3) {
-      const size_t last = std::min<size_t>(line.words.size() - 1, 3);
-      throw usage_error(fmt::format("{}: {} words; expected three: KEY ROLE NAME", place(last),
-                                    line.words.size()));
+    if (line.words.size() < 3) {
+      throw usage_error(fmt::format("{}: {} words; expected at least three: KEY ROLE NAME",
+                                    place(line.words.size() - 1), line.words.size()));
     }
-    if (line.words[1].text == "coordinator") {
+    const std::string_view role = line.words[1].text;
+    if (role == "coordinator") {
       throw usage_error(
           fmt::format("{}: a coordinator's own key; expected keys of workers, "
                       "submitters and viewers",
                       place(1)));
     }
-    AllowedKey allowed{parse_role(line.words[1].text, place(1)), std::string(line.words[2].text),
-                       key_text(*key)};
+    AllowedKey allowed{{}, std::string(line.words[2].text), key_text(*key)};
+    if (role.starts_with(kEnrol)) {
+      allowed.role = Role::enrol;
+      allowed.grants = parse_role(role.substr(kEnrol.size()), place(1));
+    } else {
+      allowed.role = role == role_name(Role::revoked) ? Role::revoked : parse_role(role, place(1));
+    }
+    for (size_t i = 3; i < line.words.size(); ++i) {
+      if (set_attribute(allowed, line.words[i].text)) continue;
+      throw usage_error(
+          fmt::format("{}: '{}'; expected nothing, or one each of until=TIME, token=KEY and "
+                      "since=TIME, TIME being such as 2026-11-24T12:00:00Z",
+                      place(i), shown(line.words[i].text)));
+    }
     check_key_name(allowed.name, place(2));
     if (!list.keys_.emplace(key_text(*key), std::move(allowed)).second) {
       throw usage_error(
@@ -98,7 +163,13 @@ AllowList AllowList::parse(std::string_view text, const std::string& file) {
 }
 
 std::string AllowList::line(const Key& key, const AllowedKey& allowed) {
-  return fmt::format("{} {} {}\n", key_text(key), role_name(allowed.role), allowed.name);
+  std::string line = fmt::format(
+      "{} {}{} {}", key_text(key), allowed.role == Role::enrol ? kEnrol : std::string_view(),
+      role_name(allowed.role == Role::enrol ? allowed.grants : allowed.role), allowed.name);
+  if (allowed.until) line += " until=" + wall_time_text(*allowed.until);
+  if (!allowed.token.empty()) line += " token=" + allowed.token;
+  if (allowed.since) line += " since=" + wall_time_text(*allowed.since);
+  return line + "\n";
 }
 
 size_t AllowList::count(Role role) const {
@@ -109,6 +180,16 @@ size_t AllowList::count(Role role) const {
 const AllowedKey* AllowList::find(const std::string& hex) const {
   const auto it = keys_.find(hex);
   return it == keys_.end() ? nullptr : &it->second;
+}
+
+const AllowedKey* AllowList::admitted(const std::string& hex, WallTime now) const {
+  const AllowedKey* const key = find(hex);
+  const bool in = key && key->role != Role::revoked && !(key->until && now >= *key->until);
+  return in ? key : nullptr;
+}
+
+void AllowList::add(const AllowList& other) {
+  keys_.insert(other.keys_.begin(), other.keys_.end());
 }
 
 }  // namespace tessera

@@ -34,27 +34,37 @@ std::optional<Key> parse_key(std::string_view text) {
 }
 
 std::string secret_key_file(const KeyPair& keys, std::string_view name) {
-  return fmt::format(
-      "# The secret key of {}: whoever can read it can be {}.\n"
-      "secret {}\n",
-      name, name, key_text(keys.secret_key));
+  return secret_keys_file(
+      {&keys, 1}, fmt::format("The secret key of {}: whoever can read it can be {}.", name, name));
+}
+
+std::string secret_keys_file(std::span<const KeyPair> keys, std::string_view comment) {
+  std::string text = fmt::format("# {}\n", comment);
+  for (const KeyPair& pair : keys) text += fmt::format("secret {}\n", key_text(pair.secret_key));
+  return text;
 }
 
 KeyPair parse_secret_key_file(std::string_view text, const std::string& file) {
-  constexpr char kExpected[] = "the line 'secret KEY' of a file that 'tessera keygen' wrote";
-  std::optional<KeyPair> keys;
+  const std::vector<KeyPair> keys = parse_secret_keys_file(text, file);
+  if (keys.size() == 1) return keys.front();
+  throw usage_error(fmt::format("{}: {} secret keys; expected one", file, keys.size()));
+}
+
+std::vector<KeyPair> parse_secret_keys_file(std::string_view text, const std::string& file) {
+  constexpr char kExpected[] = "lines 'secret KEY' of a file that 'tessera keygen' wrote";
+  std::vector<KeyPair> keys;
   for (const TextLine& line : text_lines(text)) {
-    const bool good = !keys && line.words.size() == 2 && line.words[0].text == "secret";
+    const bool good = line.words.size() == 2 && line.words[0].text == "secret";
     const auto key = good ? parse_key(line.words[1].text) : std::nullopt;
     if (!key) {
       throw usage_error(fmt::format("{}: this is no secret key; expected {}",
                                     SourcePlace{file, line.number, line.words[0].column}.str(),
                                     kExpected));
     }
-    keys = key_pair_of(*key);
+    keys.push_back(key_pair_of(*key));
   }
-  if (!keys) throw usage_error(fmt::format("{}: no key; expected {}", file, kExpected));
-  return *keys;
+  if (keys.empty()) throw usage_error(fmt::format("{}: no key; expected {}", file, kExpected));
+  return keys;
 }
 
 }  // namespace tessera

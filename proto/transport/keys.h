@@ -3,8 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tessera {
 
@@ -31,5 +33,9 @@ std::optional<Key> parse_key(std::string_view text);
 /// that is thrown for any other text; the key itself is in no message.
 std::string secret_key_file(const KeyPair& keys, std::string_view name);
 KeyPair parse_secret_key_file(std::string_view text, const std::string& file);
+/// A file of several secret keys, at least one, such as enrolment tokens; errors as above.
+/// `comment` is a line for people.
+std::string secret_keys_file(std::span<const KeyPair> keys, std::string_view comment);
+std::vector<KeyPair> parse_secret_keys_file(std::string_view text, const std::string& file);
 
 }  // namespace tessera

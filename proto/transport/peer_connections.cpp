@@ -38,6 +38,11 @@ const std::string& PeerConnections::key_of_peer(Channel channel, const PeerId& p
   return it == peers_.end() ? kNone : it->second.key;
 }
 
+std::string PeerConnections::address_of_peer(Channel channel, const PeerId& peer) const {
+  const auto it = peers_.find({channel, peer});
+  return it == peers_.end() ? "" : it->second.connection.peer();
+}
+
 void PeerConnections::end(const zmq::message_t& message) {
   Connection(descriptor_of(message)).end();
 }
@@ -45,7 +50,7 @@ void PeerConnections::end(const zmq::message_t& message) {
 std::vector<PeerId> PeerConnections::end_all_but(const AllowList& allowed) {
   std::vector<PeerId> ended;
   for (const auto& [place, peer] : peers_) {
-    if (allowed.find(peer.key)) continue;
+    if (allowed.admitted(peer.key)) continue;
     peer.connection.end();
     if (place.first == Channel::control) ended.push_back(place.second);
   }

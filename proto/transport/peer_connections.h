@@ -21,6 +21,8 @@ class PeerConnections {
   void note(Channel channel, const PeerId& peer, const zmq::message_t& message);
   /// The key of that peer, or an empty text.
   const std::string& key_of_peer(Channel channel, const PeerId& peer) const;
+  /// Its network address as digits, or an empty text.
+  std::string address_of_peer(Channel channel, const PeerId& peer) const;
   /// Ends the connections of all whose key is not on the list; returns the control peers of those.
   std::vector<PeerId> end_all_but(const AllowList& allowed);
   /// Ends the connection that this message came by.

@@ -38,7 +38,7 @@ void SocketFile::check_free(const std::string& path) {
         "cannot bind endpoint 'ipc://{}': that is no socket; expected a path that is free", path));
   }
   if (in_use(path)) {
-    throw usage_error(fmt::format(
+    throw temporary_error(fmt::format(
         "cannot bind endpoint 'ipc://{}': it is in use; expected a path that is free", path));
   }
 }

@@ -61,6 +61,9 @@ class ServerTransport {
   /// From now on nobody else is let in, heard or sent to. Returns the control peers that this shut
   /// out. Without keys it does nothing.
   virtual std::vector<PeerId> set_allowed(AllowList) { return {}; }
+  /// The network address of a peer that has spoken on `control`, for the log; empty where it is not
+  /// known.
+  virtual std::string address(const PeerId&) const { return {}; }
   virtual void wake() = 0;
 };
 

@@ -68,7 +68,7 @@ void ZapHandler::answer() {
       std::copy(credential, credential + bytes.size(), bytes.begin());
       key = key_text(bytes);
     }
-    const bool admitted = allowed_.find(key) != nullptr;
+    const bool admitted = allowed_.admitted(key) != nullptr;
     if (!admitted) log_refusal(key, parts.size() > kAddress ? parts[kAddress].to_string() : "");
     reply(socket_, parts.size() > kRequest ? parts[kRequest] : parts[0], admitted, key);
   }
@@ -91,7 +91,7 @@ std::string key_of(const zmq::message_t& message) {
 }
 
 const AllowedKey* ZapHandler::sender(const zmq::message_t& message) const {
-  return allowed_.find(key_of(message));
+  return allowed_.admitted(key_of(message));
 }
 
 }  // namespace tessera

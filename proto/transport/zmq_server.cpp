@@ -50,8 +50,8 @@ class ZmqServer final : public ServerTransport {
     try {
       bulk = parse_endpoint(bind(bulk_, bulk, bulk_file_));
     } catch (const Error& error) {
-      throw usage_error(fmt::format("{} (scenes and pictures go there, beside '{}')", error.what(),
-                                    endpoint.str()));
+      throw Error(error.code(), fmt::format("{} (scenes and pictures go there, beside '{}')",
+                                            error.what(), endpoint.str()));
     }
     bulk_endpoint_ = bulk.tcp ? fmt::format("tcp://:{}", bulk.port) : bulk.str();
   }
@@ -109,6 +109,10 @@ class ZmqServer final : public ServerTransport {
     return connections_.end_all_but(zap_->allowed());
   }
 
+  std::string address(const PeerId& peer) const override {
+    return connections_.address_of_peer(Channel::control, peer);
+  }
+
   void wake() override { wake_.wake(); }
 
  private:
@@ -126,7 +130,7 @@ class ZmqServer final : public ServerTransport {
 
   bool is_shut_out(Channel channel, const PeerId& peer) const {
     const std::string& key = connections_.key_of_peer(channel, peer);
-    return !key.empty() && !zap_->allowed().find(key);
+    return !key.empty() && !zap_->allowed().admitted(key);
   }
 
   /// Not those in the abstract name space.
@@ -138,10 +142,10 @@ class ZmqServer final : public ServerTransport {
     try {
       socket.bind(endpoint.str());
     } catch (const zmq::error_t& error) {
-      throw usage_error(
-          fmt::format("cannot bind endpoint '{}': {}; expected one that is free and "
-                      "on this machine",
-                      endpoint.str(), error.what()));
+      const std::string what = fmt::format(
+          "cannot bind endpoint '{}': {}; expected one that is free and on this machine",
+          endpoint.str(), error.what());
+      throw error.num() == EADDRINUSE ? temporary_error(what) : usage_error(what);
     }
     if (has_file(endpoint)) file.own(endpoint.path);
     return socket.get(zmq::sockopt::last_endpoint);

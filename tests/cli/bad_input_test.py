@@ -155,7 +155,10 @@ class BadCommandLine(TesseraTest):
             taken.bind(("127.0.0.1", 0))
             taken.listen()
             port = taken.getsockname()[1]
-            self.refused("serve", "--bind", f"tcp://127.0.0.1:{port}", says=[str(port), "use"])
+            for options in (["--bind", f"tcp://127.0.0.1:{port}"],
+                            ["--bind", "tcp://127.0.0.1:*", "--http", f"127.0.0.1:{port}"]):
+                with self.subTest(options=options):
+                    self.assert_error(self.run_program("serve", *options), 75, str(port), "use")
 
 
 class BadScenes(TesseraTest):

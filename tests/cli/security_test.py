@@ -278,6 +278,149 @@ class KeyedFarm(TesseraTest):
                          (self.folder / "fetched.pfm").read_bytes())
         self.end_farm(worker)
 
+    # ----------------------------------------------------------------------------------- enrolment
+
+    def make_tokens(self, count, *options):
+        """In rack.tokens; they are on the list of keys."""
+        made = self.run_program("keygen", "rack.tokens", "--tokens", count, *options)
+        self.assertEqual(0, made.code, made.err)
+        with open(self.folder / "farm.allow", "a") as allow:
+            allow.write(made.out)
+        return made.out
+
+    def enrolment(self, key, *options, tokens="rack.tokens"):
+        return ["keygen", key, "--enrol", tokens, "--connect", self.endpoint, "--server-key",
+                "farm.pub", *options]
+
+    def enrol(self, key, *options, **where):
+        return self.run_program(*self.enrolment(key, *options, **where))
+
+    def test_tokens_are_made_as_secret_keys(self):
+        lines = self.make_tokens(2, "--for", "90m", "--role", "viewer")
+        self.assertRegex(lines, r"^(\w{64} enrol:viewer rack-[12] until=\d{4}-\d\d-\d\dT[\d:]{8}Z\n){2}$")
+        tokens = self.folder / "rack.tokens"
+        self.assertEqual(0o600, stat.S_IMODE(tokens.stat().st_mode))
+        self.assertEqual(2, len(re.findall(r"^secret \w{64}$", tokens.read_text(), re.M)))
+        before = tokens.read_text()
+        self.assert_error(self.run_program("keygen", "rack.tokens", "--tokens", 1), 2, "is there already")
+        self.assertEqual(before, tokens.read_text())
+        for wrong, says in ((["--for", "1h"], "--tokens"), (["--tokens", 0], "--tokens"),
+                            (["--tokens", 1, "--for", "1y"], "--for: '1y'"),
+                            (["--tokens", 1, "--role", "king"], "role 'king'"),
+                            (["--tokens", 1, "--enrol", "rack.tokens"], "--tokens"),
+                            (["--enrol", "rack.tokens"], "--connect"),
+                            (["--connect", "tcp://127.0.0.1:1"], "--enrol")):
+            self.assert_error(self.run_program("keygen", "x.key", *wrong), 2, says)
+        self.assert_error(self.run_program("serve", "--bind", "tcp://127.0.0.1:*", "--key", "farm.key",
+                                           "--allow", "farm.allow"), 2, "--enrolled or --store")
+        self.assertEqual([], list(self.folder.glob("x.*")))
+
+    def test_a_machine_enrols_and_works_until_it_is_revoked(self):
+        token = self.make_tokens(1).split()[0]
+        self.serve("--store", "store")
+        made = self.enrol("node7.key", "--name", "node7")
+        self.assertEqual(0, made.code, made.err)
+        self.assertRegex(made.out, r"^\w{64} worker node7\n$")
+        self.assertEqual(made.out, (self.folder / "node7.pub").read_text())
+        self.assertEqual(0o600, stat.S_IMODE((self.folder / "node7.key").stat().st_mode))
+        self.assertFalse((self.folder / "node7.key.new").exists())
+        key = made.out.split()[0]
+        self.assertRegex((self.folder / "store/enrolled.allow").read_text(),
+                         rf"^{key} worker node7 token={token} since=[\dTZ:-]+\n$")
+        self.assertIn(f"enrolled the worker node7, key {key}, by the token rack, from 127.0.0.1",
+                      self.logged())
+        worker = self.worker(*self.as_("node7"), "--orphan-timeout", 10)
+        self.assert_right(self.render_on_farm(*self.as_("alice")))
+        before = (self.folder / "node7.key").read_text()
+        again = self.enrol("node7.key")
+        self.assertEqual(0, again.code, again.err)
+        self.assertIn("nothing to enrol", again.err)
+        self.assertEqual(before, (self.folder / "node7.key").read_text())
+        with open(self.folder / "farm.allow", "a") as allow:
+            allow.write(f"{key} revoked node7\n")
+        self.coordinator.send_signal(signal.SIGHUP)
+        self.wait_for_log("lost worker")
+        self.assertEqual(3, worker.wait(PATIENCE), worker.stderr.read())
+        self.end_farm()
+
+    def test_tokens_are_of_use_once_for_nothing_else_and_not_for_ever(self):
+        self.make_tokens(1)
+        self.serve("--store", "store")
+        # A token is a secret key: as such it is let in.
+        shutil.copy(self.folder / "rack.tokens", self.folder / "token.key")
+        for command in (["worker"], ["status"], ["submit", self.scene], ["cancel", "1"],
+                        ["fetch", "1"]):
+            refused = self.run_program(*command, *self.as_("token"))
+            self.assertEqual(2, refused.code, refused.err)
+            self.assertIn("the key of rack is an enrolment token", refused.err)
+        refused = self.enrol("own.key", tokens="node.key")
+        self.assertEqual(2, refused.code, refused.err)
+        self.assertIn("the key of node is a worker's; expected an enrolment token", refused.err)
+        self.assert_error(self.enrol("a.key", "--name", "alice"), 2, "the name alice is another key's")
+        self.assert_error(self.enrol("a.key", "--name", "a b"), 2, "--name")
+        self.assertEqual(0, self.enrol("a.key", "--name", "a").code)
+        self.assert_error(self.enrol("b.key", "--name", "b"), 2, "of 1 token in 'rack.tokens' none",
+                          "the token rack has enrolled a already")
+        self.assertFalse((self.folder / "b.key").exists())
+        os.rename(self.folder / "rack.tokens", self.folder / "used.tokens")
+        unlisted = (self.folder / "farm.allow").read_text()
+        lines = self.make_tokens(1)
+        self.write("farm.allow", unlisted + re.sub("until=....", "until=2020", lines))
+        self.coordinator.send_signal(signal.SIGHUP)
+        self.wait_for_log("has been read again")
+        self.assert_error(self.enrol("b.key", "--name", "b"), 2, "none is of use",
+                          "does not let this key in")
+        self.end_farm()
+
+    def test_machines_that_race_for_tokens_get_one_each(self):
+        self.make_tokens(3)
+        self.serve("--store", "store")
+        racers = [self.start(*self.enrolment(f"m{i}.key", "--name", f"m{i}")) for i in range(4)]
+        ended = [racer.wait(PATIENCE) for racer in racers]
+        self.assertEqual([0, 0, 0, 2], sorted(ended))
+        lines = (self.folder / "store/enrolled.allow").read_text().splitlines()
+        self.assertEqual(3, len(lines))
+        self.assertEqual(3, len({line.split()[3] for line in lines}))
+        self.assertEqual({f"m{i}" for i in range(4) if ended[i] == 0},
+                         {line.split()[2] for line in lines})
+        self.end_farm()
+
+    def test_an_answer_that_was_lost_does_no_harm(self):
+        self.make_tokens(1)
+        self.serve("--store", "store")
+        made = self.enrol("node7.key", "--name", "node7")
+        self.assertEqual(0, made.code, made.err)
+        # As if the coordinator had been killed after it kept the key and before it answered.
+        self.coordinator.kill()
+        self.coordinator.wait()
+        os.rename(self.folder / "node7.key", self.folder / "again.key.new")
+        self.endpoint = "tcp://127.0.0.1:1"
+        self.assert_error(self.enrol("again.key", "--name", "node7"), 75, "127.0.0.1:1")
+        self.serve("--store", "store")
+        again = self.enrol("again.key", "--name", "node7")
+        self.assertEqual((0, made.out), (again.code, again.out), again.err)
+        self.assertEqual(1, (self.folder / "store/enrolled.allow").read_text().count("\n"))
+        worker = self.worker(*self.as_("again"))
+        self.assert_right(self.render_on_farm(*self.as_("alice")))
+        self.end_farm(worker)
+
+    def test_what_cannot_be_kept_is_not_let_in(self):
+        self.make_tokens(1)
+        (self.folder / "kept").mkdir()
+        self.serve("--enrolled", "kept/enrolled.allow")
+        (self.folder / "kept").rmdir()
+        self.assert_error(self.enrol("node7.key", "--name", "node7"), 75, "cannot be kept now", "no folder")
+        os.rename(self.folder / "node7.key.new", self.folder / "early.key")
+        refused = self.run_program("worker", *self.as_("early"), "--orphan-timeout", 1)
+        self.assertNotIn("has come, with", self.logged())
+        self.assertIn(refused.code, (2, 3), refused.err)
+        os.rename(self.folder / "early.key", self.folder / "node7.key.new")
+        (self.folder / "kept").mkdir()
+        made = self.enrol("node7.key", "--name", "node7")
+        self.assertEqual(0, made.code, made.err)
+        self.assertEqual(["enrolled.allow"], os.listdir(self.folder / "kept"))
+        self.end_farm()
+
     # ---------------------------------------------------------------------------- over a network
 
     def test_over_a_network_with_keys_alone(self):

@@ -160,6 +160,18 @@ class Told(ServiceTest):
         self.assertEqual("", self.run_program("status", "scene", "--connect", self.endpoint).err)
         self.stop(service)
 
+    def test_a_job_may_be_named_like_an_option(self):
+        service = self.serve()
+        self.submit("--name=-o")
+        there = ["--connect", self.endpoint, "--", "-o"]
+        for command in (["status"], ["pause"], ["cancel", "--forget"]):
+            result = self.run_program(*command, *there)
+            self.assertEqual(0, result.code, result.err)
+        self.assertIn("0 workers", self.ask("status"))
+        self.assert_error(self.run_program("cancel", "--", "-o", "--connect", self.endpoint), 2,
+                          "'--connect' is one argument too many behind '--'; options go before it")
+        self.stop(service)
+
     def test_the_log_tells_of_jobs_that_go_on_and_how_others_end(self):
         service, worker = self.serve(), self.worker()
         self.spp = 64

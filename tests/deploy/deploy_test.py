@@ -19,7 +19,7 @@ import yaml
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/cli"))
 from slurm_farm import tiles_done, tiles_kept  # noqa: E402
-from tessera_process import PROGRAM, TesseraTest, wait_until  # noqa: E402
+from tessera_process import PROGRAM, TesseraTest, is_worker, marked_processes, wait_until  # noqa: E402
 
 DEPLOY = ROOT / "deploy"
 COMMANDS = {"render", "serve", "worker", "keygen", "submit", "status", "pause", "resume", "cancel",
@@ -46,7 +46,7 @@ def containers():
     for (kind, _, folder), found in kubernetes().items():
         pod = found.get("spec", {}).get("template", {}).get("spec", {})
         if kind in ("StatefulSet", "Deployment", "Job"):
-            for container in pod.get("containers", []):
+            for container in pod.get("initContainers", []) + pod.get("containers", []):
                 yield pod, container
 
 
@@ -75,15 +75,19 @@ def unit_command(path):
     return shlex.split(re.sub(r"\$\{(\w+)\}", lambda found: values[found[1]], line))
 
 
+def shell_commands(script):
+    """Lines that start our program."""
+    for line in script.replace("\\\n", " ").splitlines():
+        words = shlex.split(line.strip().removeprefix("$ ").removeprefix("exec "), comments=True)
+        if len(words) > 1 and words[0] == "tessera" and words[1] in COMMANDS:
+            end = next((i for i, word in enumerate(words) if word[0] in ">|&"),
+                       len(words))
+            yield words[:end]
+
+
 def markdown_commands(path):
-    """Lines of its code that start our program."""
     for block in re.findall(r"```\w*\n(.*?)```", path.read_text(), re.S):
-        for line in block.replace("\\\n", " ").splitlines():
-            words = shlex.split(line.strip().removeprefix("$ "), comments=True)
-            if len(words) > 1 and words[0] == "tessera" and words[1] in COMMANDS:
-                end = next((i for i, word in enumerate(words) if word[0] in ">|&"),
-                           len(words))
-                yield words[:end]
+        yield from shell_commands(block)
 
 
 def command_lines():
@@ -91,11 +95,15 @@ def command_lines():
     for path in sorted((DEPLOY / "systemd").glob("*.service")):
         yield path.name, unit_command(path)[1:]
     for name, service in compose()["services"].items():
-        if service["image"].startswith("tessera:") and name not in ("keys", "client"):
+        if name in ("keys", "worker"):
+            for words in shell_commands(service["command"][0]):
+                yield f"compose {name}", words[1:]
+        elif service["image"].startswith("tessera:") and name != "client":
             yield f"compose {name}", shlex.split(service["command"])
     for _, container in containers():
         yield f"kubernetes {container['name']}", [
-            argument.replace("$(THREADS)", "4") for argument in container["args"]]
+            argument.replace("$(THREADS)", "4").replace("$(POD)", "worker-x") for argument in
+            container["args"]]
     for document in ("docs/deploy.md", "docs/security.md"):
         for words in markdown_commands(ROOT / document):
             yield document, words[1:]
@@ -111,6 +119,33 @@ class CommandLines(TesseraTest):
                 self.assert_error(refused, 2, "'--no-such-option' is no option")
                 count += 1
         self.assertGreater(count, 8)
+
+    def test_no_two_machines_share_a_workers_key(self):
+        """Each command that makes a worker's key makes it on the machine that has it, or makes one
+        for each; and what a worker is given of others is no key."""
+        enrols = [arguments for _, arguments in command_lines() if "--enrol" in " ".join(arguments)]
+        self.assertGreaterEqual(len(enrols), 3)  # compose, Kubernetes, docs
+        for where, arguments in command_lines():
+            if arguments[0] == "keygen":
+                with self.subTest(where=where, arguments=arguments):
+                    self.assertFalse("--role" in arguments and option(arguments, "--role") == "worker"
+                                     and "--tokens" not in arguments)
+        # Compose: the key lies in a volume without a name, which is one container's.
+        worker = compose()["services"]["worker"]
+        key = option(next(words for words in shell_commands(worker["command"][0])
+                          if words[1] == "worker"), "--key")
+        self.assertIn(str(pathlib.Path(key).parent), worker["volumes"])
+        # Kubernetes: in a volume that is as old as the pod, and tokens reach no other container.
+        for pod, container in containers():
+            if container["name"] not in ("worker", "enrol"):
+                continue
+            volumes = {volume["name"]: volume for volume in pod["volumes"]}
+            mounts = {mount["mountPath"]: mount["name"] for mount in container["volumeMounts"]}
+            key = (option(container["args"], "--key") if container["name"] == "worker" else
+                   container["args"][1])
+            self.assertIn("emptyDir", volumes[mounts[str(pathlib.Path(key).parent)]])
+            self.assertEqual(container["name"] == "enrol", "tokens" in mounts.values())
+        self.assertIn("--name=$(POD)", next(c for _, c in containers() if c["name"] == "enrol")["args"])
 
     def test_one_that_is_wrong_is_found(self):
         for wrong in (["serve", "--stroe", "x"], ["worker", "--connect=tcp://a:1", "--threads=no"]):
@@ -202,7 +237,7 @@ class Kubernetes(TesseraTest):
 
     def test_pods_are_held_tightly_and_have_their_keys(self):
         secrets = self.secrets()
-        for name in ("coordinator", "worker"):
+        for name in ("coordinator", "worker", "enrol"):
             pod, container = self.pod(name)
             self.assertTrue(pod["securityContext"]["runAsNonRoot"])
             self.assertFalse(pod["automountServiceAccountToken"])
@@ -210,13 +245,15 @@ class Kubernetes(TesseraTest):
             self.assertTrue(container["securityContext"]["readOnlyRootFilesystem"])
             self.assertGreaterEqual(pod["terminationGracePeriodSeconds"], 15)
             volumes = {volume["name"]: volume for volume in pod["volumes"]}
-            keys = volumes["keys"]["secret"]
-            self.assertEqual(0, keys["defaultMode"] & 0o007)
-            mount = next(m["mountPath"] for m in container["volumeMounts"] if m["name"] == "keys")
-            wanted = {value.rsplit("/", 1)[1] for value in
-                      (a.split("=", 1)[1] for a in container["args"] if "=" in a)
-                      if value.startswith(mount)}
-            self.assertEqual(secrets[keys["secretName"]], wanted)
+            for mount in container["volumeMounts"]:
+                keys = volumes.get(mount["name"], {}).get("secret")
+                if not keys:
+                    continue
+                self.assertEqual(0, keys["defaultMode"] & 0o007)
+                wanted = {value.rsplit("/", 1)[1] for value in
+                          (a.split("=", 1)[1] for a in container["args"] if "=" in a)
+                          if value.startswith(mount["mountPath"])}
+                self.assertEqual(secrets[keys["secretName"]], wanted)
 
     def secrets(self):
         """What make-secrets.sh gives to whom, by a stand-in for kubectl."""
@@ -236,13 +273,21 @@ fi
         self.assertRegex(tokens, r"^(\w{48}) viewer metrics\n(?!\1)\w{48} submitter page\n$")
         self.assertTrue(tokens.startswith((self.folder / "keys/metrics.token").read_text()))
         allowed = (self.folder / "keys/farm.allow").read_text()
-        self.assertRegex(allowed, r"^\w{64} worker worker\n\w{64} submitter client\n$")
+        self.assertRegex(allowed, r"^\w{64} submitter client\n"
+                         r"(\w{64} enrol:worker worker-\d+ until=\S+\n){512}$")
         created = [shlex.split(line) for line in (self.folder / "created").read_text().splitlines()]
-        self.assertEqual(created[:3], created[3:])
-        self.assertIn("--from-file=token=metrics.token", created[2])
+        self.assertEqual(created[:4], created[4:])
+        self.assertIn("--from-file=token=metrics.token", created[3])
+        # Other tokens take the place of these, and the client's key stays.
+        (self.folder / "keys/worker.tokens").unlink()
+        subprocess.run([DEPLOY / "kubernetes/make-secrets.sh", self.folder / "keys"],
+                       env=environment, check=True, stdout=subprocess.DEVNULL)
+        renewed = (self.folder / "keys/farm.allow").read_text()
+        self.assertEqual(513, renewed.count("\n"))
+        self.assertEqual({allowed.splitlines()[0]}, set(allowed.splitlines()) & set(renewed.splitlines()))
         return {next(word for word in words if word.startswith("tessera-")):
                 {word.partition("=")[2] for word in words if word.startswith("--from-file")}
-                for words in created}
+                for words in created[:4]}
 
     def write(self, name, content):
         (self.folder / name).parent.mkdir(exist_ok=True)
@@ -280,7 +325,7 @@ class Compose(TesseraTest):
                 source = volume.split(":")[0]
                 if source.startswith("./"):
                     self.assertTrue((DEPLOY / "compose" / source).exists(), source)
-                elif not source.startswith("$"):
+                elif source[0] not in "$/":  # a folder of the user's; a volume without a name
                     self.assertIn(source, compose()["volumes"])
 
     def test_metrics_that_are_looked_at_are_there(self):
@@ -300,22 +345,67 @@ class Compose(TesseraTest):
         service.send_signal(signal.SIGTERM)
         service.wait(60)
 
-    def test_keys_are_made_once(self):
-        script = compose()["services"]["keys"]["command"][0].replace("$$", "$")
-        for place in ("tessera", "scrape"):
-            script = script.replace(f"/etc/{place}", str(self.folder))
+    def script(self, service, **places):
+        """That of a service, with its folders in the test's."""
+        script = compose()["services"][service]["command"][0].replace("$$", "$")
+        for place, folder in places.items():
+            (self.folder / folder).mkdir(exist_ok=True)
+            script = script.replace("/" + place.replace("_", "/"), str(self.folder / folder))
+        return script
+
+    def shell(self, script):
         environment = {**self.environment(),
                        "PATH": f"{pathlib.Path(PROGRAM).parent}:{os.environ['PATH']}"}
-        made = []
-        for _ in range(2):
-            subprocess.run(["sh", "-euc", script], env=environment, check=True)
-            made.append({p.name: p.read_text() for p in self.folder.iterdir() if p.is_file()})
+        return subprocess.Popen(["sh", "-euc", script], env=environment, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+    def make_keys(self):
+        made = self.shell(self.script("keys", etc_tessera="keys", etc_worker="enrol",
+                                      etc_client="client", etc_scrape="scrape"))
+        self.assertEqual(0, made.wait(60), made.communicate())
+        made.communicate()
+        return {str(p.relative_to(self.folder)): p.read_text() for p in self.folder.rglob("*")
+                if p.is_file()}
+
+    def test_keys_are_made_once(self):
+        made = [self.make_keys() for _ in range(2)]
         self.assertEqual(made[0], made[1])
-        self.assertEqual({"farm.key", "farm.pub", "worker.key", "worker.pub", "client.key",
-                          "client.pub", "farm.allow", "http.tokens", "token"}, set(made[0]))
-        self.assertRegex(made[0]["http.tokens"],
-                         rf"^{made[0]['token']} viewer prometheus\n\w{{48}} submitter page\n$")
-        self.assertEqual(0o600, (self.folder / "http.tokens").stat().st_mode & 0o777)
+        self.assertEqual({"keys/farm.key", "keys/farm.pub", "keys/client.pub", "keys/farm.allow",
+                          "keys/http.tokens", "enrol/farm.pub", "enrol/worker.tokens",
+                          "client/farm.pub", "client/client.key", "scrape/token"}, set(made[0]))
+        self.assertRegex(made[0]["keys/http.tokens"],
+                         rf"^{made[0]['scrape/token']} viewer prometheus\n\w{{48}} submitter page\n$")
+        self.assertEqual(0o600, (self.folder / "keys/http.tokens").stat().st_mode & 0o777)
+
+    def test_each_worker_has_a_key_of_its_own(self):
+        self.make_keys()
+        service = self.start("serve", "--bind", "tcp://127.0.0.1:*", "--store", "store", "--key",
+                             "keys/farm.key", "--allow", "keys/farm.allow")
+        address = service.stdout.readline().split()[-1]
+        enrolled = self.folder / "store/enrolled.allow"
+        def lines():
+            return enrolled.read_text().splitlines() if enrolled.exists() else []
+        workers = []
+        for count, own in ((1, "one"), (2, "two"), (2, "two")):  # the last is started again
+            script = self.script("worker", etc_worker="enrol", var_lib_tessera=own,
+                                 var_cache_tessera="cache")
+            # All containers here have one machine's name.
+            script = script.replace("tcp://coordinator:7117", address).replace(
+                "--enrol", f"--name {own} --enrol")
+            workers.append(self.shell(script))
+            for line in workers[-1].stderr:
+                if "connecting to" in line:
+                    break
+            self.assertEqual(count, len(lines()))
+            if len(workers) == 2:
+                workers[1].terminate()
+                workers[1].communicate(timeout=60)
+        self.assertEqual(["one", "two"], [line.split()[2] for line in lines()])
+        self.assertEqual(2, len({line.split()[0] for line in lines()}))
+        service.send_signal(signal.SIGTERM)
+        service.wait(60)
+        for worker in workers:
+            worker.communicate(timeout=60)
 
 
 class Slurm(TesseraTest):
@@ -326,13 +416,26 @@ class Slurm(TesseraTest):
         self.bin = self.folder / "bin"
         self.bin.mkdir()
         # The step's own options come before the program.
-        self.stand_in("srun", 'while case $1 in --*) true;; *) false;; esac; do shift; done; exec "$@"')
+        self.stand_in("srun", """
+            tasks=$SLURM_NTASKS
+            while case $1 in --*) true;; *) false;; esac; do
+              [[ $1 != --ntasks=1 ]] || tasks=1
+              shift
+            done
+            export SLURM_PROCID=0
+            ((tasks > 1)) || exec "$@"
+            trap 'kill $(jobs -p)' TERM
+            for ((; SLURM_PROCID < tasks; ++SLURM_PROCID)); do "$@" & done
+            wait
+            wait""")
         self.stand_in("scontrol", f'echo "$*" >>{self.folder}/scontrol')
         self.scene = ROOT / "scenes/samples/knot.tessera"
         self.size = ["--size", "240x136", "--spp", "8"]
 
+        self.cache = self.temporary / f"tessera-cache-{os.getuid()}"
+
     def tearDown(self):
-        shutil.rmtree(self.temporary / f"tessera-cache-{os.getuid()}")  # for the node's next job
+        shutil.rmtree(self.cache)  # for the node's next job
         super().tearDown()
 
     def stand_in(self, name, body):
@@ -341,7 +444,8 @@ class Slurm(TesseraTest):
 
     def batch(self):
         environment = {**self.environment(), "PATH": f"{self.bin}:{os.environ['PATH']}",
-                       "SLURM_JOB_ID": "42", "SLURMD_NODENAME": "127.0.0.1", "TESSERA": PROGRAM}
+                       "SLURM_JOB_ID": "42", "SLURMD_NODENAME": "127.0.0.1", "SLURM_NTASKS": "2",
+                       "TESSERA": PROGRAM}
         process = subprocess.Popen(
             ["bash", DEPLOY / "slurm/tessera.sbatch", self.scene, "knot.pfm", *self.size],
             cwd=self.folder, env=environment, text=True, stdin=subprocess.DEVNULL,
@@ -375,6 +479,47 @@ class Slurm(TesseraTest):
         out, _ = again.communicate(timeout=300)
         self.assertEqual(0, again.returncode, out)
         self.assertIn(f" {kept} kept from before", out)
+        self.assertEqual(self.reference(), (self.folder / "knot.pfm").read_bytes())
+
+    def test_each_node_has_a_key_of_its_own(self):
+        self.size[-1] = "256"
+        batch = self.batch()
+        wait_until(lambda: self.tiles_done() > 4 or batch.poll() is not None, "tiles are finished")
+        lines = (self.folder / "tessera-42/keys/farm.allow").read_text().splitlines()
+        self.assertEqual(["client", "worker-0", "worker-1"], [line.split()[2] for line in lines])
+        commands = [pathlib.Path(f"/proc/{process}/cmdline").read_text().split("\0")
+                    for process in marked_processes(self.mark) if is_worker(process)]
+        keys = {option(words, "--key").rsplit("/", 1)[1] for words in commands if words[1:2] == ["worker"]}
+        self.assertEqual({"worker-0.key", "worker-1.key"}, keys)
+        batch.send_signal(signal.SIGTERM)
+        out, _ = batch.communicate(timeout=300)
+        self.assertEqual(143, batch.returncode, out)
+
+    def test_a_cache_that_is_not_ours_is_left_alone(self):
+        for squat in ("a link", "a file"):
+            with self.subTest(squat):
+                elsewhere = self.folder / "elsewhere"
+                elsewhere.mkdir(exist_ok=True)
+                if squat == "a link":
+                    self.cache.symlink_to(elsewhere)
+                else:
+                    self.cache.write_text("squatted")
+                batch = self.batch()
+                out, _ = batch.communicate(timeout=300)
+                self.cache.unlink()
+                self.assertEqual(0, batch.returncode, out)
+                self.assertEqual([], list(elsewhere.iterdir()))
+        self.cache.mkdir()  # for tearDown
+
+    def test_a_coordinator_that_is_killed_is_started_again(self):
+        self.size[-1] = "256"
+        batch = self.batch()
+        wait_until(lambda: self.tiles_done() > 20 or batch.poll() is not None, "tiles are finished")
+        [serve] = [process for process in marked_processes(self.mark)
+                   if b"serve" in pathlib.Path(f"/proc/{process}/cmdline").read_bytes().split(b"\0")]
+        os.kill(serve, signal.SIGKILL)
+        out, _ = batch.communicate(timeout=300)
+        self.assertEqual(0, batch.returncode, out)
         self.assertEqual(self.reference(), (self.folder / "knot.pfm").read_bytes())
 
     def tiles_done(self):

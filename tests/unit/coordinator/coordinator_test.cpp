@@ -376,7 +376,7 @@ TEST_F(CoordinatorTest, AKeyWhoseWorkersFailUnderManyIdsIsSetAside) {
   say("m4", hello(4), {}, mallory);
   ASSERT_EQ(heard(v1::Envelope::kReject).size(), before + 1);
   EXPECT_EQ(heard(v1::Envelope::kReject).back().reject().reason(), v1::Reject::QUARANTINED);
-  coordinator.set_worker_keys(2);
+  coordinator.forgive_keys();
   say("m5", hello(5), {}, mallory);
   EXPECT_EQ(coordinator.progress({}).workers, 2);
 }

@@ -45,6 +45,8 @@ TEST(Permissions, EachRoleSaysWhatItIsThereFor) {
                                    "job_query priority", "job_list_query", "job_release",
                                    "blob_request", "blob_chunk", "blob_missing"));
   EXPECT_THAT(allowed_to(Role::viewer), UnorderedElementsAre("job_query", "job_list_query"));
+  EXPECT_THAT(allowed_to(Role::enrol), UnorderedElementsAre("enrol"));
+  EXPECT_THAT(allowed_to(Role::revoked), UnorderedElementsAre());
 }
 
 TEST(Permissions, WithoutKeysNothingIsRefused) {
@@ -63,6 +65,11 @@ TEST(Permissions, ARefusalNamesBothRoles) {
   message.mutable_job_list_query();
   EXPECT_EQ(refuse({Role::worker, "node-7"}, message)->text(),
             "the key of node-7 is a worker's; expected a viewer's or submitter's");
+  EXPECT_EQ(refuse({Role::enrol, "rack-1"}, message)->text(),
+            "the key of rack-1 is an enrolment token; expected a viewer's or submitter's");
+  message.mutable_enrol();
+  EXPECT_EQ(refuse({Role::worker, "node-7"}, message)->text(),
+            "the key of node-7 is a worker's; expected an enrolment token");
 }
 
 }  // namespace

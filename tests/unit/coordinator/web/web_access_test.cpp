@@ -57,8 +57,14 @@ TEST(WebAccess, TakesOrdersOfItsOwnPageAlone) {
                              "http://localhost:8080", "https://127.0.0.1"}) {
     EXPECT_EQ(status(access, an_order({{"origin", origin}}), Role::submitter), 403) << origin;
   }
-  for (const char* type : {"", "text/plain", "application/x-www-form-urlencoded"}) {
+  for (const char* type :
+       {"", "text/plain", "application/x-www-form-urlencoded", ";", "application/jsonp",
+        "text/plain; application/json", "application/json, text/plain"}) {
     EXPECT_EQ(status(access, an_order({{"content-type", type}}), Role::submitter), 415) << type;
+  }
+  for (const char* type : {"application/json; charset=utf-8", "application/json;charset=UTF-8",
+                           "Application/JSON ; charset=\"utf-8\""}) {
+    EXPECT_EQ(status(access, an_order({{"content-type", type}}), Role::submitter), 200) << type;
   }
 }
 
@@ -77,6 +83,13 @@ TEST(WebAccess, TokensHaveRoles) {
   EXPECT_EQ(status(access, with("submitter-token-001"), Role::submitter), 200);
   EXPECT_EQ(status(access, request({{"authorization", "Basic viewer-token-000001"}}), Role::viewer),
             401);
+  for (const char* scheme : {"bearer ", "BEARER "}) {
+    const auto of = [&](const std::string& token) {
+      return request({{"authorization", scheme + token}});
+    };
+    EXPECT_EQ(status(access, of("viewer-token-000001"), Role::viewer), 200) << scheme;
+    EXPECT_EQ(status(access, of("Viewer-Token-000001"), Role::viewer), 401) << scheme;
+  }
 }
 
 TEST(WebAccess, SaysWhatIsWrongWithAFile) {

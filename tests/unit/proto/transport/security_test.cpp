@@ -162,6 +162,27 @@ TEST_F(Security, AKeyTakenOffTheListIsShutOutAtOnce) {
   EXPECT_FALSE(receive(worker.get(), 1).empty());
 }
 
+TEST_F(Security, WhoseTimeIsOverIsLetInNoMore) {
+  const auto lasts_until = [&](WallTime until) {
+    return AllowList::parse(
+        AllowList::line(
+            worker_.public_key,
+            {.role = Role::enrol, .name = "token", .grants = Role::worker, .until = until}),
+        "list");
+  };
+  server_->set_allowed(lasts_until(wall_clock_now() + std::chrono::hours(1)));
+  const auto lives = client(worker_);
+  const auto received = receive(lives.get(), 1);
+  ASSERT_FALSE(received.empty());
+  EXPECT_EQ(received[0].sender.role, Role::enrol);
+  EXPECT_EQ(server_->address(received[0].peer), "127.0.0.1");
+  server_->set_allowed(lasts_until(wall_clock_now() - std::chrono::seconds(1)));
+  lives->send(Channel::control, bytes_of("still here"));
+  expect_stays_out(*lives, 200);
+  const auto late = client(worker_);
+  expect_refused(*late);
+}
+
 TEST_F(Security, ScannersAndHalfOpenHandshakesReachNothing) {
   using namespace std::string_literals;
   const std::string greeting =
