@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -36,6 +38,18 @@ Error usage_error(std::string_view message) {
 
 Error render_error(std::string_view message) {
   return Error(ExitCode::render_failed, escape_controls(message, true));
+}
+
+Error temporary_error(std::string_view message) {
+  return Error(ExitCode::try_again, escape_controls(message, true));
+}
+
+bool is_temporary(int error) {
+  constexpr int kTemporary[] = {EMFILE, ENFILE,   ENOMEM,    ENOBUFS,  ENOSPC, EDQUOT,
+                                EFBIG,  EIO,      EACCES,    EPERM,    EROFS,  EAGAIN,
+                                EBUSY,  ETXTBSY,  EINTR,     ESTALE,   ENXIO,  ENODEV,
+                                ENOLCK, ENOTCONN, ETIMEDOUT, EHOSTDOWN};
+  return std::ranges::find(kTemporary, error) != std::end(kTemporary);
 }
 
 namespace {

@@ -18,7 +18,16 @@ struct SourcePlace {
 };
 
 /// The process exit codes of the command-line contract.
-enum class ExitCode { done = 0, bad_scene = 1, bad_usage = 2, render_failed = 3, interrupted = 4 };
+enum class ExitCode {
+  done = 0,
+  bad_scene = 1,
+  bad_usage = 2,
+  render_failed = 3,
+  interrupted = 4,
+  /// EX_TEMPFAIL of sysexits.h: nothing is wrong with what was asked for, and the same command does
+  /// it once a condition has passed, such as a full disk or a locked file.
+  try_again = 75,
+};
 
 /// What the user has to know of a failure that is not our own bug: thrown where it is found, told
 /// in the command line. Between them it is caught only to add the place that the thrower did not
@@ -40,6 +49,11 @@ Error scene_error(std::string_view message);
 Error usage_error(std::string_view message);
 /// Rendering or writing failed (exit code 3).
 Error render_error(std::string_view message);
+/// A resource has run out or is taken; the same may succeed later (exit code 75).
+Error temporary_error(std::string_view message);
+/// Whether `error`, a value of errno, says that something has run out, is taken or cannot be
+/// reached now, so that the same call may succeed later. Says nothing about the data themselves.
+bool is_temporary(int error);
 
 /// The candidate nearest to `name` by edit distance, if near enough to be a likely slip of the pen;
 /// else the first that it may be short for, or that is short for it: 'sobol' for 'owen-sobol'.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <unordered_set>
 #include <vector>
 
@@ -13,7 +14,8 @@
 namespace tessera {
 
 /// Keeps jobs, the blobs of their scenes and their finished tiles. Used by one thread, and by one
-/// coordinator at a time. What cannot be written throws render_error, and may be tried again.
+/// coordinator at a time. What cannot be written throws an Error, and may be tried again; what
+/// cannot be read now throws temporary_error, which says nothing about what is there.
 class JobStore : public TileStore {
  public:
   /// Another for each store; 0: this one does not outlive its process.
@@ -35,16 +37,23 @@ class JobStore : public TileStore {
   /// cut.
   virtual void save(const v1::KeptJob& job) = 0;
   virtual void save_end(uint64_t job, const v1::KeptJob::End& end) = 0;
+  /// Takes the end of a frame back, if it is there: the frame is to be rendered again.
+  virtual void remove_end(uint64_t job, uint32_t frame) = 0;
   /// Forgets the job, and tiles and blobs that no other job needs.
   virtual void remove(uint64_t job, const std::vector<Digest>& tile_keys,
                       const std::vector<Digest>& blobs) = 0;
 
-  /// Whether it is there, sound: its bytes are held against its digest the first time that they
-  /// are asked for. One that is damaged is deleted.
+  /// Tiles of all jobs with pixels made under the public key `key`, written as by key_text(). Reads
+  /// the whole table of tiles.
+  virtual std::vector<StoredTile> tiles_traced_by(const std::string& key) = 0;
+
+  /// Whether the blob is there, sound: its bytes are held against its digest the first time that
+  /// they are asked for. False only where there is no such blob, or a damaged one, which is moved
+  /// aside to DIGEST.damaged, never deleted. Throws temporary_error where it cannot be read now.
   virtual bool has_blob(const Digest& digest) = 0;
   /// Keeps verified bytes; they are there whole or not at all.
   virtual void put_blob(const Digest& digest, const BlobData& data) = 0;
-  /// Null where it is not there, or damaged.
+  /// The blob; null, or temporary_error, where has_blob() returns false or throws.
   virtual BlobData find_blob(const Digest& digest) = 0;
   /// Forgets blobs of submissions that never became jobs.
   virtual void keep_only_blobs(const std::unordered_set<Digest>& digests) = 0;

@@ -187,6 +187,18 @@ void SqliteJobStore::save_end(uint64_t job, const v1::KeptJob::End& end) {
       .step();
 }
 
+void SqliteJobStore::remove_end(uint64_t job, uint32_t frame) {
+  const Timed timed(commit_seconds_);
+  Statement(database_, "DELETE FROM ends WHERE job = ? AND frame = ?")
+      .bind(static_cast<int64_t>(job))
+      .bind(int64_t{frame})
+      .step();
+}
+
+std::vector<StoredTile> SqliteJobStore::tiles_traced_by(const std::string& key) {
+  return tiles_.traced_by(key);
+}
+
 void SqliteJobStore::remove(uint64_t job, const std::vector<Digest>& tile_keys,
                             const std::vector<Digest>& blobs) {
   // The job first: what else is left behind by a kill is found by keep_only_blobs(), or is tiles

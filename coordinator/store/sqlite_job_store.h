@@ -28,8 +28,11 @@ class SqliteJobStore : public JobStore {
   uint64_t last_job() override;
   void save(const v1::KeptJob& job) override;
   void save_end(uint64_t job, const v1::KeptJob::End& end) override;
+  void remove_end(uint64_t job, uint32_t frame) override;
   void remove(uint64_t job, const std::vector<Digest>& tile_keys,
               const std::vector<Digest>& blobs) override;
+
+  std::vector<StoredTile> tiles_traced_by(const std::string& key) override;
 
   bool has_blob(const Digest& digest) override;
   void put_blob(const Digest& digest, const BlobData& data) override;
@@ -38,6 +41,7 @@ class SqliteJobStore : public JobStore {
 
   void keep(const Digest& key, const FinishedTile& tile) override;
   void drop(const Digest& key, const PixelRect& tile) override { tiles_.drop(key, tile); }
+  void drop_all(const Digest& key) override { tiles_.drop_all(key); }
   std::vector<FinishedTile> find(const Digest& key) override { return tiles_.find(key); }
 
  private:

@@ -20,6 +20,7 @@ class SqliteTileStore : public TileStore {
 
   void keep(const Digest& job, const FinishedTile& tile) override { tiles_.keep(job, tile); }
   void drop(const Digest& job, const PixelRect& tile) override { tiles_.drop(job, tile); }
+  void drop_all(const Digest& job) override { tiles_.drop_all(job); }
   std::vector<FinishedTile> find(const Digest& job) override {
     asked_for_.insert(job);
     return tiles_.find(job);

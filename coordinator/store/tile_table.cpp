@@ -1,5 +1,6 @@
 #include "coordinator/store/tile_table.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -69,6 +70,19 @@ std::vector<FinishedTile> TileTable::find(const Digest& key) {
     tiles.push_back(std::move(tile));
   }
   return tiles;
+}
+
+std::vector<StoredTile> TileTable::traced_by(const std::string& tracer) {
+  Statement rows(database_, "SELECT x0, y0, x1, y1, kept, job FROM tiles");
+  std::vector<StoredTile> found;
+  while (rows.step()) {
+    const auto kept = parse_kept_tile(rows.blob(4));
+    if (!kept || std::ranges::find(kept->tracers(), tracer) == kept->tracers().end()) continue;
+    const auto side = [&rows](int column) { return static_cast<int>(rows.integer(column)); };
+    found.push_back(
+        {Digest::from_hex(std::string(rows.blob(5))), {side(0), side(1), side(2), side(3)}});
+  }
+  return found;
 }
 
 }  // namespace tessera

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "coordinator/store/sqlite_database.h"
@@ -19,6 +20,8 @@ class TileTable {
   uint64_t count();
   uint64_t count(const Digest& key);
   std::vector<FinishedTile> find(const Digest& key);
+  /// As JobStore::tiles_traced_by().
+  std::vector<StoredTile> traced_by(const std::string& tracer);
 
  private:
   SqliteDatabase& database_;

@@ -16,6 +16,12 @@ struct FinishedTile {
   v1::KeptTile kept;
 };
 
+/// A tile that is kept: the key that it is kept under, and its place in the frame.
+struct StoredTile {
+  Digest key;
+  PixelRect rect;
+};
+
 /// Keeps finished tiles beyond the life of this process, by the job that they are of: the digest of
 /// all that its pixels depend on. Used by one thread.
 class TileStore {
@@ -26,7 +32,10 @@ class TileStore {
   virtual void keep(const Digest& job, const FinishedTile& tile) = 0;
   /// Takes it back, if it is there.
   virtual void drop(const Digest& job, const PixelRect& tile) = 0;
-  /// What is kept of the job. Unsafe bytes: whoever takes them up checks the bands.
+  /// Takes all tiles of the job back.
+  virtual void drop_all(const Digest& job) = 0;
+  /// What is kept of the job. Unsafe bytes: whoever takes them up checks the bands. Throws
+  /// temporary_error where they cannot be read now.
   virtual std::vector<FinishedTile> find(const Digest& job) = 0;
 };
 

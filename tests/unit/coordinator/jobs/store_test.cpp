@@ -18,6 +18,9 @@ struct FakeStore : TileStore {
   void drop(const Digest&, const PixelRect& tile) override {
     std::erase_if(tiles, [&](const FinishedTile& t) { return t.rect == tile; });
   }
+  void drop_all(const Digest& job) override {
+    if (job == key) tiles.clear();
+  }
   std::vector<FinishedTile> find(const Digest& job) override {
     return job == key ? tiles : std::vector<FinishedTile>();
   }
