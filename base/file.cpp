@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/descriptors.h"
 #include "base/error.h"
 #include "base/folder.h"
 #include "base/open_file.h"
@@ -30,6 +31,11 @@ struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 using FileHandle = std::unique_ptr<std::FILE, CloseFile>;
+
+FileHandle open_to_read(const std::string& path) {
+  const SpareDescriptors spare;
+  return FileHandle(std::fopen(path.c_str(), "rb"));
+}
 
 /// "; did you mean 'x'?" for the file beside `path` that is nearest to it.
 std::string near_file(const fs::path& path) {
@@ -68,7 +74,7 @@ uint64_t check_input_file(const std::string& path, uint64_t max_bytes) {
 
 std::string read_input_file(const std::string& path, uint64_t max_bytes) {
   const uint64_t size = check_input_file(path, max_bytes);
-  const FileHandle file(std::fopen(path.c_str(), "rb"));
+  const FileHandle file = open_to_read(path);
   if (!file) throw scene_error(fmt::format("{}: {}", path, std::strerror(errno)));
   std::string bytes(size, '\0');
   const size_t got = std::fread(bytes.data(), 1, size, file.get());
@@ -138,6 +144,7 @@ class UnfinishedFile {
     if (path_.native().size() >= unfinished_path.size()) return errno = ENAMETOOLONG, false;
     unfinished_path[path_.native().copy(unfinished_path.data(), PATH_MAX - 1)] = '\0';
     unfinished = true;
+    const SpareDescriptors spare;
     file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     return file_ >= 0;
   }

@@ -6,6 +6,7 @@
 
 #include <random>
 
+#include "base/descriptors.h"
 #include "base/owned_descriptor.h"
 
 namespace tessera {
@@ -23,7 +24,10 @@ std::vector<fs::directory_entry> entries_in(const fs::path& folder, size_t most)
 }
 
 void sync_folder(const fs::path& folder) {
-  const OwnedDescriptor open_folder(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const OwnedDescriptor open_folder = [&] {
+    const SpareDescriptors spare;
+    return OwnedDescriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  }();
   if (open_folder.get() >= 0) ::fsync(open_folder.get());
 }
 

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <optional>
 
+#include "base/descriptors.h"
 #include "base/json_log.h"
 #include "base/log.h"
 #include "base/plural.h"
@@ -76,14 +76,6 @@ void read_tokens_again(FarmPage& page) {
   }
 }
 
-/// As many connections as this process may have.
-void provide_descriptors() {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  limit.rlim_cur = limit.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &limit);
-}
-
 CoordinatorOptions coordinator_options(const ServeOptions& options) {
   CoordinatorOptions result;
   result.verify = options.verify;
@@ -101,6 +93,7 @@ ExitCode serve(const ServeOptions& options) {
   catch_interrupts();
   configure_logging("info", "serve");
   if (options.json_log) log_as_json();
+  keep_spare_descriptors();
   check_room_for_threads(kTransportThreads + (options.http.empty() ? 0 : 1) +
                          (options.tev.empty() ? 0 : 1));
   ServerSecurity security = read_security(options);
@@ -115,7 +108,6 @@ ExitCode serve(const ServeOptions& options) {
   if (!options.store.empty()) store = std::make_shared<SqliteJobStore>(options.store);
   const bool has_keys = security.keys.has_value();
   catch_hangups();
-  provide_descriptors();
   RenderLoop loop(bind_server(options.endpoint, std::move(security)), coordinator_options(options),
                   std::move(store));
   say("serving at {}\n", loop.endpoint());
