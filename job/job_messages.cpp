@@ -82,8 +82,7 @@ JobReport from_message(const v1::JobEnd& end) {
   report.end = end.how() == v1::JobEnd::DONE          ? JobReport::End::done
                : end.how() == v1::JobEnd::INTERRUPTED ? JobReport::End::interrupted
                                                       : JobReport::End::failed;
-  const bool known = end.exit_code() <= static_cast<uint32_t>(ExitCode::interrupted);
-  report.exit_code = known ? static_cast<ExitCode>(end.exit_code()) : ExitCode::render_failed;
+  report.exit_code = to_exit_code(end.exit_code());
   // A message may say what cannot be: only what is done has exit code 0.
   if (report.end == JobReport::End::interrupted) report.exit_code = ExitCode::interrupted;
   if (report.end == JobReport::End::failed && report.exit_code == ExitCode::done) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
@@ -96,10 +97,10 @@ SqliteDatabase::SqliteDatabase(const fs::path& file, Kind kind)
     open_patiently();
     damage = find_damage();
     if (damage.empty()) return;
-  } catch (const Error& error) {
+  } catch (const Error&) {
     const int code = database_ ? sqlite3_errcode(database_) & 0xff : SQLITE_OK;
     const bool ours = code == SQLITE_OK || code == SQLITE_ROW || code == SQLITE_DONE;
-    const std::string what = ours ? error.what() : sqlite3_errmsg(database_);
+    const std::string what = ours ? "" : sqlite3_errmsg(database_);
     const bool passes = !ours && may_pass();
     close();
     if (code == SQLITE_BUSY) {
@@ -108,16 +109,22 @@ SqliteDatabase::SqliteDatabase(const fs::path& file, Kind kind)
                       "expected it to be free within {} s",
                       file.string(), kPatience.count()));
     }
-    if (passes) throw;
-    if (code != SQLITE_CORRUPT && code != SQLITE_NOTADB) {
-      throw usage_error(
-          fmt::format("'{}': {}; expected {}, or none", file.string(), what, kind_.what));
-    }
+    if (passes || ours) throw;
+    if (code != SQLITE_CORRUPT && code != SQLITE_NOTADB) throw no_such_kind(what);
     damage = what;
   }
   close();
-  throw usage_error(fmt::format("'{}' is damaged: {}; expected {} as it was written: {}",
-                                file.string(), damage, kind_.what, kind_.remedy));
+  throw not_whole("damaged: " + damage);
+}
+
+Error SqliteDatabase::not_whole(const std::string& what) const {
+  return usage_error(fmt::format("'{}' is {}; expected {} as it was written: {}", file_.string(),
+                                 what, kind_.what, kind_.remedy));
+}
+
+Error SqliteDatabase::no_such_kind(const std::string& what) const {
+  return usage_error(
+      fmt::format("'{}': {}; expected {}, or none", file_.string(), what, kind_.what));
 }
 
 bool SqliteDatabase::may_pass() const {
@@ -168,8 +175,10 @@ void SqliteDatabase::open() {
   // SQLite would make it, and delete the log that may have all of it.
   if (kind_.must_exist &&
       (failure ? failure == std::errc::no_such_file_or_directory : bytes == 0)) {
-    throw render_error(failure ? "it is missing" : "it is empty");
+    throw not_whole(failure ? "missing" : "empty");
   }
+  // SQLite would open it all the same, and say of the log that it is a bad descriptor.
+  if (!failure && ::access(file_.c_str(), W_OK) != 0) throw no_such_kind(std::strerror(errno));
   if (sqlite3_open(file_.c_str(), &database_) != SQLITE_OK) {
     throw render_error(sqlite3_errmsg(database_));
   }
@@ -181,6 +190,8 @@ void SqliteDatabase::open() {
                              "PRAGMA synchronous = NORMAL"}) {
     execute(pragma);
   }
+  // Zeroes over what is deleted would all be written to the log first.
+  execute("PRAGMA secure_delete = OFF");
   execute(fmt::format("PRAGMA journal_size_limit = {}", kLogBytes));
   Statement id(*this, "PRAGMA application_id");
   id.step();
@@ -188,9 +199,9 @@ void SqliteDatabase::open() {
   tables.step();
   const bool used = tables.integer(0) > 0;
   if (id.integer(0) != kind_.application_id && used) {
-    throw render_error("it is another program's database");
+    throw no_such_kind("it is another program's database");
   }
-  if (!used && kind_.must_exist) throw render_error("it is empty");
+  if (!used && kind_.must_exist) throw not_whole("empty");
   Statement format(*this, "PRAGMA user_version");
   format.step();
   if (used) return upgrade(format.integer(0));
@@ -233,15 +244,21 @@ void SqliteDatabase::Transaction::commit() {
   open_ = false;
 }
 
-void SqliteDatabase::checkpoint() { execute("PRAGMA wal_checkpoint(RESTART)"); }
+void SqliteDatabase::checkpoint(bool truncate) {
+  execute(truncate ? "PRAGMA wal_checkpoint(TRUNCATE)" : "PRAGMA wal_checkpoint(RESTART)");
+}
 
 bool SqliteDatabase::give_back(int pages) {
-  Statement mode(*this, "PRAGMA auto_vacuum");
-  Statement unused(*this, "PRAGMA freelist_count");
+  // Neither is open when the vacuum ends: SQLite would not write the log anew then.
+  const auto value = [this](const char* pragma) {
+    Statement row(*this, pragma);
+    return row.step() ? row.integer(0) : 0;
+  };
   // A database of an earlier format gives nothing back.
   constexpr int kIncremental = 2;
-  if (!mode.step() || mode.integer(0) != kIncremental) return false;
-  if (!unused.step() || unused.integer(0) == 0) return false;
+  if (value("PRAGMA auto_vacuum") != kIncremental || value("PRAGMA freelist_count") == 0) {
+    return false;
+  }
   execute(fmt::format("PRAGMA incremental_vacuum({})", pages));
   return true;
 }

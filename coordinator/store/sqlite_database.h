@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/error.h"
+
 struct sqlite3;
 struct sqlite3_stmt;
 
@@ -92,8 +94,8 @@ class SqliteDatabase {
   };
 
   /// Moves what the write-ahead log has into the database, so that the log is written again from
-  /// its beginning and takes no more room.
-  void checkpoint();
+  /// its beginning: in the room that its file has, or, if `truncate`, from an empty file.
+  void checkpoint(bool truncate);
   /// Gives up to so many pages that are not used any more back to the file system, at the next
   /// checkpoint. Returns whether there may be more of them.
   bool give_back(int pages);
@@ -108,6 +110,9 @@ class SqliteDatabase {
   void open_patiently();
   void open();
   void upgrade(int64_t from);
+  /// Errors for a file that has lost something, and for one that is something else.
+  Error not_whole(const std::string& what) const;
+  Error no_such_kind(const std::string& what) const;
   /// Whether the condition that made the last call fail passes by itself.
   bool may_pass() const;
   /// What SQLite finds wrong with the whole file, which it reads for that; empty: nothing.

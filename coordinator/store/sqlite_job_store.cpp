@@ -198,7 +198,7 @@ void SqliteJobStore::write_at_last(const Write& write) {
     std::error_code ignored;
     if (!fs::remove(folder_ / kReserve, ignored)) throw;
     // The log has taken all the room that there was: from now on it is written anew in it.
-    database_.checkpoint();
+    database_.checkpoint(false);
     write();
   }
 }
@@ -210,7 +210,7 @@ void SqliteJobStore::give_back(Time most) {
     while (may_give_back_ && monotonic_now() < until) {
       may_give_back_ = database_.give_back(kPagesAtATime);
     }
-    if (!may_give_back_) database_.checkpoint();
+    if (!may_give_back_) database_.checkpoint(true);
   } catch (const Error&) {
     // There is no room to make room with: when a job is forgotten the next time.
     may_give_back_ = false;

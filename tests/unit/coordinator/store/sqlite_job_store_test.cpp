@@ -196,16 +196,16 @@ TEST_F(JobStoreTest, ADatabaseThatIsGoneOrEmptyBesideItsBlobsIsRefused) {
     if (!state) fs::remove(home_ / "state");
     std::string what = refusal_of_opening();
     EXPECT_TRUE(what.starts_with("2 ")) << what;
-    EXPECT_NE(what.find("it is missing"), std::string::npos) << what;
+    EXPECT_NE(what.find("farm.db' is missing; "), std::string::npos) << what;
     EXPECT_FALSE(fs::exists(database_));
     std::ofstream(database_).flush();
     what = refusal_of_opening();
-    EXPECT_NE(what.find("it is empty"), std::string::npos) << what;
+    EXPECT_NE(what.find("farm.db' is empty; "), std::string::npos) << what;
     EXPECT_EQ(fs::file_size(database_), 0u);
     fs::remove(database_);
     change(database_, "PRAGMA user_version = 3");
     what = refusal_of_opening();
-    EXPECT_NE(what.find("it is empty"), std::string::npos) << what;
+    EXPECT_NE(what.find("farm.db' is empty; "), std::string::npos) << what;
     fs::remove(database_);
   }
   EXPECT_TRUE(fs::exists(path_of(blob_)));
@@ -431,6 +431,7 @@ TEST_F(JobStoreTest, TheFileShrinksWhenAJobIsForgotten) {
   store.remove(1, {key}, {});
   for (int i = 0; i < 1000; ++i) store.tidy();
   EXPECT_LT(fs::file_size(database_), 20u * 16'384 + 100'000);
+  EXPECT_EQ(fs::file_size(home_ / "farm.db-wal"), 0u);
   EXPECT_EQ(store.find(other).size(), 20u);
 }
 
@@ -440,8 +441,11 @@ TEST_F(JobStoreTest, OnADiskFullToTheLastByteJobsAreCancelledAndForgotten) {
     GTEST_SKIP() << "no small disk can be mounted here, by root alone: " << std::strerror(errno);
   }
   const auto fill = [this] {
-    std::ofstream rest(home_ / "rest", std::ios::binary | std::ios::app);
-    while (rest << 'x' << std::flush) {
+    for (const size_t bytes : {size_t{1} << 20, size_t{1}}) {
+      std::ofstream rest(home_ / "rest", std::ios::binary | std::ios::app);
+      const std::string some(bytes, 'x');
+      while (rest << some << std::flush) {
+      }
     }
   };
   for (const bool opened_again : {false, true}) {
