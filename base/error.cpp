@@ -44,6 +44,20 @@ Error temporary_error(std::string_view message) {
   return Error(ExitCode::try_again, escape_controls(message, true));
 }
 
+ExitCode to_exit_code(uint32_t number) {
+  const auto code = static_cast<ExitCode>(number);
+  switch (code) {
+    case ExitCode::done:
+    case ExitCode::bad_scene:
+    case ExitCode::bad_usage:
+    case ExitCode::render_failed:
+    case ExitCode::interrupted:
+    case ExitCode::try_again:
+      return code;
+  }
+  return ExitCode::render_failed;
+}
+
 bool is_temporary(int error) {
   constexpr int kTemporary[] = {EMFILE, ENFILE,   ENOMEM,    ENOBUFS,  ENOSPC, EDQUOT,
                                 EFBIG,  EIO,      EACCES,    EPERM,    EROFS,  EAGAIN,

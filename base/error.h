@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -28,6 +29,9 @@ enum class ExitCode {
   /// it once a condition has passed, such as a full disk or a locked file.
   try_again = 75,
 };
+
+/// The code of that number, as a message has it; render_failed where there is none.
+ExitCode to_exit_code(uint32_t number);
 
 /// What the user has to know of a failure that is not our own bug: thrown where it is found, told
 /// in the command line. Between them it is caught only to add the place that the thrower did not

@@ -121,6 +121,8 @@ std::string output_refusal(const fs::path& path) {
   return {};
 }
 
+constexpr std::string_view kUnfinishedStart = ".tessera-", kUnfinishedEnd = ".part";
+
 /// The file under way, where a signal handler may read it: written while the flag is down.
 std::array<char, PATH_MAX> unfinished_path;
 std::atomic<bool> unfinished{false};
@@ -131,7 +133,7 @@ static_assert(std::atomic<bool>::is_always_lock_free, "it is read in a signal ha
 class UnfinishedFile {
  public:
   explicit UnfinishedFile(const fs::path& folder)
-      : path_(folder / fmt::format(".tessera-{}.part", unique_name())) {}
+      : path_(folder / fmt::format("{}{}{}", kUnfinishedStart, unique_name(), kUnfinishedEnd)) {}
   UnfinishedFile(const UnfinishedFile&) = delete;
   UnfinishedFile& operator=(const UnfinishedFile&) = delete;
   ~UnfinishedFile() {
@@ -191,6 +193,10 @@ void write_output_file(const std::string& path, std::string_view bytes) {
     why = std::strerror(errno);
   }
   throw render_error(fmt::format("'{}' cannot be written: {}", path, why));
+}
+
+bool is_unfinished_output(std::string_view name) {
+  return name.starts_with(kUnfinishedStart) && name.ends_with(kUnfinishedEnd);
 }
 
 void remove_unfinished_output() {

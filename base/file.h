@@ -27,6 +27,8 @@ void check_output_file(const std::string& path, std::string_view option = {});
 /// there stays until then. A link is kept and its target replaced; a device, FIFO, socket or folder
 /// is never replaced. Throws render_error. One call at a time.
 void write_output_file(const std::string& path, std::string_view bytes);
+/// Whether a file of that name is what a killed process left of a write_output_file.
+bool is_unfinished_output(std::string_view name);
 /// Removes what a write_output_file under way has written so far: for a signal handler whose next
 /// act is to end the process.
 void remove_unfinished_output();

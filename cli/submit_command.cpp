@@ -106,7 +106,7 @@ ExitCode submit(const SubmitOptions& options) {
   FarmClient client(*transport, options.connection.endpoint, interrupted());
   const v1::JobStatus status = client.submit(job);
   if (status.job() == 0) {
-    const auto code = exit_code_of(status.exit_code());
+    const auto code = to_exit_code(status.exit_code());
     throw Error(code == ExitCode::done ? ExitCode::render_failed : code,
                 printable(status.failure()));
   }

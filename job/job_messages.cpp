@@ -77,18 +77,12 @@ v1::JobEnd to_message(const JobReport& report) {
   return end;
 }
 
-ExitCode exit_code_of(uint32_t number) {
-  const auto code = static_cast<ExitCode>(number);
-  return code <= ExitCode::interrupted || code == ExitCode::try_again ? code
-                                                                      : ExitCode::render_failed;
-}
-
 JobReport from_message(const v1::JobEnd& end) {
   JobReport report;
   report.end = end.how() == v1::JobEnd::DONE          ? JobReport::End::done
                : end.how() == v1::JobEnd::INTERRUPTED ? JobReport::End::interrupted
                                                       : JobReport::End::failed;
-  report.exit_code = exit_code_of(end.exit_code());
+  report.exit_code = to_exit_code(end.exit_code());
   // A message may say what cannot be: only what is done has exit code 0.
   if (report.end == JobReport::End::interrupted) report.exit_code = ExitCode::interrupted;
   if (report.end == JobReport::End::failed && report.exit_code == ExitCode::done) {

@@ -8,8 +8,6 @@ namespace tessera {
 /// A report as it travels to the client, without the film.
 v1::JobEnd to_message(const JobReport& report);
 JobReport from_message(const v1::JobEnd& end);
-/// As it travels; render_failed for a number that is none of ours.
-ExitCode exit_code_of(uint32_t number);
 
 PixelRect rect_of(const v1::PixelRect& rect);
 /// What is beside light in the pictures of a frame of the job, which has that many.

@@ -24,7 +24,7 @@ class JobStore : public TileStore {
   /// How long writing took, each time since it was opened.
   virtual SecondsHistogram commit_seconds() const { return {}; }
 
-  /// All of them, by number. Made by save(), so that they are to be trusted.
+  /// All of them, by number. Each may be taken up: check_kept_job() has been asked.
   virtual std::vector<v1::KeptJob> jobs() = 0;
   /// The largest number that a job ever had.
   virtual uint64_t last_job() = 0;
@@ -50,8 +50,13 @@ class JobStore : public TileStore {
   virtual void put_blob(const Digest& digest, const BlobData& data) = 0;
   /// The blob; null, or temporary_error, where has_blob() returns false or throws.
   virtual BlobData find_blob(const Digest& digest) = 0;
-  /// Forgets blobs of submissions that never became jobs.
+  /// To be called once, after jobs(), with the blobs that they need: forgets blobs that no job has
+  /// needed for long, such as those of submissions that never became jobs.
   virtual void keep_only_blobs(const std::unordered_set<Digest>& digests) = 0;
+
+  /// Does a little of what may wait, for about 10 ms: gives room that forgotten jobs took back to
+  /// the disk. To be called now and then, while nobody waits. Throws nothing.
+  virtual void tidy() {}
 };
 
 }  // namespace tessera

@@ -9,7 +9,8 @@ constexpr int kTilesApplicationId = 0x54455353;  // "TESS"
 
 SqliteTileStore::SqliteTileStore(const std::filesystem::path& file)
     : database_(file, {.application_id = kTilesApplicationId,
-                       .format = 1,
+                       .format = 2,
+                       .upgrade = TileTable::upgrade(),
                        .what = "a file of finished tiles",
                        .fails = "cannot keep finished tiles"}),
       tiles_(database_) {}

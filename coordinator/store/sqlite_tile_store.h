@@ -14,8 +14,7 @@ namespace tessera {
 /// this process at any instant, and a file is never half written. One process at a time.
 class SqliteTileStore : public TileStore {
  public:
-  /// Opens the file or makes it. Throws usage_error where it cannot be used, another process uses
-  /// it, or it is something else.
+  /// Opens the file or makes it, as SqliteDatabase does.
   explicit SqliteTileStore(const std::filesystem::path& file);
 
   void keep(const Digest& job, const FinishedTile& tile) override { tiles_.keep(job, tile); }

@@ -127,7 +127,7 @@ class Kills(ServiceTest):
     def test_a_second_coordinator_on_a_store_is_refused(self):
         service = self.serve()
         second = self.run_program("serve", "--bind", f"tcp://127.0.0.1:{free_port()}", "--store", self.store)
-        self.assert_error(second, 2, "another process uses it")
+        self.assert_error(second, 75, "another process uses it")
         self.assertEqual("0 workers", self.ask("status").splitlines()[-1])
         self.stop(service)
 
@@ -298,7 +298,7 @@ class Ends(ServiceTest):
         return service, worker, job
 
     def test_a_full_disk_pauses_the_job_until_there_is_room(self):
-        service, worker, job = self.begin_on_a_small_disk("600k")
+        service, worker, job = self.begin_on_a_small_disk("8700k")
         done = self.status(job)["tiles"]["done"]
         time.sleep(0.5)
         self.assertLess(self.status(job)["tiles"]["done"], min(TILES, done + 12))
@@ -307,7 +307,7 @@ class Ends(ServiceTest):
         self.stop(service, worker)
 
     def test_on_a_full_disk_orders_tell_what_they_did_and_a_start_waits_for_room(self):
-        service, worker, job = self.begin_on_a_small_disk("700k")
+        service, worker, job = self.begin_on_a_small_disk("8800k")
         result = self.run_program("pause", job, "--connect", self.endpoint)
         self.assertEqual("paused" == self.status(job)["state"], result.code == 0, result.err)
         service.kill()

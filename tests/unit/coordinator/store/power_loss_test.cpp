@@ -140,7 +140,15 @@ class PowerLoss : public testing::Test {
     v1::KeptJob kept;
     kept.set_job(number);
     kept.mutable_request()->set_name("job " + std::to_string(number));
-    kept.mutable_request()->add_frames();
+    kept.mutable_request()->set_tile_size(16);
+    kept.mutable_request()->mutable_crop()->set_x1(64);
+    kept.mutable_request()->mutable_crop()->set_y1(48);
+    v1::JobFrame& frame = *kept.mutable_request()->add_frames();
+    frame.set_scene_digest(Digest::of("a scene").hex());
+    frame.mutable_settings()->set_width(64);
+    frame.mutable_settings()->set_height(48);
+    frame.mutable_settings()->set_samples_per_pixel(1);
+    kept.add_tile_keys(Digest::of("a frame").hex());
     return kept;
   }
   static FinishedTile tile(int x) {

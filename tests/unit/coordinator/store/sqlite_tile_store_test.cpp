@@ -1,21 +1,19 @@
 #include "coordinator/store/sqlite_tile_store.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <memory>
-#include <optional>
-#include <span>
 #include <string_view>
 #include <vector>
 
 #include "base/error.h"
-#include "coordinator/store/sqlite_job_store.h"
 #include "tests/file_size_limit.h"
 #include "tests/temporary_folder.h"
+#include "tests/unit/coordinator/store/changed_database.h"
 
 namespace tessera {
 namespace {
@@ -86,12 +84,74 @@ TEST_F(TileStoreTest, LeavesNothingOfTheJobsThatWereAskedFor) {
 
 TEST_F(TileStoreTest, IsForOneProcessAtATime) {
   const SqliteTileStore store(file_);
-  EXPECT_EQ(code_of_opening(file_), ExitCode::bad_usage);
+  EXPECT_EQ(code_of_opening(file_), ExitCode::try_again);
 }
 
 TEST_F(TileStoreTest, WhereTheDiskTakesNothingTheCommandLineIsNotWrong) {
   const FileSizeLimit small(100);
-  EXPECT_EQ(code_of_opening(file_), ExitCode::render_failed);
+  EXPECT_EQ(code_of_opening(file_), ExitCode::try_again);
+}
+
+TEST_F(TileStoreTest, ATileIsTakenForNoOther) {
+  const auto make = [&] {
+    fs::remove(file_);
+    SqliteTileStore store(file_);
+    store.keep(job_, tile(0, "one"));
+    store.keep(job_, tile(16, "two"));
+    store.keep(job_, tile(32, "three"));
+    store.keep(other_, tile(48, "four"));
+  };
+  const std::string adopt = "UPDATE tiles SET job = '" + job_.hex() + "' WHERE x0 = 48";
+  for (const char* statement :
+       {"UPDATE tiles SET kept = (SELECT kept FROM tiles WHERE x0 = 16) WHERE x0 = 32",
+        "UPDATE tiles SET x1 = 999 WHERE x0 = 32", "UPDATE tiles SET seal = x'00' WHERE x0 = 32",
+        "DELETE FROM tiles WHERE x0 = 32; UPDATE tiles SET x0 = 32, x1 = 48 WHERE x0 = 0",
+        "UPDATE tiles SET kept = x'ff' WHERE x0 = 32", adopt.c_str()}) {
+    SCOPED_TRACE(statement);
+    make();
+    change(file_, statement);
+    const bool adopted = statement == adopt;
+    SqliteTileStore store(file_);
+    std::vector<int> found;
+    for (const FinishedTile& kept : store.find(job_)) {
+      found.push_back(kept.rect.x0);
+      EXPECT_EQ(kept.kept.SerializeAsString(), tile(kept.rect.x0, kept.rect.x0 == 0    ? "one"
+                                                                  : kept.rect.x0 == 16 ? "two"
+                                                                                       : "three")
+                                                   .kept.SerializeAsString());
+    }
+    const size_t sound = adopted ? 3 : std::string_view(statement).starts_with("DELETE") ? 1 : 2;
+    EXPECT_EQ(found.size(), sound);
+    EXPECT_EQ(store.end(), adopted ? 0u : 1u) << "what is damaged was dropped";
+  }
+}
+
+TEST_F(TileStoreTest, TilesOfAnEarlierFormatAreFound) {
+  change(file_,
+         "CREATE TABLE tiles (job TEXT, x0 INT, y0 INT, x1 INT, y1 INT, kept BLOB, "
+         "PRIMARY KEY (job, x0, y0, x1, y1)); "
+         "PRAGMA application_id = 0x54455353; PRAGMA user_version = 1");
+  const std::string kept = tile(0, "one").kept.SerializeAsString();
+  std::string hex;
+  for (const char c : kept) hex += fmt::format("{:02x}", static_cast<unsigned char>(c));
+  change(
+      file_,
+      fmt::format("INSERT INTO tiles VALUES ('{}', 0, 0, 16, 16, x'{}')", job_.hex(), hex).c_str());
+  for (int i = 0; i < 2; ++i) {
+    SqliteTileStore store(file_);
+    store.keep(job_, tile(16, "two"));
+    const auto found = store.find(job_);
+    ASSERT_EQ(found.size(), 2u) << i;
+    EXPECT_EQ(found[0].kept.SerializeAsString(), kept);
+  }
+  change(file_, "PRAGMA user_version = 3");
+  try {
+    const SqliteTileStore store(file_);
+    ADD_FAILURE() << "a later format is read";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::bad_usage);
+    EXPECT_NE(std::string(error.what()).find("a later version"), std::string::npos) << error.what();
+  }
 }
 
 TEST_F(TileStoreTest, TouchesNoFileOfOthers) {
@@ -128,41 +188,6 @@ TEST_F(TileStoreTest, OneThatIsDamagedIsRefusedAndSaysWhatToDo) {
     EXPECT_TRUE(what.starts_with("'" + file_.string() + "' is damaged: ")) << what;
     EXPECT_NE(what.find("move it away, or restore a copy"), std::string::npos) << what;
     EXPECT_EQ(what.find(file_.string()), what.rfind(file_.string())) << "the path once: " << what;
-  }
-}
-
-TEST(JobStoreOnAFullDisk, OpensAndCanBeRead) {
-  const TemporaryFolder folder;
-  const fs::path path = folder.path() / "farm";
-  v1::KeptJob job;
-  job.set_job(1);
-  SqliteJobStore(path).save(job);
-  const FileSizeLimit full(100);
-  SqliteJobStore store(path);
-  EXPECT_EQ(store.last_job(), 1u);
-}
-
-TEST(JobStoreBlobs, ThatAreDamagedAreAllFoundBeforeTheyAreCountedOn) {
-  const TemporaryFolder folder;
-  std::vector<Digest> digests;
-  {
-    SqliteJobStore store(folder.path() / "farm");
-    for (const char* text : {"sound", "turned", "short", "gone"}) {
-      const auto bytes = std::as_bytes(std::span(std::string_view(text)));
-      digests.push_back(Digest::of(bytes));
-      store.put_blob(digests.back(), copy_to_blob(bytes));
-      EXPECT_TRUE(store.has_blob(digests.back()));
-    }
-  }
-  const auto path = [&](size_t i) { return folder.path() / "farm" / "blobs" / digests[i].hex(); };
-  std::ofstream(path(1)) << "turneD";
-  fs::resize_file(path(2), 3);
-  fs::remove(path(3));
-  SqliteJobStore store(folder.path() / "farm");
-  EXPECT_TRUE(store.has_blob(digests[0]));
-  for (const size_t i : {1, 2, 3}) {
-    EXPECT_FALSE(store.has_blob(digests[i])) << i;
-    EXPECT_FALSE(fs::exists(path(i))) << i;
   }
 }
 
