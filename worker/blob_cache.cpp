@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <new>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -108,8 +109,18 @@ BlobData BlobCache::find(const Digest& digest, uint64_t size) {
   OwnedDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (file.get() < 0) return nullptr;
   futimens(file.get(), nullptr);  // used now
-  const BlobData blob = Blob::map(std::move(file), size);
-  if (blob && Digest::of(*blob) == digest) return blob;
+  struct stat status {};
+  if (fstat(file.get(), &status) != 0) return nullptr;
+  if (S_ISREG(status.st_mode) && static_cast<uint64_t>(status.st_size) == size) {
+    // A copy is what is verified: a mapped file could still be changed, or cut, afterwards.
+    try {
+      std::vector<std::byte> bytes(size);
+      if (!read_all_at(file.get(), 0, bytes)) return nullptr;
+      if (Digest::of(bytes) == digest) return make_blob(std::move(bytes));
+    } catch (const std::bad_alloc&) {
+      return nullptr;
+    }
+  }
   spdlog::warn("'{}' in the cache is damaged; it is fetched again", path.string());
   unlink(path.c_str());
   return nullptr;

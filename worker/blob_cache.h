@@ -22,10 +22,11 @@ bool make_room_in_cache(const std::filesystem::path& folder, uint64_t budget_byt
 class BlobCache {
  public:
   /// Makes `folder`, for this user alone, where it is missing. Throws usage_error where that cannot
-  /// be, or others may write into it: a file that changes under a worker's feet ends the worker.
+  /// be, or others may write into it.
   BlobCache(std::filesystem::path folder, uint64_t budget_bytes);
 
-  /// The blob, mapped and verified; null where it is not there. A damaged file is removed.
+  /// The blob, in memory of this process, where nobody can change it any more, and verified there;
+  /// null where it is not there or cannot be read now. A damaged file is removed.
   BlobData find(const Digest& digest, uint64_t size);
   /// Writes it whole or not at all, and removes what was used longest ago once all files together
   /// exceed the budget. Says so in the log, once, where it cannot.

@@ -61,12 +61,23 @@ TEST_F(BlobCacheTest, KeepsBeyondItsOwnLifeForThisUserAlone) {
   const BlobData found = cache.find(digest, 5000);
   ASSERT_TRUE(found);
   EXPECT_EQ(*found, blob(5000, 7));
-  EXPECT_GE(found->descriptor(), 0);
   struct stat status {};
   ASSERT_EQ(stat(folder_.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0700u);
   ASSERT_EQ(stat((folder_ / digest.hex()).c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0600u);
+}
+
+TEST_F(BlobCacheTest, WhatWasFoundStaysWhateverBecomesOfItsFile) {
+  BlobCache cache(folder_, 1 << 20);
+  const Digest digest = keep(cache, blob(5000, 7));
+  const fs::path path = folder_ / digest.hex();
+  const BlobData found = cache.find(digest, 5000);
+  ASSERT_TRUE(found);
+  std::fstream(path, std::ios::in | std::ios::out | std::ios::binary).seekp(2500).put('x');
+  EXPECT_EQ(*found, blob(5000, 7));
+  fs::resize_file(path, 100);
+  EXPECT_EQ(*found, blob(5000, 7)) << "and reading it ends no process";
 }
 
 TEST_F(BlobCacheTest, WhatIsDamagedIsRemovedAndNotFound) {
