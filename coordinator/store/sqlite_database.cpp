@@ -212,7 +212,7 @@ void SqliteDatabase::open() {
 void SqliteDatabase::upgrade(int64_t from) {
   if (from == kind_.format) return;
   if (from + 1 != kind_.format || kind_.upgrade.empty()) {
-    throw render_error(
+    throw no_such_kind(
         fmt::format("it is of format {}, of {} version of this program, which reads "
                     "format {}",
                     from, from > kind_.format ? "a later" : "an earlier", kind_.format));

@@ -196,7 +196,9 @@ void SqliteJobStore::give_back(Time most) {
     while (may_give_back_ && monotonic_now() < until) {
       may_give_back_ = database_.give_back(kPagesAtATime);
     }
-    if (!may_give_back_) database_.checkpoint(true);
+    if (may_give_back_) return;
+    database_.checkpoint(true);
+    make_reserve();
   } catch (const Error&) {
     // There is no room to make room with: when a job is forgotten the next time.
     may_give_back_ = false;

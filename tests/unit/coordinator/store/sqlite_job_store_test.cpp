@@ -458,6 +458,7 @@ TEST_F(JobStoreTest, OnADiskFullToTheLastByteJobsAreCancelledAndForgotten) {
     EXPECT_TRUE(store->find(one).empty());
     EXPECT_EQ(store->find(two).size(), (kept + 1) / 2);
     EXPECT_EQ(refusal([&] { store->keep(one, tile(0, 12'000)); }), "") << "there is room again";
+    for (int i = 0; i < 1000; ++i) store->tidy();
     EXPECT_TRUE(fs::exists(home_ / "reserve")) << "for another time";
     EXPECT_EQ(refusal([&] { store->remove(2, {one, two}, {}); }), "");
     store.reset();
