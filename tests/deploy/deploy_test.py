@@ -447,7 +447,7 @@ class Slurm(TesseraTest):
                        "SLURM_JOB_ID": "42", "SLURMD_NODENAME": "127.0.0.1", "SLURM_NTASKS": "2",
                        "TESSERA": PROGRAM}
         process = subprocess.Popen(
-            ["bash", DEPLOY / "slurm/tessera.sbatch", self.scene, "knot.pfm", *self.size],
+            ["bash", str(DEPLOY / "slurm/tessera.sbatch"), str(self.scene), "knot.pfm", *self.size],
             cwd=self.folder, env=environment, text=True, stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         self.addCleanup(self.end, process)
