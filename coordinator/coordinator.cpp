@@ -159,6 +159,7 @@ void Coordinator::on_tick(Time now) {
   if (!first_tick_) first_tick_ = now;
   jobs_->account(now);
   jobs_->keep_rest();
+  if (jobs_->running().empty()) jobs_->tidy();
   tell_trouble();
   workers_->on_tick(now);
   clients_->on_tick(now);

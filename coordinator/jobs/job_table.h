@@ -96,6 +96,8 @@ class JobTable {
   std::string store_trouble() const;
   /// Tries again to keep what the store did not take.
   void keep_rest();
+  /// As JobStore::tidy().
+  void tidy() { store_->tidy(); }
 
   /// What workers or clients may fetch; `of`: the frame that it is for, null for a film.
   struct FoundBlob {
