@@ -73,7 +73,10 @@ void WorkerDesk::on_mismatch(ActiveJob& job, Mismatch mismatch, Time now) {
 }
 
 void WorkerDesk::fail_undecided(ActiveJob& job, Time now) {
-  const auto tile = job.scheduler().undecided(now);
+  const auto tile = job.scheduler().undecided(now, [&](WorkerId id) {
+    const WorkerRecord* const worker = workers_.by_id(id);
+    return worker && now - worker->got_on < options_.lease;
+  });
   if (!tile) return;
   const auto& by = job.scheduler().disputed_by(*tile);
   job.fail(ExitCode::render_failed,

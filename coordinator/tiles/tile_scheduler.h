@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -128,8 +129,10 @@ class TileScheduler {
   bool is_party(uint32_t tile, WorkerId worker) const;
   /// One of the two is known to be wrong: the other may trace it again.
   void forget_dispute(uint32_t tile);
-  /// A disputed tile that no other worker has taken for a whole lease.
-  std::optional<uint32_t> undecided(Time now) const;
+  /// A disputed tile that no other worker has taken for a whole lease, and none that `gets_on` with
+  /// what it does may take soon.
+  std::optional<uint32_t> undecided(Time now,
+                                    const std::function<bool(WorkerId)>& gets_on) const;
   /// The tile is done, and is not finished before a worker that is none of these has traced it too.
   void want_check(uint32_t tile, std::vector<WorkerId> traced_by);
   /// One has, under `lease`, with the same pixels.

@@ -114,13 +114,15 @@ size_t TileScheduler::abandon_checks(Time now) {
   return count;
 }
 
-std::optional<uint32_t> TileScheduler::undecided(Time now) const {
+std::optional<uint32_t> TileScheduler::undecided(
+    Time now, const std::function<bool(WorkerId)>& gets_on) const {
   const auto it = std::find_if(disputed_.begin(), disputed_.end(), [&](uint32_t index) {
     const Tile& tile = tiles_[index];
     if (tile.state != State::pending || now - tile.disputed_at < rules_.lease) return false;
-    // Who could decide may be busy.
-    return std::all_of(holders_.begin(), holders_.end(),
-                       [&](const auto& holder) { return is_party(index, holder.first); });
+    // Who could decide may be busy. Who is idle would have taken it, and who hangs never will.
+    return std::all_of(holders_.begin(), holders_.end(), [&](const auto& holder) {
+      return is_party(index, holder.first) || !gets_on(holder.first);
+    });
   });
   return it == disputed_.end() ? std::nullopt : std::optional(*it);
 }

@@ -120,10 +120,6 @@ class BlobCache(TesseraTest):
         self.assertEqual(0, self.shipped())
         self.assertGreater(whole, 0)
 
-        def maps_it(worker):  # its pages are those of all who do
-            return str(self.cache) in pathlib.Path(f"/proc/{worker.pid}/maps").read_text()
-        self.assertTrue(any(map(maps_it, self.workers)))
-
     def test_local_workers_map_the_memory_of_their_coordinator(self):
         stats = self.render(self.scene, "--workers", "3", *FRAME)
         self.assertEqual(self.alone["pixels_sha256"], stats["pixels_sha256"])

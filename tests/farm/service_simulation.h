@@ -104,6 +104,9 @@ class ServiceSimulation : public Simulation {
   /// The store becomes what it was; whose jobs are gone submits them anew.
   void restore(const MortalStore& copy);
   std::string verdict();
+  /// Whether jobs that clients heard had ended have to end once more: the word came late, from
+  /// before a copy of the store was restored.
+  bool end_again();
 
   ServiceFaults service_;
   std::shared_ptr<MortalStore> store_ = std::make_shared<MortalStore>();
