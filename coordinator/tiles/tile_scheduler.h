@@ -131,8 +131,7 @@ class TileScheduler {
   void forget_dispute(uint32_t tile);
   /// A disputed tile that no other worker has taken for a whole lease, and none that `gets_on` with
   /// what it does may take soon.
-  std::optional<uint32_t> undecided(Time now,
-                                    const std::function<bool(WorkerId)>& gets_on) const;
+  std::optional<uint32_t> undecided(Time now, const std::function<bool(WorkerId)>& gets_on) const;
   /// The tile is done, and is not finished before a worker that is none of these has traced it too.
   void want_check(uint32_t tile, std::vector<WorkerId> traced_by);
   /// One has, under `lease`, with the same pixels.
