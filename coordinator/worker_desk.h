@@ -80,6 +80,8 @@ class WorkerDesk {
   /// honest, and one of another key is, to go on.
   bool key_is_blamed(const WorkerRecord& worker);
   void fail_undecided(ActiveJob& job, Time now);
+  /// Puts the job aside where a tile is left that all who are there are barred from.
+  void put_barred_aside(ActiveJob& job);
   std::string name_of(WorkerId id);
 
   void look_at_jobs(WorkerRecord& worker, const v1::Heartbeat& heartbeat, Time now);

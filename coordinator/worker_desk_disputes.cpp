@@ -85,6 +85,24 @@ void WorkerDesk::fail_undecided(ActiveJob& job, Time now) {
                        *tile, name_of(by[0]), name_of(by[1])));
 }
 
+void WorkerDesk::put_barred_aside(ActiveJob& job) {
+  const auto present = workers_.present();
+  if (present.empty()) return;
+  for (const uint32_t tile : job.scheduler().barred_tiles()) {
+    const TileScheduler::TileView view = job.scheduler().view(tile);
+    const bool nobody =
+        std::all_of(present.begin(), present.end(), [&](const WorkerRecord* worker) {
+          return job.scene_failed_at(worker->id) || job.scheduler().is_barred(tile, worker->id);
+        });
+    if (view.done || view.given_up || view.copies > 0 || !nobody) continue;
+    job.fall_short(
+        {fmt::format("workers of one key alone, {}, failed tile {} or vanished with it: a "
+                     "worker of another key is waited for",
+                     jobs_.keys().name_of(jobs_.keys().key_of(present.front()->id)), tile)});
+    return;
+  }
+}
+
 void WorkerDesk::set_aside(WorkerId id, const std::string& cause, Time now) {
   if (id == kFromStore) return;
   workers_.set_aside(id, cause);

@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "base/monotonic.h"
@@ -80,6 +81,8 @@ class ActiveJob {
                           const std::vector<WorkerId>& present);
   bool scene_failed_at(WorkerId worker) const { return scene_failures_.contains(worker); }
   const SceneFailures& scene_failures() const { return scene_failures_; }
+  /// Notes that nobody who is there can get on with it.
+  void fall_short(Shortage shortage) { shortage_ = std::move(shortage); }
   /// Why it is to be put aside for now.
   const std::optional<Shortage>& shortage() const { return shortage_; }
   /// Some worker has built the scene: what may come of it, it ends not every worker.

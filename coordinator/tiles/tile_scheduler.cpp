@@ -12,7 +12,7 @@ namespace {
 constexpr size_t kMaxFailures = 3;
 // A worker that vanished may have been killed by its tile, but is more often killed by something
 // else: tiles get the benefit of the doubt for longer.
-constexpr uint8_t kMaxVanished = 12;
+constexpr size_t kMaxVanished = 12;
 constexpr size_t kMaxLeasesOfTile = 2;
 constexpr size_t kDurationsKept = 1024;
 // A worker that vanishes takes no more than this of work along that was done and not sent.
@@ -57,7 +57,7 @@ void TileScheduler::join(WorkerId worker, uint32_t threads) {
   if (fresh) threads_ += holder->second.threads = std::max(1u, threads);
   const auto it = vanished_with_.find(worker);
   if (it == vanished_with_.end()) return;
-  for (const uint32_t tile : it->second) --tiles_[tile].vanished;
+  for (const uint32_t tile : it->second) std::erase(tiles_[tile].vanished_by, worker);
   vanished_with_.erase(it);
 }
 
@@ -87,7 +87,9 @@ SchedulerEvents TileScheduler::leave(WorkerId worker, LossCause cause, Time now)
     if (cause == LossCause::crashed) blame(lease.tile, worker, now, events);
     if (cause != LossCause::vanished) continue;
     vanished_with_[worker].push_back(lease.tile);
-    if (++tiles_[lease.tile].vanished >= kMaxVanished) give_up(lease.tile, events);
+    std::vector<WorkerId>& by = tiles_[lease.tile].vanished_by;
+    by.push_back(worker);
+    judge(lease.tile, by, kMaxVanished, events);
   }
   threads_ -= it->second.threads;
   suspects_.erase(worker);
@@ -97,7 +99,7 @@ SchedulerEvents TileScheduler::leave(WorkerId worker, LossCause cause, Time now)
 
 bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now, bool busy) const {
   const auto index = static_cast<uint32_t>(&tile - tiles_.data());
-  if (is_party(index, worker)) return false;
+  if (is_party(index, worker) || is_barred(index, worker)) return false;
   if (tile.state == State::done) {
     const auto check = checks_.find(index);
     const auto has_its_voice = [&](WorkerId by) { return voice_of(by) == voice_of(worker); };
@@ -405,7 +407,31 @@ void TileScheduler::blame(uint32_t index, WorkerId worker, Time now, SchedulerEv
   events.blamed.push_back(worker);
   tile.failed_by.push_back(worker);
   tile.failed_at = now;
-  if (tile.failed_by.size() >= kMaxFailures) give_up(index, events);
+  judge(index, tile.failed_by, kMaxFailures, events);
+}
+
+bool TileScheduler::is_one_voice(const std::vector<WorkerId>& by, size_t most) const {
+  return keys_ && keys_->by_key() && by.size() >= most &&
+         std::all_of(by.begin(), by.end(),
+                     [&](WorkerId id) { return voice_of(id) == voice_of(by.front()); });
+}
+
+void TileScheduler::judge(uint32_t index, const std::vector<WorkerId>& by, size_t most,
+                          SchedulerEvents& events) {
+  if (is_one_voice(by, most)) {
+    barred_.insert(index);
+  } else if (by.size() >= most) {
+    give_up(index, events);
+  }
+}
+
+bool TileScheduler::is_barred(uint32_t index, WorkerId worker) const {
+  if (!barred_.contains(index)) return false;
+  const Tile& tile = tiles_[index];
+  const auto bars = [&](const std::vector<WorkerId>& by, size_t most) {
+    return is_one_voice(by, most) && voice_of(by.front()) == voice_of(worker);
+  };
+  return bars(tile.failed_by, kMaxFailures) || bars(tile.vanished_by, kMaxVanished);
 }
 
 void TileScheduler::give_up(uint32_t index, SchedulerEvents& events) {

@@ -129,6 +129,11 @@ class TileScheduler {
   bool is_party(uint32_t tile, WorkerId worker) const;
   /// One of the two is known to be wrong: the other may trace it again.
   void forget_dispute(uint32_t tile);
+  /// Whether the worker is not given the tile any more: workers of its voice alone have failed it,
+  /// or vanished with it, as often as would have given it up had others done so too.
+  bool is_barred(uint32_t tile, WorkerId worker) const;
+  /// Tiles that some voice is barred from, whether they are done by now or not.
+  const std::set<uint32_t>& barred_tiles() const { return barred_; }
   /// A disputed tile that no other worker has taken for a whole lease, and none that `gets_on` with
   /// what it does may take soon.
   std::optional<uint32_t> undecided(Time now, const std::function<bool(WorkerId)>& gets_on) const;
@@ -190,8 +195,8 @@ class TileScheduler {
   struct Tile {
     State state = State::pending;
     uint32_t attempts = 0;
-    std::vector<LeaseId> leases;  ///< live ones
-    uint8_t vanished = 0;         ///< workers that did so with it, and did not come back
+    std::vector<LeaseId> leases;          ///< live ones
+    std::vector<WorkerId> vanished_by{};  ///< those that did so with it, and did not come back
     std::vector<WorkerId> failed_by;
     Time failed_at{};
     std::vector<WorkerId> disputed_by;
@@ -244,6 +249,11 @@ class TileScheduler {
   /// Forgets a live lease; the tile is pending if that was its last.
   Lease drop(LeaseId lease);
   void blame(uint32_t tile, WorkerId worker, Time now, SchedulerEvents& events);
+  /// Whether so many as may do so have failed a tile, or vanished with it, and all speak with one
+  /// voice though others could.
+  bool is_one_voice(const std::vector<WorkerId>& by, size_t most) const;
+  /// After such a list of the tile has grown: gives the tile up, or bars the one voice from it.
+  void judge(uint32_t tile, const std::vector<WorkerId>& by, size_t most, SchedulerEvents& events);
   void give_up(uint32_t tile, SchedulerEvents& events);
 
   TileRules rules_;
@@ -255,6 +265,7 @@ class TileScheduler {
   std::map<LeaseId, Lease> live_;
   std::unordered_map<LeaseId, WorkerId> issued_;      ///< all there ever were
   std::vector<uint32_t> disputed_;                    ///< tiles
+  std::set<uint32_t> barred_;                         ///< tiles
   std::map<uint32_t, std::vector<WorkerId>> checks_;  ///< by tile: who cannot do it
   std::deque<uint32_t> waiting_checks_;               ///< those that no lease is for
   std::optional<Time> uncheckable_since_;

@@ -197,6 +197,45 @@ TEST_F(Trust, ASceneIsCalledWrongByTwoKeys) {
   EXPECT_EQ(ask(next).exit_code(), static_cast<uint32_t>(ExitCode::bad_scene));
 }
 
+TEST_F(Trust, AKeyAloneGivesNoTileUp) {
+  restart_with(0, 3);
+  const uint64_t id = submit(1, 0, 16);
+  const auto fail_tile = [&] {
+    const auto [peer, assign] = given.front();
+    given.pop_front();
+    v1::Envelope failed;
+    failed.mutable_tile_failed()->set_job(assign.job());
+    failed.mutable_tile_failed()->set_lease(assign.lease());
+    tell(peer, failed);
+  };
+  for (WorkerId worker = 1; worker <= 4; ++worker) {
+    come_by("thief", worker, 1);
+    if (!given.empty()) fail_tile();
+  }
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::RUNNING);
+  EXPECT_TRUE(given.empty()) << "it is given to that key no more";
+  coordinator.on_tick(seconds(1));
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::HELD);
+  EXPECT_THAT(ask(id).failure(), ::testing::HasSubstr("one key alone, thief"));
+  come_by("alice", 5, 1);
+  trace_all({{"alice", 1}});
+  EXPECT_EQ(ask(id).how(), v1::JobEnd::DONE);
+}
+
+TEST_F(Trust, AKeyAloneMakesNoTileGivenUpByVanishingWithIt) {
+  restart_with(0, 3);
+  const uint64_t id = submit(1, 0, 16);
+  for (WorkerId worker = 1; worker <= 40; ++worker) {
+    come_by("thief", worker, 1);
+    coordinator.on_peer_gone("thief" + std::to_string(worker), {});
+  }
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::RUNNING);
+  given.clear();
+  come_by("alice", 50, 1);
+  trace_all({{"alice", 1}});
+  EXPECT_EQ(ask(id).how(), v1::JobEnd::DONE);
+}
+
 TEST_F(Trust, ASceneThatCrashesItsBuilderIsBlamedByTwoKeys) {
   const uint64_t id = submit(1);
   builds = false;
