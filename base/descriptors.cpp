@@ -18,7 +18,7 @@ namespace {
 constexpr rlim_t kReserve = 64;
 
 /// The limit is the process's, and so is what is known of it.
-std::mutex mutex;
+std::mutex limit_mutex;
 rlim_t kept = 0;  ///< this many below the hard limit are not to be had outside of a scope
 int scopes = 0;
 
@@ -53,7 +53,7 @@ void check_room_for_descriptors(int count) {
     return;
   }
   if (used + static_cast<rlim_t>(count) <= limit.rlim_cur) return;
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(limit_mutex);
   throw render_error(fmt::format(
       "{} of {} file descriptors are in use{}; expected {} left: raise the limit (ulimit -n)", used,
       limit.rlim_cur, kept > 0 ? fmt::format(", beside {} that are kept for files", kept) : "",
@@ -63,18 +63,18 @@ void check_room_for_descriptors(int count) {
 void keep_spare_descriptors() {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_max == RLIM_INFINITY) return;
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(limit_mutex);
   kept = std::min(kReserve, limit.rlim_max / 4);
   set_below_hard_limit(kept);
 }
 
 SpareDescriptors::SpareDescriptors() {
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(limit_mutex);
   if (++scopes == 1 && kept > 0) set_below_hard_limit(0);
 }
 
 SpareDescriptors::~SpareDescriptors() {
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(limit_mutex);
   if (--scopes == 0 && kept > 0) set_below_hard_limit(kept);
 }
 

@@ -91,12 +91,14 @@ v1::JobStatus FarmClient::submit(const SubmittedJob& job) {
 v1::JobStatus FarmClient::ask(const v1::JobQuery& query) {
   v1::Envelope question;
   *question.mutable_job_query() = query;
+  // It is asked again while answers are on their way: those to an earlier question say how the job
+  // was before this order.
+  question.mutable_job_query()->set_question(++questions_);
   v1::JobStatus result;
   converse(question, [&](Channel, const v1::Envelope& message) {
     if (!message.has_job_status()) return false;
     const v1::JobStatus& status = message.job_status();
-    const bool same = query.submission() != 0 ? status.submission() == query.submission()
-                                              : status.job() == query.job();
+    const bool same = status.question() == questions_;
     if (same) result = status;
     return same;
   });

@@ -180,7 +180,7 @@ uint64_t ClientDesk::claimed_bytes() const {
 // ------------------------------------------------------------------------------------ questions
 
 void ClientDesk::on_query(const PeerId& peer, const v1::JobQuery& query, bool is_client, Time now) {
-  if (!is_client) return answer(peer, ask(query, now));
+  if (!is_client) return answer(peer, query, now);
   const uint64_t id = query.submission();
   const auto it = submissions_.find(id);
   if (it != submissions_.end()) {
@@ -189,7 +189,13 @@ void ClientDesk::on_query(const PeerId& peer, const v1::JobQuery& query, bool is
   } else if (const FarmJob* job = jobs_.find_submission(id); job && !job->request().detached()) {
     attached_[id] = {peer, now};
   }
-  answer(peer, ask(query, now));
+  answer(peer, query, now);
+}
+
+void ClientDesk::answer(const PeerId& peer, const v1::JobQuery& query, Time now) {
+  v1::JobStatus status = ask(query, now);
+  status.set_question(query.question());
+  answer(peer, std::move(status));
 }
 
 v1::JobStatus ClientDesk::ask(const v1::JobQuery& query, Time now) {

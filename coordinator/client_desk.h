@@ -63,6 +63,7 @@ class ClientDesk {
   /// Of all submissions, with their pictures.
   uint64_t claimed_bytes() const;
   void answer(const PeerId& peer, v1::JobStatus status);
+  void answer(const PeerId& peer, const v1::JobQuery& query, Time now);
 
   CoordinatorOptions options_;
   JobTable& jobs_;

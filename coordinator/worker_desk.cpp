@@ -114,7 +114,11 @@ void WorkerDesk::tell_taken(const v1::Hello& hello, const AllowedKey& sender, Ti
 
 void WorkerDesk::on_hello(const PeerId& peer, const v1::Hello& hello, const AllowedKey& sender,
                           Time now) {
-  if (auto reject = workers_.judge(hello, sender)) {
+  auto refusal = workers_.judge(hello, sender);
+  // Also where the worker of that id was forgotten: its pixels still have the voice of its key.
+  const std::string& known_key = jobs_.keys().key_of(hello.worker_id());
+  if (!refusal && !known_key.empty() && known_key != sender.key) refusal = id_taken(hello);
+  if (auto& reject = refusal) {
     if (reject->reason() == v1::Reject::ID_TAKEN) {
       tell_taken(hello, sender, now);
     } else if (const auto count = refusals_.note(now)) {
@@ -313,7 +317,7 @@ void WorkerDesk::on_completed(WorkerRecord& worker, ActiveJob& job, LeaseId leas
   ++worker.tiles_done;
   worker.tile_seconds += seconds;
   act(job, completion.events, now);
-  if (completion.conviction) convict(job, *completion.conviction, now);
+  for (const Conviction& conviction : completion.convictions) convict(job, conviction, now);
   if (const auto& about = completion.undecided) {
     job.fail(ExitCode::render_failed,
              fmt::format("tile {}: workers {}, {} and {} traced three different pictures; expected "
@@ -346,10 +350,15 @@ void WorkerDesk::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& fa
   if (!job->scene_failed_at(worker.id)) {
     spdlog::info("worker {} could not build the scene: {}", worker.name(), text);
   }
-  std::vector<WorkerId> present;
-  for (const WorkerRecord* other : workers_.present()) present.push_back(other->id);
-  job->note_scene_failure(worker.id, failed.cause(), text, present);
+  job->note_scene_failure(worker.id, failed.cause(), text);
+  judge_scene(*job);
   fill(worker, now);
+}
+
+void WorkerDesk::judge_scene(ActiveJob& job) {
+  std::vector<WorkerId> present;
+  for (const WorkerRecord* worker : workers_.present()) present.push_back(worker->id);
+  job.judge_scene(present);
 }
 
 // --------------------------------------------------------------------------------------- workers
@@ -414,6 +423,7 @@ void WorkerDesk::on_tick(Time now) {
     note_stalls(*job, events.stalled, now);
     fail_undecided(*job, now);
     put_barred_aside(*job);
+    if (!job->is_built()) judge_scene(*job);
     if (const size_t count = job->scheduler().abandon_checks(now)) {
       spdlog::warn("{} could not be verified: there is no second worker", counted(count, "tile"));
     }

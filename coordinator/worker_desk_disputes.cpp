@@ -16,6 +16,7 @@ constexpr int kMaxFailuresOfWorker = 3;
 
 void WorkerDesk::on_unseen(const WorkerRecord& worker, ActiveJob& job,
                            const v1::SceneReady::Unseen& unseen, Time now) {
+  if (!job.is_sound(unseen)) return;
   const auto other = job.contradicted(unseen);
   if (!other) return job.fill_unseen(unseen, worker.id);
   ++job.report().mismatches;
@@ -67,8 +68,11 @@ void WorkerDesk::on_mismatch(ActiveJob& job, Mismatch mismatch, Time now) {
       "pixels; expected the same bits",
       mismatch.tile, mismatch.row, name_of(mismatch.first), name_of(mismatch.second));
   spdlog::error("{}", what);
+  // Of a tile that several keys have made, nobody knows who is wrong.
+  const bool is_known = mismatch.first != kFromStore || !jobs_.keys().by_key();
+  if (!is_known) return act(job, job.retrace(mismatch.tile), now);
   const auto events = job.dispute(std::move(mismatch), now);
-  if (again) return job.fail(ExitCode::render_failed, what);
+  if (again) return fail_or_hold(job, what);
   act(job, events, now);
 }
 
@@ -79,10 +83,16 @@ void WorkerDesk::fail_undecided(ActiveJob& job, Time now) {
   });
   if (!tile) return;
   const auto& by = job.scheduler().disputed_by(*tile);
-  job.fail(ExitCode::render_failed,
-           fmt::format("tile {}: workers {} and {} traced different pixels, and there is no "
-                       "third to decide",
-                       *tile, name_of(by[0]), name_of(by[1])));
+  fail_or_hold(job,
+               fmt::format("tile {}: workers {} and {} traced different pixels, and there is no "
+                           "third to decide",
+                           *tile, name_of(by[0]), name_of(by[1])));
+}
+
+void WorkerDesk::fail_or_hold(ActiveJob& job, const std::string& why) {
+  // One of the keys would have ended the job alone.
+  if (jobs_.keys().by_key()) return job.fall_short({why});
+  job.fail(ExitCode::render_failed, why);
 }
 
 void WorkerDesk::put_barred_aside(ActiveJob& job) {

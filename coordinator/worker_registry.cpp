@@ -72,11 +72,11 @@ std::optional<v1::Reject> WorkerRegistry::judge(const v1::Hello& hello,
   if (auto reject = judge_aside(hello.worker_id(), sender)) return reject;
   const auto known = workers_.find(hello.worker_id());
   if (known != workers_.end() && known->second.sender.key != sender.key) return id_taken(hello);
-  if (hello.worker_id() == 0 || hello.session() == 0 || hello.credit() == 0 ||
-      hello.credit() > kMaxCredit || hello.host().size() > kMaxText) {
+  if (hello.worker_id() == 0 || hello.worker_id() >= kReservedId || hello.session() == 0 ||
+      hello.credit() == 0 || hello.credit() > kMaxCredit || hello.host().size() > kMaxText) {
     return rejected(v1::Reject::PROTOCOL,
-                    fmt::format("worker {}, session {}, credit {}; expected numbers above 0 and at "
-                                "most {} tiles of credit",
+                    fmt::format("worker {}, session {}, credit {}; expected numbers above 0, an id "
+                                "below 2^63 and at most {} tiles of credit",
                                 hello.worker_id(), hello.session(), hello.credit(), kMaxCredit));
   }
   return std::nullopt;

@@ -61,7 +61,7 @@ v1::Hello make_hello(const WorkerOptions& options,
   hello.set_protocol_minor(kProtocolMinor);
   hello.set_build(kBuild);
   hello.set_numerics_id(numerics_of(options));
-  hello.set_worker_id(before ? before->worker_id : (uint64_t{random()} << 32 | random()) | 1);
+  hello.set_worker_id(before ? before->worker_id : (uint64_t{random()} << 31 | random()) | 1);
   hello.set_session(before ? before->session : 0);
   hello.set_host(host_name());
   hello.set_process_id(static_cast<uint32_t>(getpid()));

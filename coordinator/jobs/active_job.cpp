@@ -176,23 +176,33 @@ SchedulerEvents ActiveJob::note_band(const v1::TileBand& band, WorkerId from, bo
 }
 
 ActiveJob::Completion ActiveJob::complete(uint32_t tile, LeaseId lease, WorkerId from, Time now) {
-  keep(tile);
-  Completion result{scheduler_.complete(tile, lease, now), {}, {}};
+  Completion result{.events = scheduler_.complete(tile, lease, now)};
   if (const Mismatch* const found = verifier_.dispute(tile)) {
     const Mismatch about = *found;
     verifier_.settle(tile);
     const auto wrong = TileVerifier::judge(about, assembler_.row(tile, about.row));
+    const bool two_voices = keys_.voice_of(about.first) != keys_.voice_of(about.second);
     if (wrong) {
-      const bool of_key =
-          keys_.by_key() && keys_.voice_of(about.first) != keys_.voice_of(about.second);
-      result.conviction = Conviction{*wrong, about, from, of_key};
+      result.convictions = {{*wrong, about, from, keys_.by_key() && two_voices}};
+    } else if (!two_voices) {
+      // Processes of one key contradict each other, and another key both of them.
+      result.convictions = {{about.first, about, from}, {about.second, about, from}};
     } else {
       result.undecided = about;
+      reopen(tile);
+      return result;
     }
   } else if (verifier_.wants_second(tile)) {
     scheduler_.want_check(tile, verifier_.traced_by(tile));
   }
+  keep(tile);
   return result;
+}
+
+SchedulerEvents ActiveJob::retrace(uint32_t tile) {
+  reopen(tile);
+  ++report_.retraced;
+  return scheduler_.requeue(tile);
 }
 
 void ActiveJob::note_cost(const v1::TileBand& band) {
@@ -202,12 +212,15 @@ void ActiveJob::note_cost(const v1::TileBand& band) {
   scheduler_.costs().note(band.tile(), seconds * TilePiece::of(band.lease()).parts);
 }
 
-void ActiveJob::fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from) {
-  const std::vector<float> value(unseen.value().begin(), unseen.value().end());
+bool ActiveJob::is_sound(const v1::SceneReady::Unseen& unseen) const {
   const auto finite = [](float channel) { return std::isfinite(channel); };
-  const auto channels = static_cast<size_t>(assembler_.film().channels());
-  if (value.size() != channels || !std::all_of(value.begin(), value.end(), finite)) return;
+  return unseen.value_size() == assembler_.film().channels() &&
+         std::all_of(unseen.value().begin(), unseen.value().end(), finite);
+}
+
+void ActiveJob::fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from) {
   if (unseen_distrusted_) return;
+  const std::vector<float> value(unseen.value().begin(), unseen.value().end());
   const PixelRect seen = rect_of(unseen.seen());
   if (!unseen_) unseen_ = UnseenWord{from, seen, value};
   unseen_->confirmed |= keys_.voice_of(from) != keys_.voice_of(unseen_->from);
@@ -277,9 +290,7 @@ SchedulerEvents ActiveJob::dispute(Mismatch mismatch, Time now) {
 SchedulerEvents ActiveJob::redo_tiles_of(WorkerId worker, bool by_voice) {
   SchedulerEvents events;
   for (const uint32_t tile : verifier_.tiles_of(worker, by_voice)) {
-    reopen(tile);
-    ++report_.retraced;
-    const SchedulerEvents more = scheduler_.requeue(tile);
+    const SchedulerEvents more = retrace(tile);
     events.cancelled.insert(events.cancelled.end(), more.cancelled.begin(), more.cancelled.end());
   }
   // What it disputes with others needs no third.
@@ -370,8 +381,12 @@ void ActiveJob::fail(ExitCode code, std::string why) {
 }
 
 void ActiveJob::note_scene_failure(WorkerId worker, v1::SceneFailed::Cause cause,
-                                   const std::string& why, const std::vector<WorkerId>& present) {
+                                   const std::string& why) {
   scene_failures_[worker] = cause;
+  scene_failure_ = why;
+}
+
+void ActiveJob::judge_scene(const std::vector<WorkerId>& present) {
   const auto voices = [this](v1::SceneFailed::Cause of) {
     std::set<WorkerKeys::Voice> result;
     for (const auto& [id, failed] : scene_failures_) {
@@ -381,16 +396,20 @@ void ActiveJob::note_scene_failure(WorkerId worker, v1::SceneFailed::Cause cause
   };
   constexpr size_t kWitnesses = 2;
   const size_t bad = voices(v1::SceneFailed::BAD_SCENE);
-  if (bad >= kWitnesses) return fail(ExitCode::bad_scene, why);
-  if (voices(v1::SceneFailed::CRASHED) >= kWitnesses) return fail(ExitCode::render_failed, why);
-  const bool all = std::all_of(present.begin(), present.end(),
-                               [this](WorkerId id) { return scene_failures_.contains(id); });
+  if (bad >= kWitnesses) return fail(ExitCode::bad_scene, scene_failure_);
+  if (voices(v1::SceneFailed::CRASHED) >= kWitnesses) {
+    return fail(ExitCode::render_failed, scene_failure_);
+  }
+  const bool all =
+      !present.empty() && std::all_of(present.begin(), present.end(),
+                                      [this](WorkerId id) { return scene_failed_at(id); });
   if (!all) return;
-  if (bad > 0 && !keys_.by_key()) return fail(ExitCode::bad_scene, why);
-  shortage_ = Shortage{bad > 0 ? fmt::format("{}; one key alone says so, a worker of another is "
-                                             "waited for",
-                                             why)
-                               : fmt::format("{}; a worker that can is waited for", why)};
+  if (bad > 0 && !keys_.by_key()) return fail(ExitCode::bad_scene, scene_failure_);
+  const std::string what =
+      scene_failure_.empty() ? "workers were lost while they built the scene" : scene_failure_;
+  shortage_ =
+      Shortage{what + (bad > 0 ? "; one key alone says so, a worker of another is waited for"
+                               : "; a worker that can is waited for")};
 }
 
 void ActiveJob::note_lost_builder(WorkerId worker, Time told, Time now) {
@@ -401,6 +420,10 @@ void ActiveJob::note_lost_builder(WorkerId worker, Time told, Time now) {
   // More than of a tile: workers also die of what they trace for other jobs.
   constexpr size_t kMostLost = 5;
   if (lost_builders_.size() < kMostLost) return;
+  std::set<WorkerKeys::Voice> voices;
+  for (const WorkerId lost : lost_builders_) voices.insert(keys_.voice_of(lost));
+  // It is believed of its own workers alone.
+  if (voices.size() < 2) return lost_voices_.merge(voices);
   shortage_ = Shortage{
       fmt::format(
           "{} workers, one after the other, were lost while they built the scene, and none "

@@ -73,16 +73,26 @@ class ActiveJob {
   const Digest& key() const { return key_; }
   const v1::JobStart& start_message() const { return start_; }
   v1::Assign assignment(const Lease& lease) const;
-  /// Notes that a worker could not build the scene. The frame fails once two voices say that the
-  /// scene is wrong, or that it ended their process; where workers are not told apart by keys, also
-  /// once all that there are, `present`, say that it is wrong. Where all have failed otherwise, it
-  /// is short of something.
-  void note_scene_failure(WorkerId worker, v1::SceneFailed::Cause cause, const std::string& why,
-                          const std::vector<WorkerId>& present);
-  bool scene_failed_at(WorkerId worker) const { return scene_failures_.contains(worker); }
+  /// Notes that a worker could not build the scene.
+  void note_scene_failure(WorkerId worker, v1::SceneFailed::Cause cause, const std::string& why);
+  /// To be called after that, and now and then as long as no worker has built the scene. The frame
+  /// fails once two voices say that the scene is wrong, or that it ended their process; where
+  /// workers are not told apart by keys, also once all that there are, `present`, have failed and
+  /// one says that it is wrong. Where all have failed otherwise, the frame is short of something.
+  void judge_scene(const std::vector<WorkerId>& present);
+  /// Whether the worker is passed over for this frame: it, or workers of its voice that were lost
+  /// while they built the scene, could not build it.
+  bool scene_failed_at(WorkerId worker) const {
+    return scene_failures_.contains(worker) || lost_voices_.contains(keys_.voice_of(worker));
+  }
+  bool is_built() const { return built_; }
   const SceneFailures& scene_failures() const { return scene_failures_; }
   /// Notes that nobody who is there can get on with it.
   void fall_short(Shortage shortage) { shortage_ = std::move(shortage); }
+  /// Another worker has come, which may be what it is short of.
+  void note_another_worker() {
+    if (shortage_ && shortage_->until_another_worker) shortage_.reset();
+  }
   /// Why it is to be put aside for now.
   const std::optional<Shortage>& shortage() const { return shortage_; }
   /// Some worker has built the scene: what may come of it, it ends not every worker.
@@ -107,19 +117,24 @@ class ActiveJob {
   /// store, and a dispute about it is judged.
   struct Completion {
     SchedulerEvents events;
-    std::optional<Conviction> conviction;
-    std::optional<Mismatch> undecided;  ///< the third differs from both
+    std::vector<Conviction> convictions{};
+    std::optional<Mismatch> undecided{};  ///< the third differs from both, who are two voices
   };
   Completion complete(uint32_t tile, LeaseId lease, WorkerId from, Time now);
   /// A worker says which region sees only a constant background, and its colour. Completes the
   /// tiles there that nobody has begun: at once where workers are not told apart by keys, else once
   /// two voices have said the same.
   void fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from);
+  /// Whether it names a colour of this frame's pixels, in finite numbers.
+  bool is_sound(const v1::SceneReady::Unseen& unseen) const;
   /// Who said something else of the background before; nobody: all said the same.
   std::optional<WorkerId> contradicted(const v1::SceneReady::Unseen& unseen) const;
   /// These two said so: neither is believed. What was filled is traced, none is filled any more,
   /// and a second worker traces all that either has traced or will.
   SchedulerEvents distrust_unseen(WorkerId one, WorkerId other);
+  /// Nobody knows whose pixels these are, and they are not what they should be: the tile is traced
+  /// again by whomever.
+  SchedulerEvents retrace(uint32_t tile);
   /// Two workers traced it differently: it is traced again by a third.
   SchedulerEvents dispute(Mismatch mismatch, Time now);
   /// All that the worker or, with `by_voice`, its key has traced is traced again by others.
@@ -189,10 +204,12 @@ class ActiveJob {
   std::optional<Time> first_assignment_, last_result_;
   bool ended_ = false;
   SceneFailures scene_failures_;
+  std::string scene_failure_;  ///< what the last of them said
   std::optional<Shortage> shortage_;
   std::unordered_set<WorkerId> workers_seen_;
-  std::set<WorkerId> lost_builders_;     ///< that did not come back
-  std::optional<Time> builder_lost_at_;  ///< the last of them
+  std::set<WorkerId> lost_builders_;         ///< that did not come back
+  std::optional<Time> builder_lost_at_;      ///< the last of them
+  std::set<WorkerKeys::Voice> lost_voices_;  ///< one key's, of which too many were lost
   bool built_ = false;
   /// What the first worker said of the background.
   struct UnseenWord {

@@ -38,8 +38,7 @@ class JobStore : public TileStore {
   virtual void remove(uint64_t job, const std::vector<Digest>& tile_keys,
                       const std::vector<Digest>& blobs) = 0;
 
-  /// Tiles of all jobs with pixels made under the public key `key`, written as by key_text(). Reads
-  /// the whole table of tiles.
+  /// Tiles of all jobs with pixels made under the public key `key`, written as by key_text().
   virtual std::vector<StoredTile> tiles_traced_by(const std::string& key) = 0;
 
   /// Whether the blob is there, sound: its bytes are held against its digest the first time that

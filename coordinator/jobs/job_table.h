@@ -141,6 +141,7 @@ class JobTable {
   /// The frame is to be rendered again, from the tiles that are kept, whatever film they make.
   void reopen(FarmJob& job, uint32_t frame);
   void file_end(FarmJob& job, uint32_t frame, v1::JobEnd end);
+  JobRules rules_for(const FarmJob& job) const;
   TileKeeping keeping_of(const FarmJob& job) const;
   JobSpec spec_of(FarmJob& job, uint32_t frame);
   // Of the store; each throws where they are not there, or not what they should be.

@@ -172,6 +172,8 @@ JobTable::Changes JobTable::advance(Time now) {
     it = open_.erase(it);
     if (job.local()) jobs_.erase(job.id());
   }
+  // What is kept of a frame may be of a key that is convicted.
+  if (!distrusted_.empty()) return changes;
   for (FarmJob* job : startable(now)) {
     if (has_room_for(*job)) begin(*job, *job->next_frame(), now, changes);
   }
@@ -199,6 +201,12 @@ const TileCosts* JobTable::earlier_costs(const FarmJob& job) const {
   if (job.local()) return local_costs_ ? &*local_costs_ : nullptr;
   if (!job.running().empty()) return &job.running().back().active->scheduler().costs();
   return job.last_costs() ? &*job.last_costs() : nullptr;
+}
+
+JobRules JobTable::rules_for(const FarmJob& job) const {
+  JobRules rules = rules_;
+  rules.adopts = job.id() <= last_job_before_;
+  return rules;
 }
 
 TileKeeping JobTable::keeping_of(const FarmJob& job) const {
@@ -282,8 +290,8 @@ void JobTable::hold(FarmJob& job, uint32_t frame, FarmJob::Hold hold) {
 std::unique_ptr<ActiveJob> JobTable::make_active(FarmJob& job, uint32_t frame, Time now) {
   const FrameName name{frame_number(job.id(), frame), job.kept().id()};
   if (job.local()) {
-    return std::make_unique<ActiveJob>(name, job.take_local_spec(), keeping_of(job), rules_, *keys_,
-                                       now);
+    return std::make_unique<ActiveJob>(name, job.take_local_spec(), keeping_of(job), rules_for(job),
+                                       *keys_, now);
   }
   if (!has_frame(job.kept(), frame)) throw render_error("what the store has of it is damaged");
   JobSpec spec = spec_of(job, frame);
@@ -293,8 +301,8 @@ std::unique_ptr<ActiveJob> JobTable::make_active(FarmJob& job, uint32_t frame, T
     expected->second.drop_tiles = false;
     expected->second.dropped = true;
   }
-  auto active = std::make_unique<ActiveJob>(name, std::move(spec), keeping_of(job), rules_, *keys_,
-                                            now, job.scene_failures()[frame]);
+  auto active = std::make_unique<ActiveJob>(name, std::move(spec), keeping_of(job), rules_for(job),
+                                            *keys_, now, job.scene_failures()[frame]);
   if (active->key().hex() != job.kept().tile_keys(static_cast<int>(frame))) {
     change_key(job, frame, active->key());
   }
@@ -344,6 +352,7 @@ bool JobTable::is_expected(FarmJob& job, uint32_t frame, v1::JobEnd& end) {
 
 void JobTable::worker_has_come(WorkerId worker) {
   for (const auto& [id, job] : open_) {
+    for (FarmJob::Running& running : job->running()) running.active->note_another_worker();
     if (!job->hold() || !job->hold()->until_another_worker) continue;
     const auto& failures = job->scene_failures();
     const bool failed = std::any_of(failures.begin(), failures.end(), [&](const auto& of_frame) {
@@ -355,7 +364,7 @@ void JobTable::worker_has_come(WorkerId worker) {
 
 void JobTable::distrust(const std::string& key) {
   distrusted_.push_back(key);
-  redo_distrusted();
+  keep_rest();
 }
 
 void JobTable::redo_distrusted() {
@@ -363,21 +372,24 @@ void JobTable::redo_distrusted() {
     const std::vector<StoredTile> tiles = store_->tiles_traced_by(distrusted_.back());
     std::unordered_set<std::string> keys;
     for (const StoredTile& tile : tiles) keys.insert(tile.key.hex());
+    // First, so that nothing is left of them wherever this is cut short.
+    for (const StoredTile& tile : tiles) store_->drop(tile.key, tile.rect);
     for (const auto& [id, job] : jobs_) {
       if (job->local() || job->kept().cancelled()) continue;
       for (uint32_t frame = 0; frame < job->frame_count(); ++frame) {
-        const auto& end = job->end_of(frame);
-        if (!end || end->how() != v1::JobEnd::DONE || !has_frame(job->kept(), frame) ||
+        if (!has_frame(job->kept(), frame) ||
             !keys.contains(job->kept().tile_keys(static_cast<int>(frame)))) {
           continue;
         }
+        job->expected_films().erase(frame);
+        const auto& end = job->end_of(frame);
+        if (!end || end->how() != v1::JobEnd::DONE) continue;
         spdlog::warn(
             "job {}: tiles of frame {} were traced by the key of {}: they are traced again", id,
             frame + 1, keys_->name_of(distrusted_.back()));
         reopen(*job, frame);
       }
     }
-    for (const StoredTile& tile : tiles) store_->drop(tile.key, tile.rect);
   }
 }
 

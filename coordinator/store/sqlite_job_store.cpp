@@ -205,7 +205,10 @@ void SqliteJobStore::give_back(Time most) {
   }
 }
 
-void SqliteJobStore::tidy() { give_back(std::chrono::milliseconds(10)); }
+void SqliteJobStore::tidy() {
+  give_back(std::chrono::milliseconds(10));
+  make_reserve();
+}
 
 uint64_t SqliteJobStore::number(const char* name) {
   Statement row(database_, "SELECT value FROM numbers WHERE name = ?");
@@ -311,9 +314,12 @@ void SqliteJobStore::remove(uint64_t job, const std::vector<Digest>& tile_keys,
   for (const char* text : {"DELETE FROM jobs WHERE job = ?", "DELETE FROM ends WHERE job = ?"}) {
     write_at_last([&] { Statement(database_, text).bind(static_cast<int64_t>(job)).step(); });
   }
-  for (const Digest& blob : blobs) blobs_.remove(blob);
-  // Last, as deleting from the database takes room at first.
-  for (const Digest& key : tile_keys) drop_all(key);
+  // A job that is left out since its row is damaged may need them too.
+  if (!leaves_out_jobs_) {
+    for (const Digest& blob : blobs) blobs_.remove(blob);
+    // Last, as deleting from the database takes room at first.
+    for (const Digest& key : tile_keys) drop_all(key);
+  }
   give_back(std::chrono::milliseconds(100));
   make_reserve();
 }

@@ -17,6 +17,8 @@ struct TileRules {
   /// No tile is split into parts that take less than this.
   Time smallest_part = std::chrono::milliseconds(4);
 
+  /// The frame was there before this coordinator: what was given out then is adopted.
+  bool adopts = false;
   /// 16 random bytes that name this coordinator, drawn at each start. RenderLoop fills them in.
   std::string opening{};
 };

@@ -298,15 +298,16 @@ size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& 
 uint64_t TileScheduler::opening_tag() const { return number_of(rules_.opening) >> kTagShift; }
 
 bool TileScheduler::accepts(LeaseId lease, bool ours, WorkerId worker) {
-  // Leases of another coordinator whose tag happens to be the same (one in 4,096) cannot be told
-  // from ours: their tiles are traced again.
-  if (ours != (lease >> kTagShift == opening_tag())) return false;
   if (ours || issued_.contains(lease)) return issued(lease, worker);
+  // Leases of another coordinator whose tag happens to be the same (one in 4,096) could be ones
+  // that we shall give: their tiles are traced again.
+  if (!rules_.adopts || lease >> kTagShift == opening_tag()) return false;
   // Into which parts that coordinator had split a tile is not known any more.
   if (tile_of(lease) >= tiles_.size() || !TilePiece::of(lease).whole()) return false;
   // No more than there are honest ones.
-  if (adopted_ >= tiles_.size() * kMaxLeasesOfTile) return false;
-  ++adopted_;
+  Tile& tile = tiles_[tile_of(lease)];
+  if (tile.adopted >= kMaxLeasesOfTile) return false;
+  ++tile.adopted;
   issued_.emplace(lease, worker);
   return true;
 }
@@ -410,28 +411,31 @@ void TileScheduler::blame(uint32_t index, WorkerId worker, Time now, SchedulerEv
   judge(index, tile.failed_by, kMaxFailures, events);
 }
 
-bool TileScheduler::is_one_voice(const std::vector<WorkerId>& by, size_t most) const {
-  return keys_ && keys_->by_key() && by.size() >= most &&
-         std::all_of(by.begin(), by.end(),
-                     [&](WorkerId id) { return voice_of(id) == voice_of(by.front()); });
+size_t TileScheduler::count_of_voice(const std::vector<WorkerId>& by, WorkerId worker) const {
+  return static_cast<size_t>(std::count_if(
+      by.begin(), by.end(), [&](WorkerId id) { return voice_of(id) == voice_of(worker); }));
 }
 
 void TileScheduler::judge(uint32_t index, const std::vector<WorkerId>& by, size_t most,
                           SchedulerEvents& events) {
-  if (is_one_voice(by, most)) {
-    barred_.insert(index);
-  } else if (by.size() >= most) {
-    give_up(index, events);
+  if (!keys_ || !keys_->by_key()) {
+    if (by.size() >= most) give_up(index, events);
+    return;
   }
+  // What one key says is not enough, however often.
+  std::set<WorkerKeys::Voice> voices;
+  for (const WorkerId id : by) {
+    if (count_of_voice(by, id) >= (most + 1) / 2) voices.insert(voice_of(id));
+  }
+  if (voices.size() >= 2) return give_up(index, events);
+  if (count_of_voice(by, by.back()) >= most) barred_.insert(index);
 }
 
 bool TileScheduler::is_barred(uint32_t index, WorkerId worker) const {
   if (!barred_.contains(index)) return false;
   const Tile& tile = tiles_[index];
-  const auto bars = [&](const std::vector<WorkerId>& by, size_t most) {
-    return is_one_voice(by, most) && voice_of(by.front()) == voice_of(worker);
-  };
-  return bars(tile.failed_by, kMaxFailures) || bars(tile.vanished_by, kMaxVanished);
+  return count_of_voice(tile.failed_by, worker) >= kMaxFailures ||
+         count_of_voice(tile.vanished_by, worker) >= kMaxVanished;
 }
 
 void TileScheduler::give_up(uint32_t index, SchedulerEvents& events) {

@@ -129,8 +129,8 @@ class TileScheduler {
   bool is_party(uint32_t tile, WorkerId worker) const;
   /// One of the two is known to be wrong: the other may trace it again.
   void forget_dispute(uint32_t tile);
-  /// Whether the worker is not given the tile any more: workers of its voice alone have failed it,
-  /// or vanished with it, as often as would have given it up had others done so too.
+  /// Whether the worker is not given the tile any more: those of its voice have failed it, or
+  /// vanished with it, too often.
   bool is_barred(uint32_t tile, WorkerId worker) const;
   /// Tiles that some voice is barred from, whether they are done by now or not.
   const std::set<uint32_t>& barred_tiles() const { return barred_; }
@@ -204,6 +204,7 @@ class TileScheduler {
     bool kept_whole = false;
     uint32_t parts = 1;       ///< that it is split into
     uint64_t parts_done = 0;  ///< bits
+    uint8_t adopted = 0;      ///< leases
     bool split() const { return parts > 1; }
   };
   struct Holder {
@@ -249,10 +250,11 @@ class TileScheduler {
   /// Forgets a live lease; the tile is pending if that was its last.
   Lease drop(LeaseId lease);
   void blame(uint32_t tile, WorkerId worker, Time now, SchedulerEvents& events);
-  /// Whether so many as may do so have failed a tile, or vanished with it, and all speak with one
-  /// voice though others could.
-  bool is_one_voice(const std::vector<WorkerId>& by, size_t most) const;
-  /// After such a list of the tile has grown: gives the tile up, or bars the one voice from it.
+  /// How many of them speak with the worker's voice.
+  size_t count_of_voice(const std::vector<WorkerId>& by, WorkerId worker) const;
+  /// After a list of who failed the tile, or vanished with it, has grown: gives the tile up once
+  /// there are `most` or, where keys have voices, half as many of each of two; bars a voice from it
+  /// that has so many alone.
   void judge(uint32_t tile, const std::vector<WorkerId>& by, size_t most, SchedulerEvents& events);
   void give_up(uint32_t tile, SchedulerEvents& events);
 
@@ -280,7 +282,7 @@ class TileScheduler {
   /// it changes.
   mutable std::pair<size_t, Time> straggler_age_{};
   std::optional<Time> lately_;  ///< how long these take now
-  size_t open_tiles_, adopted_ = 0;
+  size_t open_tiles_;
   uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0, late_copies_ = 0, verified_ = 0,
            unverified_ = 0, split_tiles_ = 0, moved_ = 0;
 };

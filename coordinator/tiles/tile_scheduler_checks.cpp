@@ -39,15 +39,9 @@ SchedulerEvents TileScheduler::dispute(uint32_t index, WorkerId one, WorkerId ot
 }
 
 bool TileScheduler::is_party(uint32_t index, WorkerId worker) const {
-  // Pairs, as dispute() has added them. Processes of one key that differ from each other accuse
-  // nobody else, and may be judged by a third of them.
   const std::vector<WorkerId>& by = tiles_[index].disputed_by;
-  for (size_t i = 0; i + 1 < by.size(); i += 2) {
-    if (by[i] == worker || by[i + 1] == worker) return true;
-    const WorkerKeys::Voice one = voice_of(by[i]), other = voice_of(by[i + 1]);
-    if (one != other && (one == voice_of(worker) || other == voice_of(worker))) return true;
-  }
-  return false;
+  return std::any_of(by.begin(), by.end(),
+                     [&](WorkerId id) { return voice_of(id) == voice_of(worker); });
 }
 
 std::vector<Lease> TileScheduler::leases_of(WorkerId worker) const {

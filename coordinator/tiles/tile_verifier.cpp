@@ -27,7 +27,9 @@ bool TileVerifier::selects(uint32_t tile) const {
 bool TileVerifier::wants_second(uint32_t tile) const {
   const std::vector<WorkerId>& by = traced_by_[tile];
   return selects(tile) || std::any_of(by.begin(), by.end(), [this](WorkerId worker) {
-           return suspects_.contains(voice_of(worker));
+           return std::any_of(suspects_.begin(), suspects_.end(), [&](WorkerId suspect) {
+             return voice_of(suspect) == voice_of(worker);
+           });
          });
 }
 

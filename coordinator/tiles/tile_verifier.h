@@ -29,7 +29,7 @@ class TileVerifier {
   /// Whether a second worker is to trace it too: selects(), or a suspect has traced of it.
   bool wants_second(uint32_t tile) const;
   /// What this worker said is not what another did: all that it traces is looked at.
-  void suspect(WorkerId worker) { suspects_.insert(voice_of(worker)); }
+  void suspect(WorkerId worker) { suspects_.push_back(worker); }
 
   /// Rows of the tile were taken from the worker.
   void note_rows(uint32_t tile, WorkerId worker);
@@ -70,7 +70,7 @@ class TileVerifier {
   std::vector<std::vector<WorkerId>> traced_by_;                     ///< by tile
   std::map<std::pair<uint32_t, WorkerId>, std::vector<bool>> same_;  ///< rows
   std::map<uint32_t, Mismatch> disputes_;
-  std::set<WorkerKeys::Voice> suspects_;
+  std::vector<WorkerId> suspects_;
 };
 
 }  // namespace tessera

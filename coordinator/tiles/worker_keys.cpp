@@ -24,7 +24,7 @@ void WorkerKeys::note(WorkerId worker, const std::string& key, const std::string
 }
 
 WorkerId WorkerKeys::note_stored(const std::string& key) {
-  const WorkerId worker = voice_of_key(key);
+  const WorkerId worker = voice_of_key(key) | kReservedId;
   note(worker, key, "");
   return worker;
 }

@@ -10,6 +10,8 @@
 
 namespace tessera {
 
+/// Ids with this bit are the coordinator's own: no worker may have one.
+inline constexpr WorkerId kReservedId = WorkerId{1} << 63;
 /// Stands for no worker: its pixels were kept from before, and nobody knows by whose key.
 inline constexpr WorkerId kFromStore = ~WorkerId{0};
 
@@ -28,7 +30,8 @@ class WorkerKeys {
   /// Whether a key has one voice.
   bool by_key() const { return listed_ >= 2; }
 
-  /// The worker came by that key, whose holder is called `name`. Without keys both are empty.
+  /// The worker came by that key, whose holder is called `name`. Without keys both are empty. A
+  /// worker's id stays with the first key that it came by.
   void note(WorkerId worker, const std::string& key, const std::string& name);
   /// Stands for the worker, long gone, that traced what a store has under that key.
   WorkerId note_stored(const std::string& key);

@@ -172,9 +172,10 @@ std::string AllowList::line(const Key& key, const AllowedKey& allowed) {
   return line + "\n";
 }
 
-size_t AllowList::count(Role role) const {
-  return static_cast<size_t>(std::count_if(
-      keys_.begin(), keys_.end(), [role](const auto& key) { return key.second.role == role; }));
+size_t AllowList::count(Role role, WallTime now) const {
+  return static_cast<size_t>(std::count_if(keys_.begin(), keys_.end(), [&](const auto& key) {
+    return key.second.role == role && admitted(key.first, now);
+  }));
 }
 
 const AllowedKey* AllowList::find(const std::string& hex) const {

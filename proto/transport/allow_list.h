@@ -59,7 +59,8 @@ class AllowList {
   /// The same of a key that is let in: neither revoked nor past its time. Else null.
   const AllowedKey* admitted(const std::string& hex, WallTime now = wall_clock_now()) const;
   size_t size() const { return keys_.size(); }
-  size_t count(Role role) const;
+  /// How many keys of that role are let in now.
+  size_t count(Role role, WallTime now = wall_clock_now()) const;
   const std::unordered_map<std::string, AllowedKey>& keys() const { return keys_; }
   /// Takes in the keys of another list that are not on this one: those on both stay as they are
   /// here.

@@ -14,6 +14,7 @@
 #include "coordinator/render_loop.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
+#include "proto/wire/frame.h"
 #include "tests/farm/fake_renderer.h"
 #include "tests/temporary_folder.h"
 #include "worker/run_worker.h"
@@ -421,6 +422,45 @@ TEST(RenderLoop, NobodyAnswersAClient) {
   EXPECT_THROW(run_remote_job(*client, "memory", make_job(8, 8, 8), nullptr, kNever,
                               std::chrono::milliseconds(200)),
                Error);
+}
+
+TEST(FarmClientTest, TakesNoAnswerToAnEarlierQuestionForThisOne) {
+  MemoryNetwork network;
+  const auto server = network.server();
+  const auto transport = network.client();
+  constexpr std::atomic<bool> kNotStopped{false};
+  v1::JobStatus cancelled, forgotten;
+  std::thread asker([&] {
+    FarmClient client(*transport, "a farm", kNotStopped);
+    v1::JobQuery query;
+    query.set_job(7);
+    query.set_action(v1::JobQuery::CANCEL);
+    cancelled = client.ask(query);
+    query.set_action(v1::JobQuery::FORGET);
+    forgotten = client.ask(query);
+  });
+  v1::Envelope first;
+  first.mutable_job_status()->set_job(7);
+  first.mutable_job_status()->set_state(v1::JobStatus::ENDED);
+  for (bool ended = false; !ended;) {
+    server->wait(std::chrono::milliseconds(10));
+    while (const auto received = server->receive()) {
+      const auto message = decode(received->bytes, kMaxFrame);
+      ASSERT_TRUE(message && message->has_job_query());
+      ended = message->job_query().action() == v1::JobQuery::FORGET;
+      v1::Envelope answer;
+      answer.mutable_job_status()->set_job(7);
+      answer.mutable_job_status()->set_question(message->job_query().question());
+      if (!ended) *first.mutable_job_status() = answer.job_status();
+      first.mutable_job_status()->set_state(v1::JobStatus::ENDED);
+      // The question before was asked twice, and is answered twice.
+      server->send(Channel::control, received->peer, encode(first));
+      if (ended) server->send(Channel::control, received->peer, encode(answer));
+    }
+  }
+  asker.join();
+  EXPECT_EQ(cancelled.state(), v1::JobStatus::ENDED);
+  EXPECT_EQ(forgotten.state(), v1::JobStatus::UNKNOWN);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ void Simulation::join() {
   v1::Hello& hello = options.hello;
   hello.set_protocol_major(kProtocolMajor);
   hello.set_numerics_id(kNumericsId);
-  hello.set_worker_id(random_() | 1);
+  hello.set_worker_id(random_() >> 1 | 1);
   if (const auto folder = spool_folder(); !folder.empty()) {
     worker.spool = std::make_unique<ResultSpool>(folder, uint64_t{1} << 30, kNumericsId);
     if (const auto& before = worker.spool->origin()) {

@@ -70,6 +70,10 @@ constexpr uint32_t kArchitecture = AUDIT_ARCH_AARCH64;
 constexpr uint32_t kArchitecture = 0;
 #endif
 
+/// Calls that Debian 12's headers do not know yet, by their numbers, which all processors share:
+/// fchmodat2, setxattrat, removexattrat, file_setattr.
+constexpr int kFchmodat2 = 452, kSetxattrat = 463, kRemovexattrat = 466, kFileSetattr = 469;
+
 constexpr std::array kRefusedCalls{
     // the network
     SYS_socket, SYS_socketpair, SYS_connect, SYS_bind, SYS_listen, SYS_accept, SYS_accept4,
@@ -87,7 +91,8 @@ constexpr std::array kRefusedCalls{
     SYS_truncate, SYS_fchmod, SYS_fchmodat, SYS_fchown, SYS_fchownat, SYS_utimensat, SYS_setxattr,
     SYS_lsetxattr, SYS_fsetxattr, SYS_removexattr, SYS_lremovexattr, SYS_fremovexattr, SYS_chroot,
     SYS_pivot_root, SYS_mount, SYS_umount2, SYS_open_tree, SYS_move_mount, SYS_fsopen, SYS_fsmount,
-    SYS_mount_setattr, SYS_open_by_handle_at, SYS_fanotify_init,
+    SYS_mount_setattr, SYS_open_by_handle_at, SYS_fanotify_init, kFchmodat2, kSetxattrat,
+    kRemovexattrat, kFileSetattr,
 #ifdef __x86_64__
     SYS_mkdir, SYS_mknod, SYS_unlink, SYS_rmdir, SYS_link, SYS_symlink, SYS_rename, SYS_chmod,
     SYS_chown, SYS_lchown, SYS_utime, SYS_utimes, SYS_futimesat,

@@ -165,9 +165,68 @@ TEST_F(Trust, OneKeyConvictsNobody) {
     collect();
     build();
   }
-  EXPECT_EQ(ask(id).how(), v1::JobEnd::FAILED) << "nobody can decide between two";
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::HELD) << "nobody can decide between two";
   EXPECT_THAT(ask(id).failure(), ::testing::HasSubstr("(key of alice)"));
   EXPECT_THAT(ask(id).failure(), ::testing::HasSubstr("no third"));
+}
+
+TEST_F(Trust, AKeyThatContradictsItselfFailsNoJob) {
+  const uint64_t id = submit(1);
+  come_by("thief", 1, 4);
+  const auto first = given;
+  coordinator.on_peer_gone("thief1", {});
+  come_by("thief", 2, 4);
+  trace("thief", 8);
+  for (const auto& [peer, assign] : first) tell("thief1", band(assign, 9));
+  come_by("thief", 3, 4);
+  trace_all({{"thief", 7}});
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::RUNNING);
+  come_by("alice", 4);
+  come_by("bob", 5);
+  trace_all({{"thief", 7}, {"alice", 1}, {"bob", 1}});
+  EXPECT_EQ(ask(id).how(), v1::JobEnd::DONE);
+  EXPECT_EQ(film_of(id), plain_film(1));
+}
+
+TEST_F(Trust, NobodySpeaksUnderAnIdOfAnother) {
+  submit(1);
+  come_by("alice", 1);
+  const size_t before = rejected();
+  v1::Envelope reserved = hello(kReservedId | 5);
+  peers["m"] = {Role::worker, "mallory", "key of mallory"};
+  tell("m", reserved);
+  EXPECT_EQ(rejected(), before + 1);
+  // Alice's worker is lost, and forgotten after a while; its id stays hers.
+  coordinator.on_peer_gone("alice1", {});
+  coordinator.on_tick(std::chrono::minutes(20));
+  tell("m", hello(1, 9), std::chrono::minutes(20));
+  EXPECT_EQ(rejected(), before + 2);
+}
+
+TEST_F(Trust, AFrameThatCameLaterHasNoLeasesOfBefore) {
+  restart_with(0, 3);
+  const uint64_t id = submit(1);
+  come_by("thief", 1, 1);
+  v1::Assign made_up = given.at(0).second;
+  made_up.set_lease(uint64_t{0x7ff} << 52 | 3);
+  made_up.set_tile(3);
+  v1::Envelope forged = band(made_up, 9);
+  forged.mutable_tile_band()->set_opening("of another farm.");
+  tell("thief1", forged);
+  EXPECT_EQ(ask(id).tiles_done(), 0u);
+}
+
+TEST_F(Trust, OneKeysLostBuildersHoldNoJob) {
+  const uint64_t id = submit(1);
+  builds = false;
+  for (WorkerId worker = 1; worker <= 8; ++worker) {
+    come_by("thief", worker);
+    coordinator.on_peer_gone("thief" + std::to_string(worker), milliseconds(worker));
+  }
+  builds = true;
+  come_by("alice", 20);
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::RUNNING);
+  EXPECT_FALSE(given.empty()) << "she builds it";
 }
 
 TEST_F(Trust, ASceneIsCalledWrongByTwoKeys) {

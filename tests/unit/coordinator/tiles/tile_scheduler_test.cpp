@@ -144,8 +144,9 @@ TEST_F(TileSchedulerTest, LeasesOfTilesThatThereAreNoneOfAreUnwanted) {
 
 TEST_F(TileSchedulerTest, AdoptsWholeTilesOfCoordinatorsBeforeAlone) {
   constexpr int kTagShift = 52;
-  const auto accepts = [&](uint64_t tag, TilePiece piece, bool ours) {
+  const auto accepts = [&](uint64_t tag, TilePiece piece, bool ours, bool adopts = true) {
     TileRules rules;
+    rules.adopts = adopts;
     rules.opening = std::string(7, 'x') + '\x03';  // its tag: the uppermost 12 bits
     return TileScheduler(2, rules).accepts(tag << kTagShift | piece.packed(), ours, kA);
   };
@@ -157,6 +158,7 @@ TEST_F(TileSchedulerTest, AdoptsWholeTilesOfCoordinatorsBeforeAlone) {
   EXPECT_FALSE(accepts(2, {1}, true)) << "said to be our own, which it is not";
   EXPECT_FALSE(accepts(2, {2}, false)) << "no tile of ours";
   EXPECT_FALSE(accepts(2, {1, 0, 2}, false)) << "a part";
+  EXPECT_FALSE(accepts(2, {1}, false, false)) << "of a frame that nobody had before";
 }
 
 TEST_F(TileSchedulerTest, CopiesAStragglerOnceWhenTheQueueIsEmpty) {
