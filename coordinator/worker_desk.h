@@ -100,6 +100,8 @@ class WorkerDesk {
 
   void tell_if_back(WorkerRecord& worker);
   void lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now);
+  /// Fewer workers are there: perhaps none is left that can build the scene of some job.
+  void look_for_shortages();
   void note_stuck(const WorkerRecord& worker);
   void act(ActiveJob& job, const SchedulerEvents& events, Time now);
   void judge_failures(WorkerRecord& worker, Time now);

@@ -369,28 +369,38 @@ void ActiveJob::fail(ExitCode code, std::string why) {
   report_.failure = std::move(why);
 }
 
-void ActiveJob::note_scene_failure(WorkerId worker, v1::SceneFailed::Cause cause,
-                                   const std::string& why, const std::vector<WorkerId>& present) {
-  scene_failures_[worker] = cause;
-  const auto voices = [this](v1::SceneFailed::Cause of) {
-    std::set<WorkerKeys::Voice> result;
-    for (const auto& [id, failed] : scene_failures_) {
-      if (failed == of) result.insert(keys_.voice_of(id));
-    }
-    return result.size();
-  };
+void ActiveJob::note_scene_failure(WorkerId worker, SceneFailure failure) {
+  scene_failures_[worker] = failure;
+  std::set<WorkerKeys::Voice> voices;
+  for (const auto& [id, other] : scene_failures_) {
+    if (other.cause == failure.cause) voices.insert(keys_.voice_of(id));
+  }
   constexpr size_t kWitnesses = 2;
-  const size_t bad = voices(v1::SceneFailed::BAD_SCENE);
-  if (bad >= kWitnesses) return fail(ExitCode::bad_scene, why);
-  if (voices(v1::SceneFailed::CRASHED) >= kWitnesses) return fail(ExitCode::render_failed, why);
+  if (voices.size() < kWitnesses) return;
+  if (failure.cause == v1::SceneFailed::BAD_SCENE) fail(ExitCode::bad_scene, failure.text);
+  // Where somebody has built it, what ended the processes of others need not be the scene.
+  if (failure.cause == v1::SceneFailed::CRASHED && !built_) {
+    fail(ExitCode::render_failed,
+         fmt::format("{}; that happened to {} workers", failure.text, voices.size()));
+  }
+}
+
+void ActiveJob::look_for_shortage(const std::vector<WorkerId>& present) {
   const bool all = std::all_of(present.begin(), present.end(),
                                [this](WorkerId id) { return scene_failures_.contains(id); });
-  if (!all) return;
-  if (bad > 0 && !keys_.by_key()) return fail(ExitCode::bad_scene, why);
-  shortage_ = Shortage{bad > 0 ? fmt::format("{}; one key alone says so, a worker of another is "
-                                             "waited for",
-                                             why)
-                               : fmt::format("{}; a worker that can is waited for", why)};
+  if (present.empty() || !all) return;
+  const auto bad = std::find_if(scene_failures_.begin(), scene_failures_.end(), [](const auto& of) {
+    return of.second.cause == v1::SceneFailed::BAD_SCENE;
+  });
+  if (bad == scene_failures_.end()) {
+    shortage_ = Shortage{fmt::format("{}; a worker that can is waited for",
+                                     scene_failures_.at(present.back()).text)};
+  } else if (keys_.by_key()) {
+    shortage_ = Shortage{fmt::format("{}; one key alone says so, a worker of another is waited for",
+                                     bad->second.text)};
+  } else {
+    fail(ExitCode::bad_scene, bad->second.text);
+  }
 }
 
 void ActiveJob::note_lost_builder(WorkerId worker, Time told, Time now) {

@@ -41,7 +41,11 @@ struct FrameName {
 };
 
 /// Why workers could not build a frame's scene.
-using SceneFailures = std::map<WorkerId, v1::SceneFailed::Cause>;
+struct SceneFailure {
+  v1::SceneFailed::Cause cause = v1::SceneFailed::OTHER;
+  std::string text;
+};
+using SceneFailures = std::map<WorkerId, SceneFailure>;
 
 /// A frame that nobody who is there can render now.
 struct Shortage {
@@ -73,11 +77,12 @@ class ActiveJob {
   const v1::JobStart& start_message() const { return start_; }
   v1::Assign assignment(const Lease& lease) const;
   /// Notes that a worker could not build the scene. The frame fails once two voices say that the
-  /// scene is wrong, or that it ended their process; where workers are not told apart by keys, also
-  /// once all that there are, `present`, say that it is wrong. Where all have failed otherwise, it
-  /// is short of something.
-  void note_scene_failure(WorkerId worker, v1::SceneFailed::Cause cause, const std::string& why,
-                          const std::vector<WorkerId>& present);
+  /// scene is wrong or, where nobody has built it, that building it ended their process.
+  void note_scene_failure(WorkerId worker, SceneFailure failure);
+  /// These workers are there. Where all of them have failed to build the scene, the frame is short
+  /// of something; where workers are not told apart by keys and one says that the scene is wrong,
+  /// it fails.
+  void look_for_shortage(const std::vector<WorkerId>& present);
   bool scene_failed_at(WorkerId worker) const { return scene_failures_.contains(worker); }
   const SceneFailures& scene_failures() const { return scene_failures_; }
   /// Why it is to be put aside for now.
