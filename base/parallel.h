@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "base/signal_stack.h"
+
 namespace tessera {
 
 /// Calls work(i) for every i below `count`, on the calling thread and up to `threads` - 1 others,
@@ -36,7 +38,12 @@ void for_each_parallel(size_t count, int threads, const Work& work) {
     std::vector<std::jthread> helpers;
     const size_t wanted = std::min(count, static_cast<size_t>(std::max(threads, 1)));
     try {
-      for (size_t i = 1; i < wanted; ++i) helpers.emplace_back(run);
+      for (size_t i = 1; i < wanted; ++i) {
+        helpers.emplace_back([&run] {
+          const SignalStack stack;
+          run();
+        });
+      }
     } catch (const std::system_error&) {
       // Those that there are do it all.
     }

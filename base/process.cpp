@@ -106,7 +106,10 @@ int wait_for_process(pid_t process) {
 
 std::string how_it_ended(int status) {
   if (!WIFSIGNALED(status)) return fmt::format("exit code {}", WEXITSTATUS(status));
-  const int signal = WTERMSIG(status);
+  return name_of_signal(WTERMSIG(status));
+}
+
+std::string name_of_signal(int signal) {
   const char* name = sigabbrev_np(signal);
   return fmt::format("signal {} ({})", signal, name ? name : "?");
 }

@@ -31,5 +31,7 @@ inline constexpr int kTransportThreads = 3;
 int wait_for_process(pid_t process);
 /// "exit code 3" or "signal 11 (SEGV)".
 std::string how_it_ended(int status);
+/// "signal 11 (SEGV)".
+std::string name_of_signal(int signal);
 
 }  // namespace tessera

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include "base/json_log.h"
 #include "base/live_things.h"
@@ -13,12 +14,14 @@
 #include "base/process.h"
 #include "base/process_usage.h"
 #include "base/shared_arena.h"
+#include "base/signal_stack.h"
 #include "cli/command_line.h"
 #include "cli/farm_connection.h"
 #include "cli/interrupt.h"
 #include "cli/log_format.h"
 #include "cli/option_values.h"
 #include "renderer/render/tile_renderer.h"
+#include "worker/crash_record.h"
 #include "worker/run_worker.h"
 
 namespace tessera {
@@ -37,7 +40,11 @@ struct WorkerCommandOptions {
   Time orphan_timeout = std::chrono::seconds(60);
   Time idle_timeout = Time::max();
   unsigned protocol_major = 0;
+  int crash_record = -1;               ///< a descriptor of CrashRecord, after a crash
+  std::optional<uint32_t> crash_seed;  ///< building a frame of this seed crashes, for tests
 };
+
+constexpr uint32_t kMostCrashesInVain = 10;
 
 /// Adds an option of seconds.
 void add_timeout(CLI::App& command, const std::string& name, const std::string& description,
@@ -57,13 +64,40 @@ void add_timeout(CLI::App& command, const std::string& name, const std::string& 
       ->type_name("SECONDS");
 }
 
+/// Tells the log of the crash before this start, if there was one, and waits the longer the more
+/// there were. Throws render_error where that is in vain.
+void go_on_after_crash(const CrashRecord& record) {
+  if (!record.last_crash()) return;
+  spdlog::error("the worker crashed with {}; it was started anew", *record.last_crash());
+  const uint32_t crashes = record.crashes_in_vain();
+  if (crashes >= kMostCrashesInVain) {
+    throw render_error(fmt::format(
+        "the worker crashed {} times without tracing a tile, the last time with {}; expected it to "
+        "work",
+        crashes, *record.last_crash()));
+  }
+  constexpr Time kFirstPause = std::chrono::milliseconds(50), kLook = std::chrono::milliseconds(10);
+  const Time end = monotonic_now() + (crashes < 2 ? Time{0} : kFirstPause * (1 << (crashes - 2)));
+  while (monotonic_now() < end && !interrupted()) std::this_thread::sleep_for(kLook);
+}
+
 ExitCode work(const WorkerCommandOptions& options) {
   if (options.parent > 0 && !die_with_parent(options.parent)) return ExitCode::done;
   catch_interrupts();
+  // A local worker that ends in any way is replaced by its parent, which tells its coordinator.
+  const SignalStack stack;
+  std::optional<CrashRecord> crashes;
+  if (options.crash_record >= 0) {
+    crashes.emplace(options.crash_record);
+  } else if (options.parent == 0) {
+    crashes.emplace();
+  }
+  if (crashes) crashes->start_anew_after_crashes(interrupted());
   // The terminal's Ctrl-C reaches the whole family; a local worker ends when its parent tells it.
   if (options.parent > 0) std::signal(SIGINT, SIG_IGN);
   configure_logging(options.quiet ? "off" : options.parent > 0 ? "warn" : "info", "worker");
   if (options.json_log) log_as_json();
+  if (crashes) go_on_after_crash(*crashes);
   WorkerOptions worker;
   worker.threads = options.threads > 0 ? options.threads : core_count();
   check_room_for_threads(worker.threads + kTransportThreads);
@@ -71,9 +105,12 @@ ExitCode work(const WorkerCommandOptions& options) {
   if (options.arena >= 0) arena.emplace(options.arena);
   LiveThings trees;
   const Sharing sharing{.arena = arena ? &*arena : nullptr, .live = &trees};
-  worker.make_renderer = [&sharing](const auto&... scene) {
-    return make_tile_renderer(scene..., sharing);
+  worker.make_renderer = [&](const v1::Scene& scene, const BlobStore& blobs,
+                             const v1::FrameSettings& frame, int threads) {
+    if (options.crash_seed == frame.seed()) std::raise(SIGSEGV);
+    return make_tile_renderer(scene, blobs, frame, threads, sharing);
   };
+  worker.crash_record = crashes ? &*crashes : nullptr;
   worker.endpoint = options.connection.endpoint;
   worker.shares_memory = options.connection.endpoint.starts_with("ipc://");
   if (!options.cache.empty()) {
@@ -153,6 +190,8 @@ void add_worker_command(CLI::App& app, Action& action) {
   command->add_option("--parent", options->parent)->group("");
   command->add_option("--arena", options->arena)->group("");
   command->add_option("--protocol-major", options->protocol_major)->group("");
+  command->add_option("--crash-record", options->crash_record)->group("");
+  command->add_option("--crash-seed", options->crash_seed)->group("");
   command->callback([options, &action] { action = [options] { return work(*options); }; });
 }
 

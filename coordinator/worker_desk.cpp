@@ -45,6 +45,7 @@ void WorkerDesk::on_control(const PeerId& peer, const v1::Envelope& message, Tim
   if (message.has_bye()) {
     if (message.bye().session() == worker->hello.session()) {
       lose(*worker, LossCause::left, printable(message.bye().reason()), now);
+      look_for_shortages();
     }
     return;
   }
@@ -350,15 +351,20 @@ void WorkerDesk::on_scene_failed(WorkerRecord& worker, const v1::SceneFailed& fa
   if (!job->scene_failed_at(worker.id)) {
     spdlog::info("worker {} could not build the scene: {}", worker.name(), text);
   }
-  job->note_scene_failure(worker.id, failed.cause(), text);
-  judge_scene(*job);
+  job->note_scene_failure(worker.id, {failed.cause(), text});
+  look_for_shortages();
   fill(worker, now);
 }
 
-void WorkerDesk::judge_scene(ActiveJob& job) {
+void WorkerDesk::look_for_shortages() {
   std::vector<WorkerId> present;
-  for (const WorkerRecord* worker : workers_.present()) present.push_back(worker->id);
-  job.judge_scene(present);
+  for (ActiveJob* job : jobs_.running()) {
+    if (!job->has_scene_failures()) continue;
+    if (present.empty()) {
+      for (const WorkerRecord* worker : workers_.present()) present.push_back(worker->id);
+    }
+    job->look_for_shortage(present);
+  }
 }
 
 // --------------------------------------------------------------------------------------- workers
@@ -370,11 +376,23 @@ void WorkerDesk::on_peer_gone(const PeerId& peer, Time now, bool welcomed) {
   // Who was told to end, or is told by it too late, leaves as it should.
   const bool leaves = dismissed_ || !welcomed;
   lose(*worker, leaves ? LossCause::left : LossCause::vanished, "its connection is gone", now);
+  look_for_shortages();
 }
 
 void WorkerDesk::on_process_ended(pid_t process, bool crashed, const std::string& how, Time now) {
   WorkerRecord* worker = workers_.by_process(process);
-  if (worker) lose(*worker, crashed ? LossCause::crashed : LossCause::vanished, how, now);
+  if (!worker) return;
+  for (ActiveJob* job : jobs_.running()) {
+    const auto known = worker->jobs.find(job->id());
+    const bool builds = known != worker->jobs.end() && !known->second.ready;
+    // Tiles that it held may have been the cause as well.
+    if (!crashed || !builds || held_by(*worker) > 0) continue;
+    job->note_scene_failure(
+        worker->id, {v1::SceneFailed::CRASHED,
+                     fmt::format("building the scene ended the worker's process: {}", how)});
+  }
+  // Another process takes its place at once: that is waited for.
+  lose(*worker, crashed ? LossCause::crashed : LossCause::vanished, how, now);
 }
 
 void WorkerDesk::lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now) {
@@ -414,6 +432,7 @@ void WorkerDesk::on_tick(Time now) {
     note_stuck(*worker);
     lose(*worker, LossCause::vanished, "no word from it for too long", now);
   }
+  if (!silence.lost.empty()) look_for_shortages();
   for (ActiveJob* job : jobs_.running()) {
     const SchedulerEvents events = job->scheduler().expire(now);
     for (const WorkerId id : events.blamed) {
@@ -423,7 +442,6 @@ void WorkerDesk::on_tick(Time now) {
     note_stalls(*job, events.stalled, now);
     fail_undecided(*job, now);
     put_barred_aside(*job);
-    if (!job->is_built()) judge_scene(*job);
     if (const size_t count = job->scheduler().abandon_checks(now)) {
       spdlog::warn("{} could not be verified: there is no second worker", counted(count, "tile"));
     }

@@ -80,7 +80,6 @@ class WorkerDesk {
   /// honest, and one of another key is, to go on.
   bool key_is_blamed(const WorkerRecord& worker);
   void fail_undecided(ActiveJob& job, Time now);
-  void judge_scene(ActiveJob& job);
   void fail_or_hold(ActiveJob& job, const std::string& why);
   /// Puts the job aside where a tile is left that all who are there are barred from.
   void put_barred_aside(ActiveJob& job);
@@ -104,6 +103,8 @@ class WorkerDesk {
 
   void tell_if_back(WorkerRecord& worker);
   void lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now);
+  /// Fewer workers are there: perhaps none is left that can build the scene of some job.
+  void look_for_shortages();
   void note_stuck(const WorkerRecord& worker);
   void act(ActiveJob& job, const SchedulerEvents& events, Time now);
   void judge_failures(WorkerRecord& worker, Time now);

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/monotonic.h"
+#include "base/signal_stack.h"
 
 namespace tessera {
 namespace {
@@ -24,10 +25,14 @@ std::optional<T> pop(std::mutex& mutex, std::deque<T>& queue) {
 
 }  // namespace
 
-RenderService::RenderService(TileRendererFactory factory, int threads, std::function<void()> wake)
-    : factory_(std::move(factory)), thread_count_(std::max(1, threads)), wake_(std::move(wake)) {
+RenderService::RenderService(TileRendererFactory factory, int threads, std::function<void()> wake,
+                             CrashRecord* record)
+    : factory_(std::move(factory)),
+      thread_count_(std::max(1, threads)),
+      wake_(std::move(wake)),
+      record_(record) {
   try {
-    for (int i = 0; i < thread_count_; ++i) threads_.emplace_back([this] { work(); });
+    for (int i = 0; i < thread_count_; ++i) threads_.emplace_back([this, i] { work(i); });
   } catch (...) {  // no memory for another one
     end_threads();
     throw;
@@ -64,7 +69,8 @@ void RenderService::trace(std::shared_ptr<TraceRun> run) {
 std::optional<BuildOutcome> RenderService::take_built() { return pop(mutex_, built_); }
 std::optional<TraceOutcome> RenderService::take_traced() { return pop(mutex_, traced_); }
 
-void RenderService::work() {
+void RenderService::work(int number) {
+  const SignalStack stack;
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return stop_ || !builds_.empty() || !runs_.empty(); });
@@ -73,14 +79,23 @@ void RenderService::work() {
       const auto run = std::move(builds_.front());
       builds_.pop_front();
       lock.unlock();
-      BuildOutcome outcome = build_now(*run);
+      BuildOutcome outcome;
+      {
+        const CrashRecord::Note note(record_, number, CrashRecord::Activity::build, run->frame_id);
+        outcome = build_now(*run);
+      }
       lock.lock();
       built_.push_back(std::move(outcome));
     } else {
       auto run = std::move(runs_.front());
       runs_.pop_front();
       lock.unlock();
-      TraceOutcome outcome = tessera::trace(std::move(run));
+      TraceOutcome outcome;
+      {
+        const CrashRecord::Note note(record_, number, CrashRecord::Activity::trace, run->frame_id);
+        outcome = tessera::trace(std::move(run));
+      }
+      if (record_ && !outcome.bands.empty()) record_->note_traced();
       lock.lock();
       traced_.push_back(std::move(outcome));
       const Time now = monotonic_now();

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "worker/crash_record.h"
 #include "worker/run_worker.h"
 #include "worker/trace_run.h"
 
@@ -16,10 +17,11 @@ namespace tessera {
 
 /// The threads that build scenes and trace tiles, so that whoever owns the socket never waits. All
 /// functions are for the owner; `wake` is called by the service's threads when outcomes are there
-/// that is_worth_telling().
+/// that is_worth_telling(). What they do they note in `record`, null: nowhere.
 class RenderService {
  public:
-  RenderService(TileRendererFactory factory, int threads, std::function<void()> wake);
+  RenderService(TileRendererFactory factory, int threads, std::function<void()> wake,
+                CrashRecord* record = nullptr);
   /// Waits for what runs: cancel it first.
   ~RenderService();
   RenderService(const RenderService&) = delete;
@@ -36,12 +38,13 @@ class RenderService {
 
  private:
   void end_threads();
-  void work();
+  void work(int number);
   BuildOutcome build_now(const BuildRun& run) const;
 
   TileRendererFactory factory_;
   int thread_count_;
   std::function<void()> wake_;
+  CrashRecord* record_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::shared_ptr<const BuildRun>> builds_;

@@ -80,7 +80,9 @@ class WorkerLoop {
  public:
   WorkerLoop(ClientTransport& transport, const WorkerOptions& options)
       : transport_(transport),
-        service_(options.make_renderer, options.threads, [&transport] { transport.wake(); }),
+        service_(
+            options.make_renderer, options.threads, [&transport] { transport.wake(); },
+            options.crash_record),
         loader_(options.cache, [&transport] { transport.wake(); }),
         spool_(open_spool(options)),
         session_(session_options(options, spool_.get()), monotonic_now()),
@@ -134,6 +136,7 @@ class WorkerLoop {
   static SessionOptions session_options(const WorkerOptions& options, const ResultSpool* spool) {
     SessionOptions result;
     result.hello = make_hello(options, spool ? spool->origin() : std::nullopt);
+    if (options.crash_record) result.crashed_frames = options.crash_record->crashed_frames();
     result.orphan_timeout = options.orphan_timeout;
     result.blob_sources = {options.cache != nullptr, options.shares_memory, options.at_hand};
     result.result_bytes = options.result_bytes;

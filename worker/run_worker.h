@@ -14,6 +14,7 @@
 #include "proto/transport/transport.h"
 #include "renderer/render/tile_renderer.h"
 #include "worker/blob_cache.h"
+#include "worker/crash_record.h"
 #include "worker/scene_cache.h"
 
 namespace tessera {
@@ -44,6 +45,9 @@ struct WorkerOptions {
   TileRendererFactory make_renderer;
   /// Keeps blobs on disk; null: nowhere. Used by no one else.
   std::shared_ptr<BlobCache> cache{};
+  /// Where threads note what may crash them, and which frames have done that; null: nowhere. It
+  /// must outlive run_worker().
+  CrashRecord* crash_record = nullptr;
   /// Whether the coordinator is on this machine, and may share its blobs' memory.
   bool shares_memory = false;
   /// Of a coordinator in this process, whose blobs need no way to the worker; asked by the thread

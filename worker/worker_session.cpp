@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/process.h"
 #include "proto/wire/printable.h"
 
 namespace tessera {
@@ -237,6 +238,13 @@ void WorkerSession::on_job_start(const v1::JobStart& start, Time now) {
     if (!make_room(start)) return;
     Job& fresh = jobs_[start.job()];
     fresh.start = start;
+    const auto crashed = options_.crashed_frames.find(start.frame_id());
+    if (crashed != options_.crashed_frames.end()) {
+      return scene_failed(
+          fresh,
+          "building the scene ended the worker's process by " + name_of_signal(crashed->second),
+          v1::SceneFailed::CRASHED);
+    }
     std::vector<const v1::JobStart*> starts;
     for (const auto& [id, job] : jobs_) starts.push_back(&job.start);
     cache_.make_room(starts, options_.blob_budget_bytes);

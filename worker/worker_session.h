@@ -17,6 +17,7 @@
 #include "base/monotonic.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/transport/transport.h"
+#include "worker/crash_record.h"
 #include "worker/scene_cache.h"
 #include "worker/trace_run.h"
 
@@ -29,6 +30,7 @@ struct SessionOptions {
   Time orphan_timeout = Time::max();
   uint64_t blob_budget_bytes = uint64_t{4} << 30;
   SceneCache::Sources blob_sources{};
+  CrashedFrames crashed_frames{};
   /// Of results in memory, while the coordinator is away.
   uint64_t result_bytes = uint64_t{256} << 20;
 };

@@ -380,36 +380,39 @@ void ActiveJob::fail(ExitCode code, std::string why) {
   report_.failure = std::move(why);
 }
 
-void ActiveJob::note_scene_failure(WorkerId worker, v1::SceneFailed::Cause cause,
-                                   const std::string& why) {
-  scene_failures_[worker] = cause;
-  scene_failure_ = why;
+void ActiveJob::note_scene_failure(WorkerId worker, SceneFailure failure) {
+  scene_failures_[worker] = failure;
+  std::set<WorkerKeys::Voice> voices;
+  for (const auto& [id, other] : scene_failures_) {
+    if (other.cause == failure.cause) voices.insert(keys_.voice_of(id));
+  }
+  constexpr size_t kWitnesses = 2;
+  if (voices.size() < kWitnesses) return;
+  if (failure.cause == v1::SceneFailed::BAD_SCENE) fail(ExitCode::bad_scene, failure.text);
+  // Where somebody has built it, what ended the processes of others need not be the scene.
+  if (failure.cause == v1::SceneFailed::CRASHED && !built_) {
+    fail(ExitCode::render_failed,
+         fmt::format("{}; that happened to {} workers", failure.text, voices.size()));
+  }
 }
 
-void ActiveJob::judge_scene(const std::vector<WorkerId>& present) {
-  const auto voices = [this](v1::SceneFailed::Cause of) {
-    std::set<WorkerKeys::Voice> result;
-    for (const auto& [id, failed] : scene_failures_) {
-      if (failed == of) result.insert(keys_.voice_of(id));
-    }
-    return result.size();
-  };
-  constexpr size_t kWitnesses = 2;
-  const size_t bad = voices(v1::SceneFailed::BAD_SCENE);
-  if (bad >= kWitnesses) return fail(ExitCode::bad_scene, scene_failure_);
-  if (voices(v1::SceneFailed::CRASHED) >= kWitnesses) {
-    return fail(ExitCode::render_failed, scene_failure_);
+void ActiveJob::look_for_shortage(const std::vector<WorkerId>& present) {
+  const bool all = std::all_of(present.begin(), present.end(),
+                               [this](WorkerId id) { return scene_failed_at(id); });
+  if (present.empty() || !all) return;
+  const auto bad = std::find_if(scene_failures_.begin(), scene_failures_.end(), [](const auto& of) {
+    return of.second.cause == v1::SceneFailed::BAD_SCENE;
+  });
+  if (bad == scene_failures_.end()) {
+    const std::string why = scene_failures_.empty() ? "workers were lost while they built the scene"
+                                                    : scene_failures_.rbegin()->second.text;
+    shortage_ = Shortage{fmt::format("{}; a worker that can is waited for", why)};
+  } else if (keys_.by_key()) {
+    shortage_ = Shortage{fmt::format("{}; one key alone says so, a worker of another is waited for",
+                                     bad->second.text)};
+  } else {
+    fail(ExitCode::bad_scene, bad->second.text);
   }
-  const bool all =
-      !present.empty() && std::all_of(present.begin(), present.end(),
-                                      [this](WorkerId id) { return scene_failed_at(id); });
-  if (!all) return;
-  if (bad > 0 && !keys_.by_key()) return fail(ExitCode::bad_scene, scene_failure_);
-  const std::string what =
-      scene_failure_.empty() ? "workers were lost while they built the scene" : scene_failure_;
-  shortage_ =
-      Shortage{what + (bad > 0 ? "; one key alone says so, a worker of another is waited for"
-                               : "; a worker that can is waited for")};
 }
 
 void ActiveJob::note_lost_builder(WorkerId worker, Time told, Time now) {

@@ -42,7 +42,11 @@ struct FrameName {
 };
 
 /// Why workers could not build a frame's scene.
-using SceneFailures = std::map<WorkerId, v1::SceneFailed::Cause>;
+struct SceneFailure {
+  v1::SceneFailed::Cause cause = v1::SceneFailed::OTHER;
+  std::string text;
+};
+using SceneFailures = std::map<WorkerId, SceneFailure>;
 
 /// A frame that nobody who is there can render now.
 struct Shortage {
@@ -73,19 +77,20 @@ class ActiveJob {
   const Digest& key() const { return key_; }
   const v1::JobStart& start_message() const { return start_; }
   v1::Assign assignment(const Lease& lease) const;
-  /// Notes that a worker could not build the scene.
-  void note_scene_failure(WorkerId worker, v1::SceneFailed::Cause cause, const std::string& why);
-  /// To be called after that, and now and then as long as no worker has built the scene. The frame
-  /// fails once two voices say that the scene is wrong, or that it ended their process; where
-  /// workers are not told apart by keys, also once all that there are, `present`, have failed and
-  /// one says that it is wrong. Where all have failed otherwise, the frame is short of something.
-  void judge_scene(const std::vector<WorkerId>& present);
+  /// Notes that a worker could not build the scene. The frame fails once two voices say that the
+  /// scene is wrong or, where nobody has built it, that building it ended their process.
+  void note_scene_failure(WorkerId worker, SceneFailure failure);
+  /// These workers are there. Where all of them have failed to build the scene, the frame is short
+  /// of something; where workers are not told apart by keys and one says that the scene is wrong,
+  /// it fails.
+  void look_for_shortage(const std::vector<WorkerId>& present);
   /// Whether the worker is passed over for this frame: it, or workers of its voice that were lost
   /// while they built the scene, could not build it.
   bool scene_failed_at(WorkerId worker) const {
     return scene_failures_.contains(worker) || lost_voices_.contains(keys_.voice_of(worker));
   }
-  bool is_built() const { return built_; }
+  /// Whether any worker is passed over.
+  bool has_scene_failures() const { return !scene_failures_.empty() || !lost_voices_.empty(); }
   const SceneFailures& scene_failures() const { return scene_failures_; }
   /// Notes that nobody who is there can get on with it.
   void fall_short(Shortage shortage) { shortage_ = std::move(shortage); }
@@ -204,7 +209,6 @@ class ActiveJob {
   std::optional<Time> first_assignment_, last_result_;
   bool ended_ = false;
   SceneFailures scene_failures_;
-  std::string scene_failure_;  ///< what the last of them said
   std::optional<Shortage> shortage_;
   std::unordered_set<WorkerId> workers_seen_;
   std::set<WorkerId> lost_builders_;         ///< that did not come back

@@ -64,8 +64,10 @@ int main(int argc, char** argv) {
     if (lies) close(file);
   }
   const bool deadly = options.contains("--deadly");
+  const bool crashes = options.contains("--crash-building");
   worker.make_renderer = [=](const v1::Scene&, const BlobStore&, const v1::FrameSettings& frame,
                              int) {
+    if (crashes) std::abort();
     return std::make_shared<SlowRenderer>(frame.seed(), pause, deadly, lies);
   };
   const auto transport = connect_client(options["--connect"]);

@@ -218,6 +218,19 @@ TEST(LocalWorkers, ATileThatCrashesThreeIsGivenUpAndTheRestIsRendered) {
   EXPECT_EQ(result.report.tiles_done, 35u);
 }
 
+TEST(LocalWorkers, ASceneThatCrashesTwoThatBuildItFailsTheJob) {
+  for (const int count : {1, 3}) {
+    LocalWorkerOptions options = fake_workers(count, 0);
+    options.extra_arguments = {"--crash-building", "yes"};
+    Farm farm(options);
+    const JobResult result = farm.render(make_job(32, 32, 16), nullptr);
+    EXPECT_EQ(result.report.exit_code, ExitCode::render_failed);
+    EXPECT_THAT(result.report.failure,
+                ::testing::MatchesRegex("building the scene ended the worker's process: process .* "
+                                        "ended with signal 6 .ABRT.; that happened to 2 workers"));
+  }
+}
+
 TEST(LocalWorkers, ThoseThatEndAtOnceFailTheJobInTime) {
   LocalWorkerOptions options = fake_workers(2, 0);
   options.extra_arguments = {"--fail", "yes"};

@@ -251,6 +251,43 @@ TEST_F(CoordinatorTest, AJobThatEndsWorkersWhileTheyBuildEnds) {
             "built it; it may take more memory than they have: 'tessera retry' tries again");
 }
 
+TEST_F(CoordinatorTest, ASceneThatCrashesTwoLocalProcessesThatBuildItFails) {
+  const uint64_t id = coordinator.submit(job(), {});
+  const auto crash = [&](uint32_t process) {
+    v1::Envelope message = hello(process);
+    message.mutable_hello()->set_process_id(process);
+    say("p" + std::to_string(process), message);
+    const std::string how = "process " + std::to_string(process) + " ended with signal 11 (SEGV)";
+    coordinator.on_process_ended(static_cast<pid_t>(process), true, how, {});
+  };
+  crash(77);
+  EXPECT_FALSE(coordinator.take_result(id)) << "though nobody is left who could build it";
+  crash(78);
+  const auto result = coordinator.take_result(id);
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->report.exit_code, ExitCode::render_failed);
+  EXPECT_EQ(result->report.failure,
+            "building the scene ended the worker's process: process 78 ended with signal 11 "
+            "(SEGV); that happened to 2 workers");
+}
+
+TEST_F(CoordinatorTest, ASceneThatOneHasBuiltIsNotBlamedForCrashes) {
+  const auto crash = [&](uint64_t id, WorkerId worker) {
+    const PeerId peer = "p" + std::to_string(worker);
+    say(peer, hello(worker));
+    v1::Envelope message;
+    message.mutable_scene_failed()->set_session(1);
+    message.mutable_scene_failed()->set_job(id);
+    message.mutable_scene_failed()->set_cause(v1::SceneFailed::CRASHED);
+    say(peer, message);
+  };
+  const uint64_t id = coordinator.submit(job(), {});
+  say("q", hello(1));
+  ready("q", id);
+  for (WorkerId worker = 2; worker <= 5; ++worker) crash(id, worker);
+  EXPECT_FALSE(coordinator.take_result(id));
+}
+
 TEST_F(CoordinatorTest, AJobIsNotBlamedForWorkersThatAreLostOtherwise) {
   const uint64_t id = coordinator.submit(job(), {});
   const auto peer = [](int worker) { return "p" + std::to_string(worker); };

@@ -46,6 +46,32 @@ class Held : public ServiceTest {
   size_t told = 0;
 };
 
+TEST_F(Held, AJobThatNobodyWhoIsLeftCanBuildIsHeld) {
+  const uint64_t job = submit(1);
+  const auto come_in_hope = [&](WorkerId id) {
+    say("able", hello(id));
+    EXPECT_EQ(ask(job).state(), v1::JobStatus::RUNNING) << "this one has not tried";
+  };
+  come_in_hope(2);
+  come_in_vain(1, v1::SceneFailed::CRASHED);
+  EXPECT_EQ(ask(job).state(), v1::JobStatus::RUNNING);
+  v1::Envelope bye;
+  bye.mutable_bye()->set_session(1);
+  say("able", bye);
+  EXPECT_EQ(ask(job).state(), v1::JobStatus::HELD) << "it left";
+  come_in_hope(3);
+  coordinator.on_peer_gone("able", {});
+  EXPECT_EQ(ask(job).state(), v1::JobStatus::HELD) << "its connection is gone";
+  come_in_hope(4);
+  for (int second = 1; second <= 6; ++second) {
+    v1::Envelope heartbeat;
+    heartbeat.mutable_heartbeat()->set_session(1);
+    say("w1", heartbeat, seconds(second));
+    coordinator.on_tick(seconds(second));
+  }
+  EXPECT_EQ(ask(job).state(), v1::JobStatus::HELD) << "it fell silent";
+}
+
 TEST_F(Held, AWorkerWithoutMemoryHoldsTheQueueUntilAnotherComes) {
   std::vector<uint64_t> jobs;
   for (uint32_t seed = 1; seed <= 20; ++seed) jobs.push_back(submit(seed));

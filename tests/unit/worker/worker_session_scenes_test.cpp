@@ -1,3 +1,5 @@
+#include <csignal>
+
 #include "tests/unit/worker/worker_session_fixture.h"
 
 namespace tessera {
@@ -32,6 +34,39 @@ TEST_F(WorkerSessionTest, ABlobThatIsNeverThereFailsTheScene) {
     failed += sent(v1::Envelope::kSceneFailed).size();
   }
   EXPECT_EQ(failed, 1u);
+}
+
+TEST_F(WorkerSessionTest, AFrameThatCrashedTheProcessIsNotBuiltAgain) {
+  const std::string deadly(16, 'x'), harmless(16, 'y');
+  SessionOptions after_crash = options();
+  after_crash.crashed_frames = {{deadly, SIGSEGV}};
+  session = WorkerSession(after_crash, Time{0});
+  welcome(1);
+  const auto tell = [this](uint64_t job, const std::string& frame_id) {
+    v1::Envelope message;
+    v1::JobStart& start = *message.mutable_job_start();
+    start.set_job(job);
+    start.set_frame_id(frame_id);
+    start.set_scene_digest(scene_digest.hex());
+    start.set_scene_size(scene_size);
+    session.on_message(Channel::control, message, {});
+  };
+  tell(7, deadly);
+  for (auto& action : session.take_actions()) actions.push_back(std::move(action));
+  const auto all = actions;
+  EXPECT_THAT(sent(v1::Envelope::kBlobRequest), IsEmpty()) << "nothing of it is wanted";
+  actions = all;
+  const auto failed = sent(v1::Envelope::kSceneFailed);
+  ASSERT_THAT(failed, SizeIs(1));
+  EXPECT_EQ(failed[0].scene_failed().job(), 7u);
+  EXPECT_EQ(failed[0].scene_failed().frame_id(), deadly);
+  EXPECT_EQ(failed[0].scene_failed().cause(), v1::SceneFailed::CRASHED);
+  EXPECT_EQ(failed[0].scene_failed().text(),
+            "building the scene ended the worker's process by signal 11 (SEGV)");
+  // The same number may come to mean another frame.
+  tell(7, harmless);
+  serve_blobs();
+  EXPECT_THAT(wants<StartBuild>(), SizeIs(1));
 }
 
 TEST_F(WorkerSessionTest, RepeatsThatASceneFailedUntilTheJobIsOver) {
