@@ -153,7 +153,7 @@ void add_keygen_command(CLI::App& app, Action& action) {
       "  tessera keygen coordinator.key\n"
       "  tessera keygen node1.key --role worker    >> farm.allow\n"
       "  tessera keygen alice.key --role submitter >> farm.allow\n"
-      "  tessera serve --bind tcp://0.0.0.0:7117 --key coordinator.key --allow farm.allow\n"
+      "  tessera serve --bind tcp://0.0.0.0:7117 --key coordinator.key --allow farm.allow --store farm\n"
       "  tessera worker --connect tcp://HOST:7117 --key node1.key --server-key coordinator.pub\n"
       "  tessera render bunny.obj --connect tcp://HOST:7117 --key alice.key \\\n"
       "    --server-key coordinator.pub\n"
