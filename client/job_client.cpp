@@ -21,7 +21,8 @@ std::string waiting_for(const v1::JobStatus& status) {
     case v1::JobStatus::QUEUED:
       return status.workers() == 0 ? "workers" : "the jobs before this one";
     case v1::JobStatus::RUNNING:
-      return status.workers() == 0 ? "workers" : "";
+      if (status.workers() == 0) return "workers";
+      return status.failure().empty() ? "" : "the coordinator: " + printable(status.failure());
     case v1::JobStatus::HELD:
       return "what is lacking: " + printable(status.failure());
     default:

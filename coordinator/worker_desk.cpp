@@ -442,9 +442,7 @@ void WorkerDesk::on_tick(Time now) {
     note_stalls(*job, events.stalled, now);
     fail_undecided(*job, now);
     put_barred_aside(*job);
-    if (const size_t count = job->scheduler().abandon_checks(now)) {
-      spdlog::warn("{} could not be verified: there is no second worker", counted(count, "tile"));
-    }
+    abandon_checks(*job, now);
   }
   fill(now);
 }

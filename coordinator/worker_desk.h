@@ -80,6 +80,7 @@ class WorkerDesk {
   /// honest, and one of another key is, to go on.
   bool key_is_blamed(const WorkerRecord& worker);
   void fail_undecided(ActiveJob& job, Time now);
+  void abandon_checks(ActiveJob& job, Time now);
   void fail_or_hold(ActiveJob& job, const std::string& why);
   /// Puts the job aside where a tile is left that all who are there are barred from.
   void put_barred_aside(ActiveJob& job);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/log.h"
+#include "base/plural.h"
 #include "coordinator/worker_desk.h"
 
 namespace tessera {
@@ -76,7 +77,29 @@ void WorkerDesk::on_mismatch(ActiveJob& job, Mismatch mismatch, Time now) {
   act(job, events, now);
 }
 
+void WorkerDesk::abandon_checks(ActiveJob& job, Time now) {
+  const WorkerKeys& keys = jobs_.keys();
+  const auto present = workers_.present();
+  // Another voice may have time once it is done with other jobs, or has built the scene.
+  const auto is_awaited = [&](uint32_t tile, const std::vector<WorkerId>& traced_by) {
+    return std::any_of(present.begin(), present.end(), [&](const WorkerRecord* worker) {
+      const bool gets_on = now - worker->got_on < options_.lease;
+      return gets_on && !worker->leaves && !job.scene_failed_at(worker->id) &&
+             !job.scheduler().is_barred(tile, worker->id) &&
+             std::none_of(traced_by.begin(), traced_by.end(), [&](WorkerId by) {
+               return keys.voice_of(by) == keys.voice_of(worker->id);
+             });
+    });
+  };
+  if (const size_t count = job.scheduler().abandon_checks(now, is_awaited)) {
+    spdlog::warn("{} could not be verified: there is no second worker{}", counted(count, "tile"),
+                 keys.by_key() ? " of another key" : "");
+  }
+}
+
 void WorkerDesk::fail_undecided(ActiveJob& job, Time now) {
+  // Nobody is given a tile meanwhile.
+  if (draining_ || !jobs_.store_trouble().empty()) return;
   const auto tile = job.scheduler().undecided(now, [&](WorkerId id) {
     const WorkerRecord* const worker = workers_.by_id(id);
     return worker && now - worker->got_on < options_.lease;

@@ -187,6 +187,7 @@ ActiveJob::Completion ActiveJob::complete(uint32_t tile, LeaseId lease, WorkerId
     } else if (!two_voices) {
       // Processes of one key contradict each other, and another key both of them.
       result.convictions = {{about.first, about, from}, {about.second, about, from}};
+      if (verifier_.wants_second(tile)) scheduler_.want_check(tile, verifier_.traced_by(tile));
     } else {
       result.undecided = about;
       reopen(tile);

@@ -143,9 +143,12 @@ class TileScheduler {
   SchedulerEvents check_done(uint32_t tile, LeaseId lease);
   /// The pixels of the tile do not count any more.
   SchedulerEvents requeue(uint32_t tile);
-  /// Gives up the checks that nobody has taken for TileRules::settle in which there was
-  /// nothing else to do. Returns how many.
-  size_t abandon_checks(Time now);
+  /// Gives up the checks that nobody has taken for TileRules::settle in which there was nothing
+  /// else to do in this job, and for which nobody `is_awaited`, who is none of those that traced
+  /// the tile. Returns how many.
+  size_t abandon_checks(
+      Time now,
+      const std::function<bool(uint32_t tile, const std::vector<WorkerId>& traced_by)>& is_awaited);
   /// Ends the leases that had no progress for too long.
   SchedulerEvents expire(Time now);
   /// One of expire()'s `stalled`, whose worker did nothing else either: it is blamed, the tile is

@@ -93,7 +93,8 @@ SchedulerEvents TileScheduler::requeue(uint32_t index) {
   return events;
 }
 
-size_t TileScheduler::abandon_checks(Time now) {
+size_t TileScheduler::abandon_checks(
+    Time now, const std::function<bool(uint32_t, const std::vector<WorkerId>&)>& is_awaited) {
   // Whoever is there has traced them, or is stuck.
   if (open_tiles_ > 0 || waiting_checks_.empty() || !live_.empty()) {
     uncheckable_since_.reset();
@@ -101,10 +102,12 @@ size_t TileScheduler::abandon_checks(Time now) {
   }
   if (!uncheckable_since_) uncheckable_since_ = now;
   if (now - *uncheckable_since_ < rules_.settle) return 0;
-  const size_t count = waiting_checks_.size();
+  const size_t count = std::erase_if(waiting_checks_, [&](uint32_t tile) {
+    if (is_awaited(tile, checks_.at(tile))) return false;
+    checks_.erase(tile);
+    return true;
+  });
   unverified_ += count;
-  for (const uint32_t tile : waiting_checks_) checks_.erase(tile);
-  waiting_checks_.clear();
   return count;
 }
 

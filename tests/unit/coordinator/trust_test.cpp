@@ -146,6 +146,36 @@ TEST_F(Trust, ASecondCopyByTheSameKeyIsNoCheck) {
   EXPECT_EQ(ask(id).state(), v1::JobStatus::RUNNING);
 }
 
+TEST_F(Trust, ChecksWaitForKeysThatAreBusyWithOtherJobs) {
+  const uint64_t other = submit(1, 5, 64);
+  come_by("alice", 1, 4);
+  come_by("bob", 2, 4);
+  const uint64_t id = submit(2);
+  come_by("thief", 3, 64);
+  trace("thief", 9);
+  EXPECT_EQ(ask(other).state(), v1::JobStatus::RUNNING);
+  for (int second = 1; second < 20; ++second) {
+    for (const char* peer : {"alice1", "bob2", "thief3"}) {
+      v1::Envelope heartbeat;
+      heartbeat.mutable_heartbeat()->set_session(1);
+      for (const auto& [whose, assign] : given) {
+        if (whose != peer) continue;
+        auto& held = *heartbeat.mutable_heartbeat()->add_progress();
+        held.set_job(assign.job());
+        held.set_lease(assign.lease());
+        held.set_started(true);
+        held.set_work_done(static_cast<uint64_t>(second));
+      }
+      tell(peer, heartbeat, seconds(second));
+    }
+    coordinator.on_tick(seconds(second));
+    collect();
+    build();
+    trace("thief", 9);
+  }
+  EXPECT_NE(ask(id).state(), v1::JobStatus::ENDED) << "two honest keys are there, if busy";
+}
+
 TEST_F(Trust, OneKeyConvictsNobody) {
   const uint64_t id = submit(1);
   come_by("alice", 1, 4);
