@@ -60,7 +60,7 @@ class Security : public ::testing::Test {
   /// It is told that it is not let in, at its first attempt or a later one.
   void expect_refused(ClientTransport& client) {
     const auto is_told = [&] { return client.trouble() && client.trouble()->refused; };
-    for (int i = 0; i < 100 && !is_told(); ++i) expect_stays_out(client, 10);
+    for (int i = 0; i < 600 && !is_told(); ++i) expect_stays_out(client, 10);
     EXPECT_TRUE(is_told());
   }
   /// A plain TCP connection to control or bulk that has sent `bytes`.
