@@ -83,12 +83,12 @@ TEST_F(WebApiTest, ServesThePage) {
 
 TEST_F(WebApiTest, TellsJobsAndWorkers) {
   const uint64_t id = submit(1, 5);
-  come(~uint64_t{0} - 7, 3);
+  come((uint64_t{1} << 63) - 8, 3);
   look(monotonic_now());
   const Json farm = json("/api/v1/farm");
   EXPECT_EQ(farm["jobs"].size(), 1u);
   EXPECT_EQ(farm["jobs"][0]["state"], "running");
-  EXPECT_EQ(farm["workers"][0]["id"], "18446744073709551608") << "which no browser could count";
+  EXPECT_EQ(farm["workers"][0]["id"], "9223372036854775800") << "which no browser could count";
   EXPECT_EQ(farm["workers"][0]["tiles_held"], 3);
   EXPECT_EQ(json("/api/v1/jobs")["jobs"], farm["jobs"]);
   EXPECT_EQ(json("/api/v1/workers")["workers"], farm["workers"]);
