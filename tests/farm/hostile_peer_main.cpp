@@ -229,7 +229,7 @@ v1::Envelope lie(const v1::Assign& assign, uint64_t session, Inventor& inventor)
 int attack(const std::string& endpoint, bool as_worker, uint64_t seed, Time end) {
   Inventor inventor(seed);
   const auto transport = connect_client(endpoint);
-  const uint64_t worker = seed | 1;
+  const uint64_t worker = seed >> 1 | 1;
   uint64_t sent = 0, session = 1;
   tessera::testing::FrameNames names;
   const auto greet = [&] {
