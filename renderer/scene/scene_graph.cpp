@@ -229,7 +229,7 @@ class Walker {
         fail_value(where, "the scene", fmt::format("more than {} lights", kMaxLights), "fewer");
       }
       const Light light = read_light(where, node.light(), frame);
-      // Nothing tells where it shines from.
+      // Nothing tells where its light comes from.
       if (!is_finite(light.position - Point3{}) || !is_finite(light.direction)) {
         ++graph_.lights_off;
         continue;
