@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,10 +9,6 @@
 
 #include "renderer/film/aov.h"
 #include "renderer/film/tile.h"
-
-namespace CLI {
-class App;
-}
 
 namespace tessera {
 
@@ -49,16 +44,5 @@ std::string parse_choice(std::string_view option, const std::string& text,
                          std::span<const std::string> names);
 /// "NAME, NAME ..." of aov_names(), or "all".
 AovSet parse_aovs(std::string_view option, const std::string& text);
-
-/// Adds an option that is a whole number in [least, most].
-void add_whole(CLI::App& command, const std::string& name, int64_t least, int64_t most,
-               const std::string& text, std::function<void(int64_t)> assign);
-/// `value` must outlive the parsing.
-template <typename Number>
-void add_whole(CLI::App& command, const std::string& name, int64_t least, int64_t most,
-               const std::string& text, Number& value) {
-  add_whole(command, name, least, most, text,
-            std::function([&value](int64_t typed) { value = static_cast<Number>(typed); }));
-}
 
 }  // namespace tessera

@@ -3,11 +3,8 @@
 #include <memory>
 #include <string>
 
+#include "front/option_list.h"
 #include "proto/transport/zmq_transport.h"
-
-namespace CLI {
-class App;
-}
 
 namespace tessera {
 
@@ -20,9 +17,9 @@ struct FarmConnection {
 
 inline constexpr char kDefaultEndpoint[] = "tcp://127.0.0.1:7117";
 
-/// Adds --connect, --key and --server-key to any command that talks to a coordinator, in `group`;
+/// --connect, --key and --server-key of any command that talks to a coordinator, in `group`;
 /// `connection` must outlive the parsing. Its endpoint is the default; empty: there is none.
-void add_connection_options(CLI::App& command, FarmConnection& connection,
+void add_connection_options(OptionList& list, FarmConnection& connection,
                             const std::string& group = "Options");
 /// Reads the keys and begins to connect. Throws usage_error for a key that is missing or wrong.
 std::unique_ptr<ClientTransport> connect(const FarmConnection& connection);

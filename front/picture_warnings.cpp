@@ -1,4 +1,4 @@
-#include "cli/picture_warnings.h"
+#include "front/picture_warnings.h"
 
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>

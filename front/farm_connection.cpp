@@ -1,9 +1,7 @@
-#include "cli/farm_connection.h"
+#include "front/farm_connection.h"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
-
-#include <CLI/CLI.hpp>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -62,30 +60,22 @@ AllowList read_allow_list(const std::string& path, const std::string& option) {
   return AllowList::parse(read_allow_text(path, option), path);
 }
 
-void add_connection_options(CLI::App& command, FarmConnection& connection,
-                            const std::string& group) {
-  command
-      .add_option_function<std::string>(
-          "--connect",
-          [&connection](const std::string& text) {
-            parse_endpoint(text);  // an empty text would be no coordinator at all
-            connection.endpoint = text;
-          },
-          "The coordinator of a running 'tessera serve', tcp://HOST:PORT or ipc://PATH" +
-              (connection.endpoint.empty() ? "" : fmt::format(" [{}]", connection.endpoint)))
-      ->type_name("ENDPOINT")
-      ->group(group);
-  command
-      .add_option(
-          "--key", connection.key_file,
-          "Our secret key, as 'tessera keygen' wrote it: where the coordinator asks for one")
-      ->type_name("FILE")
-      ->group(group);
-  command
-      .add_option("--server-key", connection.server_key,
-                  "The coordinator's public key: its .pub file, or the 64 digits themselves")
-      ->type_name("FILE|KEY")
-      ->group(group);
+void add_connection_options(OptionList& list, FarmConnection& connection,
+                            const std::string& group_name) {
+  OptionGroup group(list, group_name);
+  group.add("--connect", "ENDPOINT",
+            "The coordinator of a running 'tessera serve', tcp://HOST:PORT or ipc://PATH" +
+                (connection.endpoint.empty() ? "" : fmt::format(" [{}]", connection.endpoint)),
+            [&connection](const std::string& text) {
+              parse_endpoint(text);  // an empty text would be no coordinator at all
+              connection.endpoint = text;
+            });
+  group.add_text("--key", "FILE",
+                 "Our secret key, as 'tessera keygen' wrote it: where the coordinator asks for one",
+                 connection.key_file);
+  group.add_text("--server-key", "FILE|KEY",
+                 "The coordinator's public key: its .pub file, or the 64 digits themselves",
+                 connection.server_key);
 }
 
 std::unique_ptr<ClientTransport> connect(const FarmConnection& connection) {

@@ -1,14 +1,11 @@
 #pragma once
 
+#include "front/option_list.h"
 #include "scenes/import/loaded_scene.h"
-
-namespace CLI {
-class App;
-}
 
 namespace tessera {
 
 /// Adds the options that say how files are read; `options` must outlive the parsing.
-void add_read_options(CLI::App& command, ReadOptions& options);
+void add_read_options(OptionList& list, ReadOptions& options);
 
 }  // namespace tessera

@@ -1,12 +1,11 @@
-#include "cli/output_settings.h"
+#include "front/output_settings.h"
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "cli/located.h"
-#include "cli/option_values.h"
+#include "front/located.h"
+#include "front/option_values.h"
 #include "job/picture_settings.h"
 
 namespace tessera {
@@ -86,34 +85,32 @@ v1::Output with_options(v1::Output output, const OutputOptions& options) {
   return output;
 }
 
-void add_output_options(CLI::App& command, OutputOptions& options) {
-  const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
-    command.add_option_function<std::string>(name, assign, text)
-        ->type_name(type)
-        ->group("From light to bytes (PNG, JPEG ...)");
-  };
+void add_output_options(OptionList& list, OutputOptions& options) {
+  OptionGroup group(list, "From light to bytes (PNG, JPEG ...)");
   const auto of_scene = [](const std::vector<std::string>& names) {
     return fmt::format("{} or {} [the scene's, or {}]",
                        fmt::join(names.begin(), names.end() - 1, ", "), names.back(),
                        names.front());
   };
-  add("--exposure", "STOPS", "Twice the light for each, before all else [the scene's, or 0]",
+  group.add(
+      "--exposure", "STOPS", "Twice the light for each, before all else [the scene's, or 0]",
       [&options](const std::string& text) { options.exposure = parse_number("--exposure", text); });
-  add("--tone-map", "KIND", of_scene(tone_map_names()), [&options](const std::string& text) {
+  group.add("--tone-map", "KIND", of_scene(tone_map_names()), [&options](const std::string& text) {
     options.tone_map = parse_choice("--tone-map", text, tone_map_names());
   });
-  add("--transfer", "KIND", of_scene(transfer_names()), [&options](const std::string& text) {
+  group.add("--transfer", "KIND", of_scene(transfer_names()), [&options](const std::string& text) {
     options.transfer = parse_choice("--transfer", text, transfer_names());
   });
-  add("--gamma", "G", "--transfer gamma with this exponent [the scene's, or 2.2]",
-      [&options](const std::string& text) {
-        const double gamma = parse_number("--gamma", text);
-        if (!(gamma > 0)) throw usage_error(fmt::format("--gamma: {}; expected above 0", text));
-        options.gamma = gamma;
-      });
+  group.add("--gamma", "G", "--transfer gamma with this exponent [the scene's, or 2.2]",
+            [&options](const std::string& text) {
+              const double gamma = parse_number("--gamma", text);
+              if (!(gamma > 0))
+                throw usage_error(fmt::format("--gamma: {}; expected above 0", text));
+              options.gamma = gamma;
+            });
   const auto add_name = [&](const char* name, const char* type, const std::string& text,
                             std::optional<std::string>& out) {
-    add(name, type, text, [name, &out](const std::string& given) {
+    group.add(name, type, text, [name, &out](const std::string& given) {
       if (given.empty()) throw usage_error(fmt::format("{}: no name; expected one", name));
       out = given;
     });

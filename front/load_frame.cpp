@@ -1,6 +1,6 @@
-#include "cli/load_frame.h"
+#include "front/load_frame.h"
 
-#include "cli/texture_decoder.h"
+#include "front/texture_decoder.h"
 #include "scenes/formats/read_scene.h"
 
 namespace tessera {

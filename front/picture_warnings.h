@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/render_options.h"
+#include "front/render_options.h"
 #include "scenes/import/loaded_scene.h"
 
 namespace tessera {

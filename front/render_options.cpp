@@ -1,15 +1,14 @@
-#include "cli/render_options.h"
+#include "front/render_options.h"
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <utility>
 
 #include "base/error.h"
 #include "base/plural.h"
-#include "cli/located.h"
-#include "cli/placement.h"
-#include "cli/read_option_flags.h"
+#include "front/located.h"
+#include "front/placement.h"
+#include "front/read_options.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/denoise/denoiser.h"
 #include "renderer/scene/read_camera.h"
@@ -28,19 +27,13 @@ std::string choices(const std::vector<std::string>& names, std::string_view note
                      names.back(), note, names.front());
 }
 
-void add_output_file_option(CLI::App& command, RenderOptions& options) {
-  command
-      .add_option_function<std::vector<std::string>>(
-          "-o,--output",
-          [&options](const std::vector<std::string>& paths) {
-            options.outputs.assign(paths.begin(), paths.end());
-          },
-          "Where to write the picture; the ending names the format. May be given more than once "
-          "[SCENE's name with .png, in the current folder]")
-      ->type_name("FILE")
-      ->option_text("FILE")  // not "FILE ...": one each time
-      ->allow_extra_args(false)
-      ->group("Picture");
+void add_output_file_option(OptionList& list, RenderOptions& options) {
+  OptionGroup(list, "Picture")
+      .add("-o,--output", "FILE",
+           "Where to write the picture; the ending names the format. May be given more than once "
+           "[SCENE's name with .png, in the current folder]",
+           [&options](const std::string& path) { options.outputs.emplace_back(path); })
+      .repeats = true;
 }
 
 /// "NAME" or "NAME:RADIUS".
@@ -57,11 +50,10 @@ void assign_filter(RenderOptions& options, const std::string& text) {
   options.filter_radius = radius;
 }
 
-void add_sampling_options(CLI::App& command, RenderOptions& options) {
-  const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
-    command.add_option_function<std::string>(name, assign, text)->type_name(type)->group("Samples");
-  };
-  add("--spp", "N",
+void add_sampling_options(OptionList& list, RenderOptions& options) {
+  OptionGroup group(list, "Samples");
+  group.add(
+      "--spp", "N",
       fmt::format("Samples per pixel; with --target-error the most [the scene's, or 1: a quick "
                   "look, with jagged edges; with --target-error {}]",
                   kDefaultMostSamples),
@@ -69,7 +61,8 @@ void add_sampling_options(CLI::App& command, RenderOptions& options) {
         options.samples_per_pixel =
             static_cast<uint32_t>(parse_whole("--spp", text, 1, kMaxSamplesPerPixel));
       });
-  add("--target-error", "E",
+  group.add(
+      "--target-error", "E",
       "Sample each block of 4x4 pixels until its estimated standard error is below E, 1 being "
       "display white; 0: all samples everywhere [the scene's, or 0]",
       [&options](const std::string& text) {
@@ -79,73 +72,71 @@ void add_sampling_options(CLI::App& command, RenderOptions& options) {
               fmt::format("--target-error: {}; expected 0 or above", *options.target_error));
         }
       });
-  add("--min-spp", "N",
-      fmt::format("With --target-error: never stop before N samples [the scene's, or {}]",
-                  kDefaultMinSamples),
-      [&options](const std::string& text) {
-        options.min_samples =
-            static_cast<uint32_t>(parse_whole("--min-spp", text, 1, kMaxSamplesPerPixel));
-      });
-  add("--filter", "NAME[:RADIUS]",
-      fmt::format(
-          "{}: how samples weigh about a pixel's centre; RADIUS in pixels: .5, 1, 1.5, 2, 2 "
-          "if left out [the scene's, or box]",
-          fmt::join(pixel_filter_names(), ", ")),
-      [&options](const std::string& text) { assign_filter(options, text); });
-  add("--pattern", "NAME",
+  group.add("--min-spp", "N",
+            fmt::format("With --target-error: never stop before N samples [the scene's, or {}]",
+                        kDefaultMinSamples),
+            [&options](const std::string& text) {
+              options.min_samples =
+                  static_cast<uint32_t>(parse_whole("--min-spp", text, 1, kMaxSamplesPerPixel));
+            });
+  group.add("--filter", "NAME[:RADIUS]",
+            fmt::format(
+                "{}: how samples weigh about a pixel's centre; RADIUS in pixels: .5, 1, 1.5, 2, 2 "
+                "if left out [the scene's, or box]",
+                fmt::join(pixel_filter_names(), ", ")),
+            [&options](const std::string& text) { assign_filter(options, text); });
+  group.add(
+      "--pattern", "NAME",
       fmt::format("{}: how samples are spread; blue-noise evens their error out over the picture "
                   "[the scene's, or owen-sobol; center for one sample]",
                   fmt::join(sample_pattern_names(), ", ")),
       [&options](const std::string& text) {
         options.pattern = parse_choice("--pattern", text, sample_pattern_names());
       });
-  add("--seed", "N", "Seed of the sample pattern [the scene's, or 0]",
-      [&options](const std::string& text) {
-        options.seed = static_cast<uint32_t>(parse_whole("--seed", text, 0, UINT32_MAX));
-      });
+  group.add("--seed", "N", "Seed of the sample pattern [the scene's, or 0]",
+            [&options](const std::string& text) {
+              options.seed = static_cast<uint32_t>(parse_whole("--seed", text, 0, UINT32_MAX));
+            });
 }
 
-void add_picture_options(CLI::App& command, RenderOptions& options) {
-  const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
-    command.add_option_function<std::string>(name, assign, text)->type_name(type)->group("Picture");
-  };
-  add("--size", "WxH",
-      fmt::format("Width and height in pixels [the scene's, or {}x{}]", kDefaultFrameWidth,
-                  kDefaultFrameHeight),
-      [&options](const std::string& text) { options.size = parse_size("--size", text); });
-  add("--crop", "X0,Y0,X1,Y1", "Only these pixels of the frame, from X0,Y0 up to before X1,Y1",
-      [&options](const std::string& text) { options.crop = parse_crop("--crop", text); });
-  add("--camera", "CAMERA",
-      "Which of the scene's cameras, by name, description or number from 1 [the first]",
-      [&options](const std::string& text) { options.camera = text; });
-  command
-      .add_flag("--pinhole", options.pinhole, "Leave out the camera's lens: everything is in focus")
-      ->group("Picture");
-  command
-      .add_flag("--frame-all", options.frame_all,
-                "Move the camera, without turning it, until everything just fits the picture")
-      ->group("Picture");
-  add("--aovs", "LIST",
-      fmt::format("Channels beside light in pictures of the format EXR: some of {}, or all",
-                  fmt::join(aov_names(), ",")),
-      [&options](const std::string& text) { options.aovs = parse_aovs("--aovs", text); });
-  add("--time", "T", "The instant to render, in seconds [the scene's]",
-      [&options](const std::string& text) { options.time = parse_number("--time", text); });
-  add("--frames", "A-B",
+void add_picture_options(OptionList& list, RenderOptions& options) {
+  OptionGroup group(list, "Picture");
+  group.add("--size", "WxH",
+            fmt::format("Width and height in pixels [the scene's, or {}x{}]", kDefaultFrameWidth,
+                        kDefaultFrameHeight),
+            [&options](const std::string& text) { options.size = parse_size("--size", text); });
+  group.add("--crop", "X0,Y0,X1,Y1",
+            "Only these pixels of the frame, from X0,Y0 up to before X1,Y1",
+            [&options](const std::string& text) { options.crop = parse_crop("--crop", text); });
+  group.add("--camera", "CAMERA",
+            "Which of the scene's cameras, by name, description or number from 1 [the first]",
+            [&options](const std::string& text) { options.camera = text; });
+  group.add_flag("--pinhole", "Leave out the camera's lens: everything is in focus",
+                 options.pinhole);
+  group.add_flag("--frame-all",
+                 "Move the camera, without turning it, until everything just fits the picture",
+                 options.frame_all);
+  group.add("--aovs", "LIST",
+            fmt::format("Channels beside light in pictures of the format EXR: some of {}, or all",
+                        fmt::join(aov_names(), ",")),
+            [&options](const std::string& text) { options.aovs = parse_aovs("--aovs", text); });
+  group.add("--time", "T", "The instant to render, in seconds [the scene's]",
+            [&options](const std::string& text) { options.time = parse_number("--time", text); });
+  group.add(
+      "--frames", "A-B",
       "Frames A to B of the animation, each to NAME.NNNN.png, at the instants that its frame rate "
       "gives: not with --time",
       [&options](const std::string& text) { options.frames = parse_frames("--frames", text); });
 }
 
-void add_tracing_options(CLI::App& command, RenderOptions& options) {
-  const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
-    command.add_option_function<std::string>(name, assign, text)->type_name(type)->group("Tracing");
-  };
-  add("--accel", "KIND", choices(available_accelerators(), "; none changes a pixel"),
-      [&options](const std::string& text) {
-        options.accelerator = parse_choice("--accel", text, available_accelerators());
-      });
-  add("--integrator", "KIND",
+void add_tracing_options(OptionList& list, RenderOptions& options) {
+  OptionGroup group(list, "Tracing");
+  group.add("--accel", "KIND", choices(available_accelerators(), "; none changes a pixel"),
+            [&options](const std::string& text) {
+              options.accelerator = parse_choice("--accel", text, available_accelerators());
+            });
+  group.add(
+      "--integrator", "KIND",
       choices(integrator_names(),
               "; all but the first three show what is there instead of light, or how it was found"),
       [&options](const std::string& text) {
@@ -153,66 +144,52 @@ void add_tracing_options(CLI::App& command, RenderOptions& options) {
       });
 }
 
-void add_tile_option(CLI::App& command, RenderOptions& options) {
-  command
-      .add_option_function<std::string>(
-          "--tile",
-          [&options](const std::string& text) {
-            options.tile_size = static_cast<int>(parse_whole("--tile", text, 1, kMaxFrameSide));
-          },
-          "Pixels a side of a tile [chosen from the frame and the workers]")
-      ->type_name("N")
-      ->group("Who does the work");
+void add_tile_option(OptionList& list, RenderOptions& options) {
+  OptionGroup(list, "Who does the work")
+      .add("--tile", "N", "Pixels a side of a tile [chosen from the frame and the workers]",
+           [&options](const std::string& text) {
+             options.tile_size = static_cast<int>(parse_whole("--tile", text, 1, kMaxFrameSide));
+           });
 }
 
-void add_farm_options(CLI::App& command, RenderOptions& options) {
-  const auto add = [&](const char* name, const char* type, const std::string& text, auto assign) {
-    command.add_option_function<std::string>(name, assign, text)
-        ->type_name(type)
-        ->group("Who does the work");
-  };
-  add("--workers", "N",
-      "Worker processes on this machine; 0: trace with threads in this process [one a core]",
-      [&options](const std::string& text) {
-        options.workers = static_cast<int>(parse_whole("--workers", text, 0, kMaxWorkers));
-      });
-  add("--threads", "N", "Threads of each worker [1; with --workers 0 one a core]",
-      [&options](const std::string& text) {
-        options.threads = static_cast<int>(parse_whole("--threads", text, 1, kMaxThreads));
-      });
-  add("--verify", "SHARE",
+void add_farm_options(OptionList& list, RenderOptions& options) {
+  OptionGroup group(list, "Who does the work");
+  group.add("--workers", "N",
+            "Worker processes on this machine; 0: trace with threads in this process [one a core]",
+            [&options](const std::string& text) {
+              options.workers = static_cast<int>(parse_whole("--workers", text, 0, kMaxWorkers));
+            });
+  group.add("--threads", "N", "Threads of each worker [1; with --workers 0 one a core]",
+            [&options](const std::string& text) {
+              options.threads = static_cast<int>(parse_whole("--threads", text, 1, kMaxThreads));
+            });
+  group.add(
+      "--verify", "SHARE",
       "The share of tiles that a second worker traces too, such as 1%; where two differ a third "
       "judges, and who was wrong is set aside [0%]",
       [&options](const std::string& text) { options.verify = parse_share("--verify", text); });
-  add_connection_options(command, options.connection, "Who does the work");
-  command
-      .add_flag(
-          "--resume", options.resume,
-          "Keep finished tiles in OUT.tiles until the pictures are written, and go on from those "
-          "that an interrupted run has left there")
-      ->group("Who does the work");
+  add_connection_options(list, options.connection, "Who does the work");
+  group.add_flag(
+      "--resume",
+      "Keep finished tiles in OUT.tiles until the pictures are written, and go on from those "
+      "that an interrupted run has left there",
+      options.resume);
 }
 
-void add_report_options(CLI::App& command, RenderOptions& options) {
-  command
-      .add_option_function<std::string>(
-          "--trace", [&options](const std::string& text) { options.trace = text; },
-          "Write which worker traced what when, for Perfetto or chrome://tracing; with --frames "
-          "one "
-          "a frame, numbered as the pictures are")
-      ->type_name("FILE.json")
-      ->group("Report");
-  command.add_option("--tev", options.tev, "Show what is traced in the image viewer tev there")
-      ->type_name("HOST:PORT")
-      ->group("Report");
-  command
-      .add_option_function<std::string>(
-          "--stats", [&options](const std::string& text) { options.stats = text; },
-          "Write what was done, counted and timed, as one JSON object; with --frames one a frame, "
-          "to FILE.NNNN.json. '-': standard output, where nothing else is printed then")
-      ->type_name("FILE.json")
-      ->group("Report");
-  command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group("Report");
+void add_report_options(OptionList& list, RenderOptions& options) {
+  OptionGroup group(list, "Report");
+  group.add("--trace", "FILE.json",
+            "Write which worker traced what when, for Perfetto or chrome://tracing; with --frames "
+            "one a frame, numbered as the pictures are",
+            [&options](const std::string& text) { options.trace = text; });
+  group.add_text("--tev", "HOST:PORT", "Show what is traced in the image viewer tev there",
+                 options.tev);
+  group.add(
+      "--stats", "FILE.json",
+      "Write what was done, counted and timed, as one JSON object; with --frames one a frame, "
+      "to FILE.NNNN.json. '-': standard output, where nothing else is printed then",
+      [&options](const std::string& text) { options.stats = text; });
+  group.add_flag("--quiet", "Print nothing but errors", options.quiet);
 }
 
 void check_camera(const std::string& name, const v1::Scene& scene) {
@@ -282,36 +259,32 @@ v1::FrameSettings checked_settings(const RenderOptions& options, const v1::Setti
 
 }  // namespace
 
-void add_scene_options(CLI::App& command, RenderOptions& options) {
-  command.add_option("SCENE", options.scene, "The scene file; 'tessera info' tells what it holds")
-      ->required()
-      ->type_name("FILE");
-  add_place_option(command, options.reading.placements);
-  add_picture_options(command, options);
-  add_sampling_options(command, options);
-  add_output_options(command, options.output);
-  add_tracing_options(command, options);
-  add_read_options(command, options.reading);
-  add_tile_option(command, options);
+void add_scene_options(OptionList& list, RenderOptions& options) {
+  add_place_option(list, options.reading.placements);
+  add_picture_options(list, options);
+  add_sampling_options(list, options);
+  add_output_options(list, options.output);
+  add_tracing_options(list, options);
+  add_read_options(list, options.reading);
+  add_tile_option(list, options);
 }
 
-void add_render_options(CLI::App& command, RenderOptions& options) {
-  add_output_file_option(command, options);
-  command
-      .add_flag(
-          "--denoise", options.denoise,
-          "Smooth noise away, and what is finer than it: more like the truth where samples are "
-          "few, but no longer free of bias")
-      ->group("Picture");
-  command
-      .add_flag(
-          "--progressive", options.progressive,
-          "Write the picture after 1, 4, 16 ... samples a pixel too, each in place of the one "
-          "before; takes up to a third longer, for the same last picture")
-      ->group("Picture");
-  add_scene_options(command, options);
-  add_farm_options(command, options);
-  add_report_options(command, options);
+void add_render_options(OptionList& list, RenderOptions& options) {
+  add_output_file_option(list, options);
+  OptionGroup group(list, "Picture");
+  group.add_flag(
+      "--denoise",
+      "Smooth noise away, and what is finer than it: more like the truth where samples are "
+      "few, but no longer free of bias",
+      options.denoise);
+  group.add_flag(
+      "--progressive",
+      "Write the picture after 1, 4, 16 ... samples a pixel too, each in place of the one "
+      "before; takes up to a third longer, for the same last picture",
+      options.progressive);
+  add_scene_options(list, options);
+  add_farm_options(list, options);
+  add_report_options(list, options);
 }
 
 std::vector<std::filesystem::path> picture_paths(const RenderOptions& options) {

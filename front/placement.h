@@ -4,11 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include "front/option_list.h"
 #include "proto/tessera/v1/scene.pb.h"
-
-namespace CLI {
-class App;
-}
 
 namespace tessera {
 
@@ -18,6 +15,6 @@ namespace tessera {
 v1::Include parse_placement(std::string_view text);
 
 /// Adds --place to a command that reads a scene; `placements` must outlive the parsing.
-void add_place_option(CLI::App& command, std::vector<v1::Include>& placements);
+void add_place_option(OptionList& list, std::vector<v1::Include>& placements);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-#include "cli/placement.h"
+#include "front/placement.h"
 
 #include <gtest/gtest.h>
 

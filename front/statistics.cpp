@@ -1,4 +1,4 @@
-#include "cli/statistics.h"
+#include "front/statistics.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>

@@ -1,4 +1,4 @@
-#include "cli/texture_decoder.h"
+#include "front/texture_decoder.h"
 
 #include "renderer/image/image_file.h"
 

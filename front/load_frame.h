@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cli/render_options.h"
+#include "front/render_options.h"
 #include "scenes/import/loaded_scene.h"
 
 namespace tessera {

@@ -1,13 +1,12 @@
-#include "cli/placement.h"
+#include "front/placement.h"
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <optional>
 
 #include "base/error.h"
-#include "cli/option_values.h"
+#include "front/option_values.h"
 
 namespace tessera {
 namespace {
@@ -115,19 +114,15 @@ v1::Include parse_placement(std::string_view text) {
   return include;
 }
 
-void add_place_option(CLI::App& command, std::vector<v1::Include>& placements) {
-  command
-      .add_option_function<std::vector<std::string>>(
-          "--place",
-          [&placements](const std::vector<std::string>& texts) {
-            for (const std::string& text : texts) placements.push_back(parse_placement(text));
-          },
+void add_place_option(OptionList& list, std::vector<v1::Include>& placements) {
+  OptionGroup(list, "Scene")
+      .add(
+          "--place", "FILE[:...]",
           "Place another scene or model into this one: FILE, then any of :at=X,Y,Z "
           ":rotate=X,Y,Z (degrees) :scale=S or X,Y,Z :mirror=AXES. Without FILE: the scene itself. "
-          "May be given more than once")
-      ->type_name("FILE[:...]")
-      ->allow_extra_args(false)
-      ->group("Scene");
+          "May be given more than once",
+          [&placements](const std::string& text) { placements.push_back(parse_placement(text)); })
+      .repeats = true;
 }
 
 }  // namespace tessera

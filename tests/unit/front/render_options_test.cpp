@@ -1,9 +1,9 @@
-#include "cli/render_options.h"
+#include "front/render_options.h"
 
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "cli/output_settings.h"
+#include "front/output_settings.h"
 #include "tests/error_of.h"
 
 namespace tessera {

@@ -1,4 +1,4 @@
-#include "cli/tracing_farm.h"
+#include "front/tracing_farm.h"
 
 #include <fmt/format.h>
 #include <signal.h>
@@ -17,7 +17,6 @@
 #include <utility>
 
 #include "base/process.h"
-#include "cli/interrupt.h"
 #include "client/refusal.h"
 #include "client/run_remote_job.h"
 #include "coordinator/local_workers.h"
@@ -65,13 +64,13 @@ uint64_t peak_bytes_of(pid_t process) {
 class LocalFarm : public TracingFarm {
  public:
   explicit LocalFarm(const LocalFarmOptions& options)
-      : held_(std::in_place),
-        workers_(worker_options(options)),
+      : workers_(worker_options(options)),
         loop_(bind_server(workers_.endpoint()),
               coordinator_options(options.workers * options.threads, options.verify)) {
     const std::filesystem::path socket = workers_.endpoint().substr(std::strlen("ipc://"));
-    remove_when_interrupted(socket.parent_path(), {socket.string(), socket.string() + ".bulk"});
-    held_.reset();
+    if (options.made_sockets) {
+      options.made_sockets(socket.parent_path(), {socket.string(), socket.string() + ".bulk"});
+    }
     loop_.watch(&workers_);
     if (!options.tev.empty()) {
       tev_.emplace(options.tev);
@@ -106,7 +105,6 @@ class LocalFarm : public TracingFarm {
   }
 
  private:
-  std::optional<HeldInterrupts> held_;  ///< until the sockets' folder is known to the handler
   LocalWorkers workers_;
   std::optional<TevViewer> tev_;
   RenderLoop loop_;

@@ -1,9 +1,8 @@
-#include "cli/option_values.h"
+#include "front/option_values.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -150,15 +149,6 @@ AovSet parse_aovs(std::string_view option, const std::string& text) {
     at = end + 1;
   }
   return aovs;
-}
-
-void add_whole(CLI::App& command, const std::string& name, int64_t least, int64_t most,
-               const std::string& text, std::function<void(int64_t)> assign) {
-  command
-      .add_option_function<std::string>(
-          name, [=](const std::string& typed) { assign(parse_whole(name, typed, least, most)); },
-          text)
-      ->type_name("N");
 }
 
 }  // namespace tessera

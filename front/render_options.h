@@ -6,17 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "cli/farm_connection.h"
-#include "cli/option_values.h"
-#include "cli/output_settings.h"
+#include "front/farm_connection.h"
+#include "front/option_list.h"
+#include "front/option_values.h"
+#include "front/output_settings.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "renderer/film/aov.h"
 #include "scenes/import/loaded_scene.h"
-
-namespace CLI {
-class App;
-}
 
 namespace tessera {
 
@@ -59,11 +56,11 @@ struct RenderOptions {
   bool resume = false;
 };
 
-/// Adds the options of `render` to its command; `options` must outlive the parsing.
-void add_render_options(CLI::App& command, RenderOptions& options);
+/// The options of `render`; `options` must outlive the parsing.
+void add_render_options(OptionList& list, RenderOptions& options);
 
-/// Adds those of them that say what to render, for a command that leaves it to others.
-void add_scene_options(CLI::App& command, RenderOptions& options);
+/// Those of them that say what to render, for a command that leaves it to others.
+void add_scene_options(OptionList& list, RenderOptions& options);
 
 /// Where the pictures go: the outputs asked for, or the scene's name with .png in the current
 /// folder.

@@ -4,12 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "front/option_list.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "renderer/film/tone_map.h"
-
-namespace CLI {
-class App;
-}
 
 namespace tessera {
 
@@ -26,8 +23,8 @@ struct OutputOptions {
 const std::vector<std::string>& tone_map_names();
 const std::vector<std::string>& transfer_names();
 
-/// Adds them to a command. Formats of floats hold the linear picture whatever they say.
-void add_output_options(CLI::App& command, OutputOptions& options);
+/// The options of these. Formats of floats hold the linear picture whatever they say.
+void add_output_options(OptionList& list, OutputOptions& options);
 
 /// What the scene asks, with the options laid over it. Throws usage_error for a gamma beside
 /// another transfer curve.

@@ -2,11 +2,13 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "cli/farm_connection.h"
 #include "coordinator/tiles/tile_store.h"
+#include "front/farm_connection.h"
 #include "job/job.h"
 
 namespace tessera {
@@ -35,6 +37,10 @@ struct LocalFarmOptions {
   bool quiet = false;
   double verify = 0;  ///< as in CoordinatorOptions
   std::string tev{};  ///< where a viewer is, that shows what is traced; empty: nowhere
+  /// Called, before workers start, with the folder of the sockets and with these: what a process
+  /// that ends at once has to remove.
+  std::function<void(const std::string& folder, const std::vector<std::string>& files)>
+      made_sockets{};
 };
 std::unique_ptr<TracingFarm> start_local_workers(const LocalFarmOptions& options);
 /// `threads` in this process: the same coordinator and worker code, over memory.
