@@ -9,5 +9,7 @@ namespace tessera {
 void bind_errors(pybind11::module_& module);
 void bind_arrays(pybind11::module_& module);
 void bind_scene(pybind11::module_& module);
+void bind_picture(pybind11::module_& module);
+void bind_render(pybind11::module_& module);
 
 }  // namespace tessera
