@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "bench/error/metrics.h"
 #include "front/output_settings.h"
 #include "python/bindings.h"
 #include "python/picture.h"
@@ -110,6 +111,27 @@ py::tuple read_file(const std::string& path) {
                         Array(std::move(image.values), {image.height, image.width, channels}));
 }
 
+/// Light of the same size, (h, w, 3) float32 in a row each: the greatest, mean and root mean square
+/// difference, then relMSE and FLIP with the second as the reference.
+py::tuple compare(const py::buffer& first, const py::buffer& second) {
+  const auto taken = [](const py::buffer& buffer) {
+    const py::buffer_info info = buffer.request();
+    const auto* values = static_cast<const float*>(info.ptr);
+    return Picture{static_cast<int>(info.shape.at(1)), static_cast<int>(info.shape.at(0)),
+                   std::vector<float>(values, values + info.size)};
+  };
+  const Picture a = taken(first), b = taken(second);
+  const py::gil_scoped_release release;
+  double sum = 0;
+  for (size_t i = 0; i < a.values.size(); ++i) {
+    sum += std::abs(double{a.values[i]} - double{b.values[i]});
+  }
+  const PictureError error = picture_error(a, b);
+  const py::gil_scoped_acquire acquire;
+  return py::make_tuple(error.max_error, sum / static_cast<double>(a.values.size()), error.rmse,
+                        error.rel_mse, error.flip);
+}
+
 }  // namespace
 
 Array channels_of(const PicturePointer& picture, const std::string& name) {
@@ -169,6 +191,7 @@ void bind_picture(py::module_& module) {
       .def("save", &save, Release());
   module.def("picture_from_values", &from_values);
   module.def("read_picture", &read_file);
+  module.def("compare", &compare);
 }
 
 }  // namespace tessera

@@ -7,4 +7,5 @@ PYBIND11_MODULE(_core, module) {
   tessera::bind_scene(module);
   tessera::bind_picture(module);
   tessera::bind_render(module);
+  tessera::bind_log(module);
 }

@@ -34,7 +34,7 @@ void copy_light(const NewTiles& from, const PixelRect& tile, Film& to) {
       const auto light = from.values.subspan(pixel * channels, kFilmChannels);
       row.insert(row.end(), light.begin(), light.end());
     }
-    to.write(tile, y - tile.y0, 1, row);
+    to.write(tile, y, 1, row);
   }
 }
 

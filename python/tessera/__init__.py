@@ -2,6 +2,9 @@
 from ._core import Array
 from .errors import (Cancelled, Error, FarmError, MissingFile, PrecisionWarning, Refused, RenderError,
                      SceneError, SceneWarning, UsageError)
+from .picture import Image, Metrics, Rect, compare, read_image
+from .rendering import LocalFarm, Progress, Task, Threads, render
 
-__all__ = ["Array", "Cancelled", "Error", "FarmError", "MissingFile", "PrecisionWarning", "Refused",
+__all__ = ["Image", "LocalFarm", "Metrics", "Progress", "Rect", "Task", "Threads", "compare",
+           "read_image", "render", "Array", "Cancelled", "Error", "FarmError", "MissingFile", "PrecisionWarning", "Refused",
            "RenderError", "SceneError", "SceneWarning", "UsageError"]
