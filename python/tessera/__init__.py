@@ -2,9 +2,10 @@
 from ._core import Array
 from .errors import (Cancelled, Error, FarmError, MissingFile, PrecisionWarning, Refused, RenderError,
                      SceneError, SceneWarning, UsageError)
+from .farm import Farm, Job
 from .picture import Image, Metrics, Rect, compare, read_image
 from .rendering import LocalFarm, Progress, Task, Threads, render
 
-__all__ = ["Image", "LocalFarm", "Metrics", "Progress", "Rect", "Task", "Threads", "compare",
+__all__ = ["Farm", "Image", "Job", "LocalFarm", "Metrics", "Progress", "Rect", "Task", "Threads", "compare",
            "read_image", "render", "Array", "Cancelled", "Error", "FarmError", "MissingFile", "PrecisionWarning", "Refused",
            "RenderError", "SceneError", "SceneWarning", "UsageError"]
