@@ -30,11 +30,9 @@ def check(program: str) -> None:
     try:
         done = subprocess.run([program, "--version"], stdin=subprocess.DEVNULL, capture_output=True,
                               encoding="utf-8", errors="replace", timeout=30)
-    except OSError as error:
-        raise ImportError(f"{program}: {error.strerror}; expected the program {_NAME}. {_WHERE}") from error
-    except subprocess.TimeoutExpired as error:
-        raise ImportError(f"{program}: no answer to --version; expected the program {_NAME}. "
-                          f"{_WHERE}") from error
+    except (OSError, subprocess.TimeoutExpired) as error:
+        cause = getattr(error, "strerror", None) or "no answer to --version"
+        raise ImportError(f"{program}: {cause}; expected the program {_NAME}. {_WHERE}") from None
     found, expected = done.stdout.strip()[:200], f"{_NAME} {_core.build}"
     if found != expected:
         raise ImportError(f"{program}: its version is '{found}'; expected '{expected}', "
