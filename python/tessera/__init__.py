@@ -1,11 +1,16 @@
 """Tessera, a ray-tracing renderer: scenes as values, pictures and ray queries as arrays."""
-from ._core import Array
+from . import _loading
+
+_loading.check()  # Before anything else loads the extension module.
+from ._core import Array, version as __version__
+from ._program import program
 from .errors import (Cancelled, Error, FarmError, MissingFile, PrecisionWarning, Refused, RenderError,
                      SceneError, SceneWarning, UsageError)
 from .farm import Farm, Job
 from .picture import Image, Metrics, Rect, compare, read_image
 from .rendering import LocalFarm, Progress, Task, Threads, render
 
-__all__ = ["Farm", "Image", "Job", "LocalFarm", "Metrics", "Progress", "Rect", "Task", "Threads", "compare",
-           "read_image", "render", "Array", "Cancelled", "Error", "FarmError", "MissingFile", "PrecisionWarning", "Refused",
-           "RenderError", "SceneError", "SceneWarning", "UsageError"]
+__all__ = ["Array", "Cancelled", "Error", "Farm", "FarmError", "Image", "Job", "LocalFarm",
+           "Metrics", "MissingFile", "PrecisionWarning", "Progress", "Rect", "Refused",
+           "RenderError", "SceneError", "SceneWarning", "Task", "Threads", "UsageError", "compare",
+           "program", "read_image", "render"]
