@@ -5,10 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
+#include "cli/add_options.h"
 #include "cli/bench_farm.h"
 #include "cli/command_line.h"
-#include "cli/option_values.h"
 #include "cli/say.h"
+#include "front/option_values.h"
 
 namespace tessera {
 namespace {

@@ -4,9 +4,10 @@
 #include "base/file.h"
 #include "bench/growth.h"
 #include "bench/precision.h"
+#include "cli/add_options.h"
 #include "cli/command_line.h"
-#include "cli/option_values.h"
 #include "cli/say.h"
+#include "front/option_values.h"
 
 namespace tessera {
 namespace {

@@ -7,9 +7,10 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "bench/skip.h"
+#include "cli/add_options.h"
 #include "cli/command_line.h"
-#include "cli/option_values.h"
 #include "cli/say.h"
+#include "front/option_values.h"
 
 namespace tessera {
 namespace {

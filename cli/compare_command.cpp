@@ -12,8 +12,8 @@
 #include "base/lower_case.h"
 #include "bench/error/metrics.h"
 #include "cli/command_line.h"
-#include "cli/option_values.h"
 #include "cli/say.h"
+#include "front/option_values.h"
 #include "renderer/image/image_file.h"
 #include "renderer/math/encodings.h"
 

@@ -5,11 +5,12 @@
 #include <memory>
 
 #include "base/file.h"
+#include "cli/add_options.h"
 #include "cli/command_line.h"
-#include "cli/placement.h"
-#include "cli/read_option_flags.h"
 #include "cli/say.h"
-#include "cli/texture_decoder.h"
+#include "front/placement.h"
+#include "front/read_options.h"
+#include "front/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
 #include "scenes/formats/read_scene.h"
 #include "scenes/generate/accuracy_scenes.h"
@@ -73,8 +74,10 @@ void add_convert_command(CLI::App& app, Action& action) {
       ->required()
       ->type_name("FILE");
   command->add_option("OUT", options->output, "The file to write")->required()->type_name("FILE");
-  add_place_option(*command, options->reading.placements);
-  add_read_options(*command, options->reading);
+  OptionList list;
+  add_place_option(list, options->reading.placements);
+  add_read_options(list, options->reading);
+  add_options(*command, list);
   command->callback([options, &action] { action = [options] { return convert(*options); }; });
 }
 

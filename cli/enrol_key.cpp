@@ -16,11 +16,11 @@
 #include "base/log.h"
 #include "base/open_file.h"
 #include "base/plural.h"
-#include "cli/farm_connection.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
 #include "client/farm_client.h"
 #include "client/refusal.h"
+#include "front/farm_connection.h"
 #include "proto/wire/printable.h"
 
 namespace tessera {

@@ -10,17 +10,18 @@
 #include "base/log.h"
 #include "base/plural.h"
 #include "base/process.h"
-#include "cli/all_failures.h"
+#include "cli/add_options.h"
 #include "cli/command_line.h"
-#include "cli/farm_connection.h"
 #include "cli/interrupt.h"
 #include "cli/job_name.h"
-#include "cli/output_settings.h"
 #include "cli/progress_display.h"
-#include "cli/render_options.h"
 #include "cli/say.h"
 #include "client/farm_client.h"
 #include "client/job_client.h"
+#include "front/all_failures.h"
+#include "front/farm_connection.h"
+#include "front/output_settings.h"
+#include "front/render_options.h"
 #include "job/job_messages.h"
 #include "proto/wire/printable.h"
 #include "renderer/denoise/denoiser.h"
@@ -191,7 +192,9 @@ void add_fetch_command(CLI::App& app, Action& action) {
   command->add_option("JOB", options->job, "The job, by its number or name")
       ->type_name("JOB")
       ->required();
-  add_connection_options(*command, options->connection);
+  OptionList connecting, output;
+  add_connection_options(connecting, options->connection);
+  add_options(*command, connecting);
   command->add_flag("--wait", options->wait, "Wait for frames that are not done yet");
   command->add_flag("--denoise", options->denoise,
                     "As render does; of jobs with --aovs albedo,normal,depth,variance");
@@ -209,7 +212,8 @@ void add_fetch_command(CLI::App& app, Action& action) {
       ->option_text("FILE")
       ->allow_extra_args(false)
       ->group("Picture");
-  add_output_options(*command, options->output);
+  add_output_options(output, options->output);
+  add_options(*command, output);
   command->callback([options, &action] {
     action = [options] {
       catch_interrupts();

@@ -8,15 +8,16 @@
 #include "base/digest.h"
 #include "base/plural.h"
 #include "base/process.h"
+#include "cli/add_options.h"
 #include "cli/command_line.h"
-#include "cli/located.h"
-#include "cli/output_settings.h"
-#include "cli/picture_warnings.h"
-#include "cli/placement.h"
-#include "cli/read_option_flags.h"
-#include "cli/render_options.h"
 #include "cli/say.h"
-#include "cli/texture_decoder.h"
+#include "front/located.h"
+#include "front/output_settings.h"
+#include "front/picture_warnings.h"
+#include "front/placement.h"
+#include "front/read_options.h"
+#include "front/render_options.h"
+#include "front/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/scene/scene_builder.h"
 #include "scenes/formats/read_scene.h"
@@ -187,8 +188,10 @@ void add_info_command(CLI::App& app, Action& action) {
       "  tessera info room.x3d\n"
       "  tessera info room.x3d --json | jq .unused");
   command->add_option("SCENE", options->scene, "The scene file")->required()->type_name("FILE");
-  add_place_option(*command, options->reading.placements);
-  add_read_options(*command, options->reading);
+  OptionList list;
+  add_place_option(list, options->reading.placements);
+  add_read_options(list, options->reading);
+  add_options(*command, list);
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, &action] { action = [options] { return info(*options); }; });
 }

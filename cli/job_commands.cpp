@@ -10,15 +10,16 @@
 
 #include "base/log.h"
 #include "base/plural.h"
-#include "cli/all_failures.h"
+#include "cli/add_options.h"
 #include "cli/command_line.h"
-#include "cli/farm_connection.h"
 #include "cli/interrupt.h"
 #include "cli/job_name.h"
-#include "cli/option_values.h"
 #include "cli/order_outcome.h"
 #include "cli/progress_display.h"
 #include "cli/say.h"
+#include "front/all_failures.h"
+#include "front/farm_connection.h"
+#include "front/option_values.h"
 #include "job/job.h"
 #include "proto/wire/printable.h"
 
@@ -243,7 +244,9 @@ void add_job_argument(CLI::App& command, JobOptions& options, bool required) {
   command.add_option("JOB", options.job, "The job, by its number or name")
       ->type_name("JOB")
       ->required(required);
-  add_connection_options(command, options.connection);
+  OptionList list;
+  add_connection_options(list, options.connection);
+  add_options(command, list);
 }
 
 void add_status_command(CLI::App& app, Action& action) {

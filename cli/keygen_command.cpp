@@ -9,11 +9,12 @@
 #include <vector>
 
 #include "base/error.h"
+#include "cli/add_options.h"
 #include "cli/command_line.h"
 #include "cli/enrol_key.h"
-#include "cli/farm_connection.h"
-#include "cli/option_values.h"
 #include "cli/say.h"
+#include "front/farm_connection.h"
+#include "front/option_values.h"
 #include "proto/transport/allow_list.h"
 
 namespace tessera {

@@ -4,7 +4,7 @@
 #include <array>
 #include <string>
 
-#include "cli/option_values.h"
+#include "front/option_values.h"
 
 namespace tessera {
 

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "cli/all_failures.h"
+#include "front/all_failures.h"
 #include "renderer/image/image_file.h"
 
 namespace tessera {

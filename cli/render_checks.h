@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cli/render_options.h"
+#include "front/render_options.h"
 
 namespace tessera {
 

@@ -13,21 +13,22 @@
 #include "base/log.h"
 #include "base/plural.h"
 #include "base/process.h"
-#include "cli/all_failures.h"
+#include "cli/add_options.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
-#include "cli/load_frame.h"
-#include "cli/located.h"
-#include "cli/output_settings.h"
-#include "cli/picture_warnings.h"
 #include "cli/progress_display.h"
 #include "cli/render_checks.h"
-#include "cli/render_options.h"
 #include "cli/say.h"
-#include "cli/statistics.h"
-#include "cli/tracing_farm.h"
 #include "coordinator/store/sqlite_tile_store.h"
 #include "coordinator/web/chrome_trace.h"
+#include "front/all_failures.h"
+#include "front/load_frame.h"
+#include "front/located.h"
+#include "front/output_settings.h"
+#include "front/picture_warnings.h"
+#include "front/render_options.h"
+#include "front/statistics.h"
+#include "front/tracing_farm.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/denoise/denoiser.h"
 #include "renderer/image/image_file.h"
@@ -122,11 +123,16 @@ class RenderRun {
     const int cores = core_count();
     const int workers = options_.workers.value_or(cores);
     if (workers == 0) return start_in_process(options_.threads.value_or(cores));
+    std::optional<HeldInterrupts> held(std::in_place);  // until the handler knows of the sockets
     return start_local_workers({.workers = workers,
                                 .threads = options_.threads.value_or(1),
                                 .quiet = options_.quiet,
                                 .verify = options_.verify.value_or(0),
-                                .tev = options_.tev});
+                                .tev = options_.tev,
+                                .made_sockets = [&held](const auto& folder, const auto& files) {
+                                  remove_when_interrupted(folder, files);
+                                  held.reset();
+                                }});
   }
 
   void read(int frame) {
@@ -376,7 +382,12 @@ void add_render_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<RenderOptions>();
   CLI::App* command = app.add_subcommand("render", "Render a scene file to a picture");
   command->footer(kFooter);
-  add_render_options(*command, *options);
+  command->add_option("SCENE", options->scene, "The scene file; 'tessera info' tells what it holds")
+      ->required()
+      ->type_name("FILE");
+  OptionList list;
+  add_render_options(list, *options);
+  add_options(*command, list);
   command->callback([options, &action] {
     action = [options] {
       catch_interrupts();

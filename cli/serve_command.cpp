@@ -13,10 +13,8 @@
 #include "base/plural.h"
 #include "base/process.h"
 #include "cli/command_line.h"
-#include "cli/farm_connection.h"
 #include "cli/interrupt.h"
 #include "cli/log_format.h"
-#include "cli/option_values.h"
 #include "cli/say.h"
 #include "cli/service_manager.h"
 #include "coordinator/key_registry.h"
@@ -24,6 +22,8 @@
 #include "coordinator/store/sqlite_job_store.h"
 #include "coordinator/tev/tev_viewer.h"
 #include "coordinator/web/farm_page.h"
+#include "front/farm_connection.h"
+#include "front/option_values.h"
 #include "proto/transport/zmq_transport.h"
 
 namespace tessera {

@@ -8,17 +8,18 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "base/plural.h"
+#include "cli/add_options.h"
 #include "cli/command_line.h"
-#include "cli/farm_connection.h"
 #include "cli/interrupt.h"
 #include "cli/job_name.h"
-#include "cli/load_frame.h"
-#include "cli/option_values.h"
-#include "cli/output_settings.h"
-#include "cli/picture_warnings.h"
-#include "cli/render_options.h"
 #include "cli/say.h"
 #include "client/farm_client.h"
+#include "front/farm_connection.h"
+#include "front/load_frame.h"
+#include "front/option_values.h"
+#include "front/output_settings.h"
+#include "front/picture_warnings.h"
+#include "front/render_options.h"
 #include "job/check_job.h"
 #include "job/job_messages.h"
 #include "proto/transport/zmq_transport.h"
@@ -128,9 +129,16 @@ void add_submit_command(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("submit", "Hand a scene to a farm, which renders it on its own");
   command->footer(kSubmitFooter);
-  add_scene_options(*command, options->render);
+  command
+      ->add_option("SCENE", options->render.scene,
+                   "The scene file; 'tessera info' tells what it holds")
+      ->required()
+      ->type_name("FILE");
+  OptionList list;
+  add_scene_options(list, options->render);
   constexpr char kGroup[] = "Who does the work";
-  add_connection_options(*command, options->connection, kGroup);
+  add_connection_options(list, options->connection, kGroup);
+  add_options(*command, list);
   const auto number = [&](const char* name, int& value, int least, int most,
                           const std::string& text) {
     command

@@ -15,11 +15,12 @@
 #include "base/process_usage.h"
 #include "base/shared_arena.h"
 #include "base/signal_stack.h"
+#include "cli/add_options.h"
 #include "cli/command_line.h"
-#include "cli/farm_connection.h"
 #include "cli/interrupt.h"
 #include "cli/log_format.h"
-#include "cli/option_values.h"
+#include "front/farm_connection.h"
+#include "front/option_values.h"
 #include "renderer/render/tile_renderer.h"
 #include "worker/crash_record.h"
 #include "worker/run_worker.h"
@@ -159,7 +160,9 @@ void add_worker_command(CLI::App& app, Action& action) {
       "  tessera worker --connect tcp://127.0.0.1:7117 --threads 8\n"
       "Where the coordinator has a list of keys, also --key and --server-key: see 'tessera help "
       "keygen'.");
-  add_connection_options(*command, options->connection);
+  OptionList list;
+  add_connection_options(list, options->connection);
+  add_options(*command, list);
   command->get_option("--connect")->required();
   add_whole(*command, "--threads", 1, 1024, "Threads that trace [one a core]", options->threads);
   command

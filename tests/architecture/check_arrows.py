@@ -14,7 +14,7 @@ import sys
 
 ENDINGS = {".h", ".cpp", ".cc", ".hpp", ".inl"}
 TOP_FOLDERS = ["base", "proto", "renderer", "scenes", "job", "client", "coordinator", "worker", "bench",
-               "cli"]
+               "cli", "python"]
 # A type that is named without being defined; and one that is, outside of any other.
 DECLARED = re.compile(r"\b(?:class|struct)\s+([A-Z]\w*)\s*[;*&>]")
 DEFINED = re.compile(r"^(?:template\s*<.*>\s*)?(?:class|struct)\s+([A-Z]\w*)\b(?!\s*[;*&>])")
@@ -72,6 +72,7 @@ WALLS = [
                            "renderer/scene", "renderer/render"], "the viewer is shown pixels"),
     (["worker"], ["client", "coordinator", "cli", "bench", "scenes", "renderer/image"],
      "the worker knows neither the coordinator's code nor files"),
+    (["python"], ["cli", "bench"], "the Python package stands beside the program"),
 ]
 
 # What only one room may touch: (what, pattern of a line, the rooms that may).

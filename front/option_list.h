@@ -1,0 +1,58 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tessera {
+
+/// One option of a command, by whatever front end it is given: `--spp 16` on the command line is
+/// `spp=16` in Python.
+struct Option {
+  std::string names;  ///< as typed, such as "--spp" or "-o,--output"
+  std::string type;   ///< what stands for its value in help texts; empty: a flag, without a value
+  std::string group;  ///< the heading that it stands below in help texts
+  std::string help;
+  /// Takes the value as text; of a flag the text is empty. Throws usage_error for a wrong value.
+  std::function<void(const std::string&)> assign;
+  bool repeats = false;  ///< may be given more than once
+
+  /// Without dashes, such as "spp" or "output".
+  std::string long_name() const { return names.substr(names.rfind("--") + 2); }
+};
+
+/// The options of a command in the order of its help text. What they assign to must outlive them.
+using OptionList = std::vector<Option>;
+
+/// Adds options of one group to a list.
+class OptionGroup {
+ public:
+  OptionGroup(OptionList& list, std::string name) : list_(list), name_(std::move(name)) {}
+
+  Option& add(std::string names, std::string type, std::string help,
+              std::function<void(const std::string&)> assign) {
+    list_.push_back({.names = std::move(names),
+                     .type = std::move(type),
+                     .group = name_,
+                     .help = std::move(help),
+                     .assign = std::move(assign)});
+    return list_.back();
+  }
+  /// `value` takes the text as it is, and must outlive the parsing.
+  Option& add_text(std::string names, std::string type, std::string help, std::string& value) {
+    return add(std::move(names), std::move(type), std::move(help),
+               [&value](const std::string& text) { value = text; });
+  }
+  /// Sets `value`, which must outlive the parsing.
+  Option& add_flag(std::string names, std::string help, bool& value) {
+    return add(std::move(names), "", std::move(help),
+               [&value](const std::string&) { value = true; });
+  }
+
+ private:
+  OptionList& list_;
+  std::string name_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,109 @@
+#include "front/picture_warnings.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/message.h>
+
+#include <functional>
+
+#include "job/scene_motion.h"
+#include "renderer/image/image_file.h"
+#include "renderer/scene/read_settings.h"
+
+namespace tessera {
+namespace {
+
+namespace pb = google::protobuf;
+
+/// Whether `wanted` is true of `message` or of one inside it.
+bool any_message(const pb::Message& message,
+                 const std::function<bool(const pb::Message&)>& wanted) {
+  if (wanted(message)) return true;
+  const pb::Reflection& reflection = *message.GetReflection();
+  std::vector<const pb::FieldDescriptor*> fields;
+  reflection.ListFields(message, &fields);
+  for (const pb::FieldDescriptor* field : fields) {
+    if (field->cpp_type() != pb::FieldDescriptor::CPPTYPE_MESSAGE || field->is_map()) continue;
+    const int count = field->is_repeated() ? reflection.FieldSize(message, field) : 1;
+    for (int i = 0; i < count; ++i) {
+      const pb::Message& inside = field->is_repeated()
+                                      ? reflection.GetRepeatedMessage(message, field, i)
+                                      : reflection.GetMessage(message, field);
+      if (any_message(inside, wanted)) return true;
+    }
+  }
+  return false;
+}
+
+bool is_black(const v1::Color& color) { return color.r() == 0 && color.g() == 0 && color.b() == 0; }
+
+bool shines(const v1::Light& light) {
+  const bool dark = (light.has_intensity() && light.intensity() == 0) ||
+                    (light.has_color() && is_black(light.color()));
+  return !light.off() && (!dark || light.ambient_intensity() != 0);
+}
+
+bool shines(const v1::Background& background) {
+  if (background.has_cube()) return true;
+  switch (background.kind_case()) {
+    case v1::Background::KIND_NOT_SET:
+      return false;
+    case v1::Background::kSolid:
+      return !is_black(background.solid());
+    case v1::Background::kGradient:
+      return !is_black(background.gradient().sky()) || !is_black(background.gradient().ground());
+    default:
+      return true;
+  }
+}
+
+/// A light, a material that glows by itself, or a fog of its own colour.
+bool may_shine(const pb::Message& message) {
+  if (const auto* light = dynamic_cast<const v1::Light*>(&message)) return shines(*light);
+  if (const auto* material = dynamic_cast<const v1::Material*>(&message)) {
+    return material->has_unlit() || material->classic().has_emission() ||
+           material->physical().has_emission();
+  }
+  return message.GetDescriptor() == v1::Fog::descriptor();
+}
+
+std::string kind_of(const RenderOptions& options, const v1::Scene& scene) {
+  return options.integrator.value_or(scene.settings().integrator().kind());
+}
+
+bool is_all_black(const RenderOptions& options, const v1::Scene& scene) {
+  const v1::IntegratorSettings& integrator = scene.settings().integrator();
+  const std::string kind = kind_of(options, scene);
+  if (!shows_light(kind)) return false;
+  return is_black(integrator.ambient()) && !shines(scene.background()) &&
+         !any_message(scene, may_shine);
+}
+
+}  // namespace
+
+std::vector<std::string> picture_warnings(const RenderOptions& options, const LoadedScene& loaded) {
+  std::vector<std::string> warnings;
+  if (is_all_black(options, loaded.scene)) {
+    warnings.push_back("the scene has no light, emission or background: the picture will be black");
+  }
+  const bool several = options.frames && options.frames->first < options.frames->last;
+  if (several && !loaded.depends_on_frame && !moves(loaded.scene)) {
+    warnings.push_back("nothing in the scene depends on the frame: all pictures will be the same");
+  }
+  return warnings;
+}
+
+std::vector<std::string> file_warnings(const RenderOptions& options, const LoadedScene& loaded) {
+  std::vector<std::string> warnings;
+  const std::string kind = kind_of(options, loaded.scene);
+  if (kind != "depth" && kind != "cost" && kind != "samples" && kind != "error") return warnings;
+  for (const auto& path : picture_paths(options)) {
+    if (holds_floats(path)) continue;
+    warnings.push_back(fmt::format(
+        "'{}' shows numbers, of which '{}' holds those from 0 to 1 alone; expected .exr", kind,
+        path.string()));
+  }
+  return warnings;
+}
+
+}  // namespace tessera

@@ -1,0 +1,77 @@
+#include "front/read_options.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+
+#include "base/error.h"
+#include "front/option_values.h"
+
+namespace tessera {
+namespace {
+
+/// Adds an option with one value for each of `names`.
+template <typename Value, size_t Count>
+void add_choice(OptionGroup& group, const char* name, const char* type, const char* text,
+                Value& value, const std::array<std::pair<const char*, Value>, Count>& choices) {
+  group.add(name, type, text, [name, choices, &value](const std::string& given) {
+    std::vector<std::string> names;
+    for (const auto& choice : choices) names.emplace_back(choice.first);
+    const std::string chosen = parse_choice(name, given, names);
+    for (const auto& choice : choices)
+      if (choice.first == chosen) value = choice.second;
+  });
+}
+
+}  // namespace
+
+void add_read_options(OptionList& list, ReadOptions& options) {
+  using X3dColor = ReadOptions::Color;
+  using Shadows = ReadOptions::Shadows;
+  using Texture = ReadOptions::X3dTexture;
+  OptionGroup(list, "Scene")
+      .add("--assets", "DIR",
+           "The folder that holds all files which the scene names: pictures, materials, other "
+           "scenes [the scene's own]",
+           [&options](const std::string& folder) {
+             std::error_code failure;
+             if (!std::filesystem::is_directory(folder, failure))
+               throw usage_error(fmt::format("--assets: there is no folder '{}'{}", folder,
+                                             failure ? ": " + failure.message() : ""));
+             options.assets = folder;
+           });
+  OptionGroup group(list, "Reading X3D");
+  add_choice(group, "--x3d-color", "display|linear",
+             "Colours as they are, or decoded from sRGB and lit in linear light [display]",
+             options.x3d_color,
+             std::array<std::pair<const char*, X3dColor>, 2>{
+                 {{"display", X3dColor::display}, {"linear", X3dColor::linear}}});
+  add_choice(group, "--x3d-shadows", "on|file|off",
+             "Which lights cast shadows: all, those that the file says, or none [on]",
+             options.x3d_shadows,
+             std::array<std::pair<const char*, Shadows>, 3>{
+                 {{"on", Shadows::on}, {"file", Shadows::file}, {"off", Shadows::off}}});
+  add_choice(group, "--x3d-texture", "version|replace|modulate",
+             "A coloured texture replaces the material's colour, or multiplies it [version: up to "
+             "3.3 it replaces]",
+             options.x3d_texture,
+             std::array<std::pair<const char*, Texture>, 3>{{{"version", Texture::by_version},
+                                                             {"replace", Texture::replace},
+                                                             {"modulate", Texture::modulate}}});
+  group.add(
+      "--x3d-weld", "DISTANCE",
+      "Points of a node this near share smooth normals as if they were one [only the same do]",
+      [&options](const std::string& text) {
+        options.x3d_weld = parse_number("--x3d-weld", text);
+        if (!(options.x3d_weld > 0))
+          throw usage_error(fmt::format("--x3d-weld: {}; expected above 0", text));
+      });
+  group.add_flag("--x3d-strict",
+                 "A picture or an Inline that is missing is an error, not a warning",
+                 options.x3d_strict);
+  group.add_flag("--x3d-two-sided", "Show back faces, which files that leave 'solid' out hide",
+                 options.x3d_two_sided);
+}
+
+}  // namespace tessera

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "front/farm_connection.h"
+#include "front/option_list.h"
+#include "front/option_values.h"
+#include "front/output_settings.h"
+#include "proto/tessera/v1/farm.pb.h"
+#include "proto/tessera/v1/scene.pb.h"
+#include "renderer/film/aov.h"
+#include "scenes/import/loaded_scene.h"
+
+namespace tessera {
+
+/// What `tessera render` was asked for. What is absent comes from the scene or from this machine.
+struct RenderOptions {
+  std::string scene;
+  std::vector<std::filesystem::path> outputs;
+  std::optional<FrameSize> size;
+  std::optional<uint32_t> samples_per_pixel;
+  std::optional<double> target_error;
+  std::optional<uint32_t> min_samples;
+  std::optional<std::string> pattern;
+  std::optional<std::string> filter;
+  double filter_radius = 0;  ///< pixels; 0: the filter's own
+  std::optional<uint32_t> seed;
+  std::optional<std::string> accelerator;
+  std::optional<std::string> integrator;
+  AovSet aovs;  ///< asked for in pictures
+  bool denoise = false;
+  bool progressive = false;
+  std::optional<PixelRect> crop;
+  std::optional<FrameRange> frames;
+  std::optional<double> time;
+  std::optional<std::string> camera;
+  bool pinhole = false;
+  bool frame_all = false;
+  ReadOptions reading{};
+  OutputOptions output;
+
+  std::optional<int> workers;
+  std::optional<int> threads;
+  int tile_size = 0;
+  std::optional<double> verify;
+  FarmConnection connection;  ///< no endpoint: this machine does it
+
+  std::optional<std::filesystem::path> stats;
+  std::optional<std::filesystem::path> trace;  ///< the timeline
+  std::string tev;                             ///< where the viewer is; empty: none
+  bool quiet = false;
+  bool resume = false;
+};
+
+/// The options of `render`; `options` must outlive the parsing.
+void add_render_options(OptionList& list, RenderOptions& options);
+
+/// Those of them that say what to render, for a command that leaves it to others.
+void add_scene_options(OptionList& list, RenderOptions& options);
+
+/// Where the pictures go: the outputs asked for, or the scene's name with .png in the current
+/// folder.
+std::vector<std::filesystem::path> picture_paths(const RenderOptions& options);
+
+/// "--stats -": then nothing else is printed there.
+bool stats_to_standard_output(const RenderOptions& options);
+
+/// "dir/name.png" for frame 7 is "dir/name.0007.png".
+std::filesystem::path numbered_path(const std::filesystem::path& path, int frame);
+
+/// What the pixels depend on beside the scene: its settings with the options laid over them.
+/// `frame` is the number of the animation's frame, if one is rendered. Throws usage_error for an
+/// option that does not fit the scene, scene_error for settings of the scene out of their range.
+v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& scene,
+                                 std::optional<int> frame);
+
+/// Throws usage_error where --denoise would smooth a view in place of light.
+void check_shows_light(const v1::FrameSettings& frame);
+
+/// The part of the frame to render. Throws usage_error where the crop reaches beyond it.
+PixelRect crop_window(const RenderOptions& options, const v1::FrameSettings& frame);
+
+}  // namespace tessera

@@ -1,0 +1,26 @@
+#include "front/texture_decoder.h"
+
+#include "renderer/image/image_file.h"
+
+namespace tessera {
+namespace {
+
+DecodedTexture as_texture(TextureImage picture) {
+  return {.width = picture.width,
+          .height = picture.height,
+          .channels = picture.channels,
+          .bits = picture.bits,
+          .texels = std::move(picture.texels)};
+}
+
+}  // namespace
+
+DecodedTexture decode_texture(const std::string& path, bool to_srgb) {
+  return as_texture(read_texture_image(path, to_srgb));
+}
+
+DecodedTexture decode_texture_bytes(std::string_view bytes, const std::string& name) {
+  return as_texture(decode_texture_image(name, bytes));
+}
+
+}  // namespace tessera

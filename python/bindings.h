@@ -1,0 +1,13 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace tessera {
+
+// Each adds the classes and functions of one topic to the module `tessera._core`.
+
+void bind_errors(pybind11::module_& module);
+void bind_arrays(pybind11::module_& module);
+void bind_scene(pybind11::module_& module);
+
+}  // namespace tessera

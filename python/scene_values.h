@@ -1,0 +1,16 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include "proto/wire/scene_codec.h"
+
+namespace tessera {
+
+/// The description that a `tessera.Scene` stands for, its arrays as blobs. Throws Python's
+/// SceneError where a value does not fit. Needs the GIL.
+SceneWithBlobs message_of(pybind11::handle scene);
+
+/// The `tessera.Scene` of a description. Needs the GIL.
+pybind11::object value_of(const SceneWithBlobs& scene);
+
+}  // namespace tessera

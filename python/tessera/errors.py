@@ -1,0 +1,77 @@
+"""The exceptions of Tessera.
+
+Messages read "place: what was found; what was expected". `except ValueError` catches wrong scenes
+and wrong arguments, `except tessera.Error` everything that is not a bug.
+"""
+from __future__ import annotations
+
+import re
+from typing import Optional
+
+
+class Error(Exception):
+    """Base of what Tessera raises: the message, and what is known beside it."""
+
+    code = 3
+
+    def __init__(self, message: str = "", *, place: str = "", suggestion: Optional[str] = None):
+        super().__init__(message)
+        self.message = message
+        self.place = place
+        found = re.search(r"did you mean '([^']+)'", message)
+        self.suggestion = suggestion or (found.group(1) if found else None)
+
+
+class SceneError(Error, ValueError):
+    """The scene is wrong, or a file that it names."""
+
+    code = 1
+
+    def __init__(self, message: str = "", *, place: str = "", path: str = "",
+                 suggestion: Optional[str] = None):
+        super().__init__(message, place=place, suggestion=suggestion)
+        self.path = path
+
+
+class MissingFile(SceneError, FileNotFoundError):
+    """A file that is to be read is not there."""
+
+
+class UsageError(Error, ValueError):
+    """An argument has a value that it cannot have."""
+
+    code = 2
+
+
+class RenderError(Error, RuntimeError):
+    """Rendering or writing failed."""
+
+
+class FarmError(RenderError, ConnectionError):
+    """A farm cannot be reached, or fell silent."""
+
+
+class Refused(FarmError, PermissionError):
+    """A farm does not accept the key."""
+
+
+class Cancelled(Error):
+    """The task was cancelled before it was done."""
+
+    code = 4
+
+
+class SceneWarning(UserWarning):
+    """Something in a file was read otherwise than might be expected."""
+
+
+class PrecisionWarning(UserWarning):
+    """Numbers were rounded by more than their use bears."""
+
+
+_CLASS_OF_CODE = {1: SceneError, 2: UsageError, 3: RenderError, 4: Cancelled}
+
+
+def from_core(message: str, code: int) -> Error:
+    """The exception for an error of the renderer with that exit code."""
+    return _CLASS_OF_CODE.get(code, RenderError)(message)
