@@ -9,5 +9,6 @@ namespace tessera {
 void bind_errors(pybind11::module_& module);
 void bind_arrays(pybind11::module_& module);
 void bind_scene(pybind11::module_& module);
+void bind_tracer(pybind11::module_& module);
 
 }  // namespace tessera

@@ -5,4 +5,5 @@ PYBIND11_MODULE(_core, module) {
   tessera::bind_errors(module);
   tessera::bind_arrays(module);
   tessera::bind_scene(module);
+  tessera::bind_tracer(module);
 }

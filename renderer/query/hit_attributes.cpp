@@ -56,7 +56,8 @@ bool RayQueries::attributes(const RayBatch& rays, const ConstHitArrays& hits,
       if (const std::optional<Hit> hit = hit_at(hits, i)) {
         s = surface_at(scene_->instances, rays[i], *hit);
         const InstanceShading& of = scene_->shading[hit->instance];
-        material = of.first_material + std::min(s.material, of.material_count - 1);
+        material =
+            material_of_slot_[of.first_material + std::min(s.material, of.material_count - 1)];
       }
       put(out.point, i, s.point - Point3{});
       put(out.point_error, i, s.point_error);

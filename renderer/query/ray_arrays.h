@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -11,19 +12,30 @@
 
 namespace tessera {
 
-/// Rows of three doubles in the caller's memory. `stride` counts doubles from one row to the next;
-/// 0 repeats one row.
+/// Rows of three numbers in the caller's memory, in single or double precision. Strides count
+/// bytes; a row stride of 0 repeats one row.
 struct VectorRows {
-  const double* data = nullptr;
-  std::ptrdiff_t stride = 3;
+  const void* data = nullptr;
+  std::ptrdiff_t row = 3 * sizeof(double), column = sizeof(double);
+  bool is_single = false;
 
   Vec3 operator[](size_t i) const {
-    const double* row = data + static_cast<std::ptrdiff_t>(i) * stride;
-    return {row[0], row[1], row[2]};
+    const char* at = static_cast<const char*>(data) + static_cast<std::ptrdiff_t>(i) * row;
+    if (is_single) return {read<float>(at), read<float>(at + column), read<float>(at + 2 * column)};
+    return {read<double>(at), read<double>(at + column), read<double>(at + 2 * column)};
+  }
+
+ private:
+  /// From an address that need not be aligned.
+  template <typename Number>
+  static double read(const char* at) {
+    Number number;
+    std::memcpy(&number, at, sizeof number);
+    return number;
   }
 };
 
-/// One number a ray; `stride` as in VectorRows. Without data, `otherwise` for every ray.
+/// One number a ray; `stride` counts doubles. Without data, `otherwise` for every ray.
 struct NumberRows {
   const double* data = nullptr;
   std::ptrdiff_t stride = 1;

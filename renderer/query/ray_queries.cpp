@@ -65,6 +65,12 @@ RayQueries::RayQueries(const v1::Scene& description, const BlobStore& blobs,
   if (instances.size() == 1 && instances[0].world_from_object.is_identity() &&
       !instances[0].flip_normals)
     if (const MeshShape* mesh = mesh_of(instances[0])) only_mesh_ = &mesh->accelerator();
+  std::unordered_map<std::string, uint32_t> known;
+  for (const std::string& name : names_.materials) {
+    const auto [at, is_new] = known.try_emplace(name, static_cast<uint32_t>(materials_.size()));
+    if (is_new) materials_.push_back(name);
+    material_of_slot_.push_back(at->second);
+  }
   for (size_t i = 0; i < instances.size(); ++i) {
     const MeshShape* mesh = mesh_of(instances[i]);
     if (!mesh || mesh->mesh().original_numbers.empty()) continue;

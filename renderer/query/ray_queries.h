@@ -63,9 +63,12 @@ class RayQueries {
   /// By instance: of its node, or else of its shape.
   const std::vector<std::string>& instance_names() const { return names_.instances; }
   /// By AttributeArrays::material; empty for the default material.
-  const std::vector<std::string>& material_names() const { return names_.materials; }
+  const std::vector<std::string>& material_names() const { return materials_; }
   AcceleratorStatistics statistics() const;
   const Scene& scene() const { return *scene_; }
+  /// What the constructor was given, without what these queries do not need of it.
+  const v1::Scene& description() const { return description_; }
+  const BlobStore& blobs() const { return blobs_; }
 
  private:
   struct Insides;
@@ -81,6 +84,8 @@ class RayQueries {
   v1::FrameSettings frame_;
   SceneNames names_;
   std::shared_ptr<const Scene> scene_;
+  std::vector<std::string> materials_;      ///< each name once
+  std::vector<uint32_t> material_of_slot_;  ///< into materials_, one each of Scene::material_slots
   /// Where one mesh that stands as it is makes up the scene: its triangles.
   const Accelerator* only_mesh_ = nullptr;
   /// By instance, where some mesh lost triangles: TriangleMesh::original_numbers, or null.

@@ -183,10 +183,14 @@ TEST(RayQueries, StretchesAndStridesAreThoseOfTheCaller) {
   const RayQueries queries = queries_of("nodes { shape { sphere { radius: 1 } } }");
   const double origin[] = {0, 0, 5}, directions[] = {0, 0, -1, 9, 0, 0, -2, 9};
   const double t_min[] = {4, 0}, t_max[] = {7, 2};
-  RayBatch rays{2, {origin, 0}, {directions, 4}, {t_min}, {t_max}};
+  RayBatch rays{2, {origin, 0}, {directions, 4 * sizeof(double)}, {t_min}, {t_max}};
   const OwnedHits hits = closest(queries, rays);
   EXPECT_EQ(hits.t, (std::vector<double>{6, kInf}));  // t_min and t_max themselves are outside
   EXPECT_EQ(hits.instance, (std::vector<uint32_t>{0, kNoInstance}));
+  // The same in single precision, one axis after the other.
+  const float columns[] = {0, 0, 0, 0, -1, -2};
+  rays.directions = {columns, sizeof(float), 2 * sizeof(float), true};
+  EXPECT_EQ(closest(queries, rays), hits);
 }
 
 TEST(RayQueries, WhatIsNoRayHitsNothing) {
