@@ -20,6 +20,7 @@ void fill(py::module_& module) {
   tessera::bind_render(module);
   tessera::bind_log(module);
   tessera::bind_program(module);
+  tessera::bind_tracer(module);
 }
 
 }  // namespace
