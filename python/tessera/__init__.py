@@ -1,10 +1,27 @@
 """Tessera, a ray-tracing renderer: scenes as values, pictures and ray queries as arrays."""
-from ._core import Array
+from . import _messages
+from ._colors import Color, color, hsl
+from ._core import Array, Vec
+from ._graph import Instances
+from ._load import load, load_dict
+from ._mesh import Mesh
+from ._messages import *
+from ._shapes import Plane
+from ._textures import ImageTexture
+from ._transforms import Transform, keys, look_at, matrix, rotate, scale, translate
+from ._value import Value
+from ._view import Background, Camera, Lens
 from .errors import (Cancelled, Error, FarmError, MissingFile, PrecisionWarning, Refused, RenderError,
                      SceneError, SceneWarning, UsageError)
 from .picture import Image, Metrics, Rect, compare, read_image
 from .rendering import LocalFarm, Progress, Task, Threads, render
+from .scene import Scene, Summary
 
-__all__ = ["Image", "LocalFarm", "Metrics", "Progress", "Rect", "Task", "Threads", "compare",
-           "read_image", "render", "Array", "Cancelled", "Error", "FarmError", "MissingFile", "PrecisionWarning", "Refused",
-           "RenderError", "SceneError", "SceneWarning", "UsageError"]
+__all__ = [
+    *_messages.__all__,
+    "Array", "Background", "Camera", "Cancelled", "Color", "Error", "FarmError", "Image",
+    "ImageTexture", "Instances", "Lens", "LocalFarm", "Mesh", "Metrics", "MissingFile", "Plane",
+    "PrecisionWarning", "Progress", "Rect", "Refused", "RenderError", "Scene", "SceneError",
+    "SceneWarning", "Summary", "Task", "Threads", "Transform", "UsageError", "Value", "Vec", "color",
+    "compare", "hsl", "keys", "load", "load_dict", "look_at", "matrix", "read_image", "render",
+    "rotate", "scale", "translate"]
