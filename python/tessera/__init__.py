@@ -1,11 +1,11 @@
 """Tessera, a ray-tracing renderer: scenes as values, pictures and ray queries as arrays."""
 from . import _messages
+from ._messages import *  # first: some of its classes have others of the same name over them
 from ._colors import Color, color, hsl
 from ._core import Array, Vec
 from ._graph import Instances
 from ._load import load, load_dict
 from ._mesh import Mesh
-from ._messages import *
 from ._shapes import Plane
 from ._textures import ImageTexture
 from ._transforms import Transform, keys, look_at, matrix, rotate, scale, translate
