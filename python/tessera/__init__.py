@@ -5,5 +5,6 @@ from .errors import (Cancelled, Error, FarmError, MissingFile, PrecisionWarning,
                      SceneError, SceneWarning, UsageError)
 from .rays import AllHits, Hits, Tracer
 
-__all__ = ["AllHits", "Array", "Cancelled", "Error", "FarmError", "Hits", "MissingFile", "PrecisionWarning", "Refused",
-           "RenderError", "SceneError", "SceneWarning", "Tracer", "UsageError", "compat"]
+__all__ = ["AllHits", "Array", "Cancelled", "Error", "FarmError", "Hits", "MissingFile",
+           "PrecisionWarning", "Refused", "RenderError", "SceneError", "SceneWarning", "Tracer",
+           "UsageError", "compat"]
