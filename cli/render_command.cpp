@@ -254,8 +254,9 @@ class RenderRun {
   std::optional<Error> write_pictures(const JobResult& result, const v1::FrameSettings& settings,
                                       const OutputSettings& output,
                                       std::optional<int> frame) const {
-    const ImageMetadata metadata = picture_metadata(
-        options_, settings, result.report, loaded_.scene.settings().output(), scene_digest_);
+    const ImageMetadata metadata =
+        picture_metadata(settings, is_denoised(options_, result.report, settings),
+                         loaded_.scene.settings().output(), scene_digest_);
     AllFailures failures;
     for (const auto& path : picture_paths(options_)) {
       failures.attempt([&] { write_image(path_for(path, frame), result.film, output, metadata); });

@@ -34,13 +34,12 @@ void finish_picture(const RenderOptions& options, const v1::FrameSettings& setti
   if (result.film.aovs() != options.aovs) result.film = result.film.with_only(options.aovs);
 }
 
-ImageMetadata picture_metadata(const RenderOptions& options, const v1::FrameSettings& settings,
-                               const JobReport& report, const v1::Output& of_scene,
-                               const std::string& scene_digest) {
+ImageMetadata picture_metadata(const v1::FrameSettings& settings, bool is_denoised,
+                               const v1::Output& of_scene, const std::string& scene_digest) {
   return {.scene_digest = scene_digest,
           .seed = settings.seed(),
           .samples_per_pixel = settings.samples_per_pixel(),
-          .denoiser = is_denoised(options, report, settings) ? kDenoiserName : "",
+          .denoiser = is_denoised ? kDenoiserName : "",
           .colors = colors_of(of_scene),
           .frame_width = static_cast<int>(settings.width()),
           .frame_height = static_cast<int>(settings.height())};

@@ -28,8 +28,7 @@ void finish_picture(const RenderOptions& options, const v1::FrameSettings& setti
                     JobResult& result);
 
 /// What the files of that picture tell of its making.
-ImageMetadata picture_metadata(const RenderOptions& options, const v1::FrameSettings& settings,
-                               const JobReport& report, const v1::Output& of_scene,
-                               const std::string& scene_digest);
+ImageMetadata picture_metadata(const v1::FrameSettings& settings, bool is_denoised,
+                               const v1::Output& of_scene, const std::string& scene_digest);
 
 }  // namespace tessera

@@ -246,17 +246,20 @@ class InProcessFarm : public TracingFarm {
 class RemoteFarm : public TracingFarm {
  public:
   explicit RemoteFarm(const FarmConnection& connection)
-      : endpoint_(connection.endpoint), transport_(connect(connection)) {
+      : endpoint_(connection.endpoint),
+        patience_(connection.patience),
+        transport_(connect(connection)) {
     check_host_is_known(endpoint_);
   }
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {
-    return run_remote_job(*transport_, endpoint_, job, progress, stop);
+    return run_remote_job(*transport_, endpoint_, job, progress, stop, patience_);
   }
 
  private:
   std::string endpoint_;
+  Time patience_;
   std::unique_ptr<ClientTransport> transport_;
 };
 

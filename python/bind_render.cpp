@@ -8,12 +8,16 @@
 
 #include "base/error.h"
 #include "base/process.h"
+#include "client/refusal.h"
 #include "front/load_frame.h"
 #include "front/render_options.h"
 #include "python/array.h"
 #include "python/bindings.h"
+#include "python/errors.h"
+#include "python/farm_access.h"
 #include "python/farm_thread.h"
 #include "python/frame_task.h"
+#include "python/interruptible.h"
 #include "python/picture.h"
 #include "python/scene_values.h"
 
@@ -65,21 +69,28 @@ std::pair<LoadedScene, double> read_file(RenderOptions& options, const std::stri
   return {std::move(loaded), took.count()};
 }
 
+/// The scene in a file, or that of a value, at a frame of its animation.
+LoadedScene scene_of(RenderOptions& options, const py::object& scene, std::optional<int> frame,
+                     double& parse_seconds) {
+  LoadedScene loaded;
+  if (py::isinstance<py::str>(scene)) {
+    std::tie(loaded, parse_seconds) = read_file(options, py::cast<std::string>(scene), frame);
+    return loaded;
+  }
+  options.scene = kSceneOfPython;
+  SceneWithBlobs described = message_of(scene);
+  loaded.scene = std::move(described.scene);
+  loaded.blobs = std::move(described.blobs);
+  apply_camera_options(options, loaded.scene);
+  return loaded;
+}
+
 /// A task for one frame of `scene`, a path or a value, and what was told of reading it.
 std::pair<std::shared_ptr<FrameTask>, std::vector<std::string>> make_task(
     const OptionTexts& texts, const py::object& scene, std::optional<int> frame) {
   RenderOptions options = texts.options;
-  LoadedScene loaded;
   double parse_seconds = 0;
-  if (py::isinstance<py::str>(scene)) {
-    std::tie(loaded, parse_seconds) = read_file(options, py::cast<std::string>(scene), frame);
-  } else {
-    options.scene = kSceneOfPython;
-    SceneWithBlobs described = message_of(scene);
-    loaded.scene = std::move(described.scene);
-    loaded.blobs = std::move(described.blobs);
-    apply_camera_options(options, loaded.scene);
-  }
+  LoadedScene loaded = scene_of(options, scene, frame, parse_seconds);
   std::vector<std::string> warnings = loaded.warnings;
   const py::gil_scoped_release release;
   auto task =
@@ -100,9 +111,17 @@ std::shared_ptr<FarmThread> threads_here(std::optional<int> threads) {
       [count = threads.value_or(core_count())] { return start_in_process(count); });
 }
 
+FarmConnection connection_of(const std::string& endpoint, const std::string& key,
+                             const std::string& server_key, double patience) {
+  return {.endpoint = endpoint,
+          .key_file = key,
+          .server_key = server_key,
+          .patience = std::chrono::duration_cast<Time>(std::chrono::duration<double>(patience))};
+}
+
 std::shared_ptr<FarmThread> remote_farm(const std::string& endpoint, const std::string& key,
-                                        const std::string& server_key) {
-  const FarmConnection connection{endpoint, key, server_key};
+                                        const std::string& server_key, double patience) {
+  const FarmConnection connection = connection_of(endpoint, key, server_key, patience);
   return std::make_shared<FarmThread>([connection] { return connect_to_farm(connection); });
 }
 
@@ -114,6 +133,84 @@ py::list tuples_of(const std::vector<PixelRect>& rects) {
   py::list out;
   for (const PixelRect& rect : rects) out.append(tuple_of(rect));
   return out;
+}
+
+/// A job of all frames that the options ask for, and what was told of reading them.
+std::pair<uint64_t, std::vector<std::string>> submit(FarmAccess& farm, const OptionTexts& texts,
+                                                     const py::object& scene,
+                                                     const JobOrder& order) {
+  RenderOptions options = texts.options;
+  std::vector<std::string> warnings;
+  double parse_seconds = 0;
+  const std::optional<int> first =
+      options.frames ? std::optional(options.frames->first) : std::nullopt;
+  const LoadedScene loaded = scene_of(options, scene, first, parse_seconds);
+  const uint64_t job = run_interruptibly([&](const std::atomic<bool>& stop) {
+    const auto load = [&](int frame) {
+      return frame == first.value_or(0) ? loaded : load_frame(options, frame);
+    };
+    const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
+    return farm.submit(gather_job(options, order, load, warn), stop);
+  });
+  return {job, std::move(warnings)};
+}
+
+/// What a farm does to us has classes of its own.
+void translate_farm_errors() {
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const RefusedError& error) {
+      python_error("Refused", error.what()).restore();
+    } catch (const UnreachableError& error) {
+      python_error("FarmError", error.what()).restore();
+    }
+  });
+}
+
+void bind_access(py::module_& module) {
+  using Stop = const std::atomic<bool>&;
+  py::enum_<v1::JobQuery::Action>(module, "Order")
+      .value("cancel", v1::JobQuery::CANCEL)
+      .value("pause", v1::JobQuery::PAUSE)
+      .value("resume", v1::JobQuery::RESUME)
+      .value("forget", v1::JobQuery::FORGET)
+      .value("retry", v1::JobQuery::RETRY)
+      .value("none", v1::JobQuery::ASK);
+  py::class_<FarmAccess, std::shared_ptr<FarmAccess>>(module, "FarmAccess")
+      .def(py::init([](const std::string& endpoint, const std::string& key,
+                       const std::string& server_key, double patience) {
+        return std::make_shared<FarmAccess>(connection_of(endpoint, key, server_key, patience));
+      }))
+      .def("submit",
+           [](FarmAccess& farm, const OptionTexts& options, const py::object& scene,
+              const std::string& name, int priority, int weight) {
+             return submit(farm, options, scene, {name, priority, weight});
+           })
+      .def("find",
+           [](FarmAccess& farm, const std::string& text) {
+             return run_interruptibly([&](Stop stop) { return farm.find(text, stop); });
+           })
+      .def("list",
+           [](FarmAccess& farm) {
+             return run_interruptibly([&](Stop stop) { return farm.list(stop); });
+           })
+      .def("status",
+           [](FarmAccess& farm, uint64_t job) {
+             return run_interruptibly([&](Stop stop) { return farm.status(job, stop); });
+           })
+      .def("order",
+           [](FarmAccess& farm, uint64_t job, v1::JobQuery::Action action,
+              std::optional<int> priority) {
+             run_interruptibly([&](Stop stop) { farm.order(job, action, priority, stop); });
+           })
+      .def("fetch",
+           [](FarmAccess& farm, uint64_t job, uint32_t frame) {
+             return run_interruptibly([&](Stop stop) { return farm.fetch(job, frame, stop); });
+           })
+      .def("frames", [](FarmAccess& farm, uint64_t job) {
+        return run_interruptibly([&](Stop stop) { return farm.frames(job, stop); });
+      });
 }
 
 void bind_task(py::module_& module) {
@@ -147,6 +244,8 @@ void bind_render(py::module_& module) {
       .def("assign", &OptionTexts::assign)
       .def("names", &OptionTexts::names);
   bind_task(module);
+  bind_access(module);
+  translate_farm_errors();
   py::class_<FarmThread, std::shared_ptr<FarmThread>>(module, "FarmThread")
       .def("submit", &FarmThread::submit)
       .def("close", &FarmThread::close, Release());

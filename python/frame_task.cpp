@@ -149,7 +149,8 @@ void FrameTask::finish(JobResult result) {
         .peak_worker_bytes = peak_worker_bytes_,
         .pixels_sha256 = result.film.pixels_sha256()};
     std::string text = statistics_json(statistics).dump();
-    ImageMetadata metadata = picture_metadata(options_, settings_, report, output_, scene_digest_);
+    ImageMetadata metadata = picture_metadata(settings_, is_denoised(options_, report, settings_),
+                                              output_, scene_digest_);
     picture = std::make_shared<RenderedPicture>(RenderedPicture{.film = std::move(result.film),
                                                                 .output = output_,
                                                                 .metadata = std::move(metadata),

@@ -40,7 +40,7 @@ WALLS = [
     (["renderer/film", "renderer/denoise", "renderer/image"],
      FARM + ["proto", "scenes", "bench", "renderer/scene", "renderer/accel"],
      "pictures know no scenes"),
-    (["renderer/scene", "renderer/integrator", "renderer/render"],
+    (["renderer/scene", "renderer/integrator", "renderer/render", "renderer/query"],
      FARM + ["scenes", "bench", "renderer/image"], "the renderer sees no sockets and no files"),
     (["scenes"], FARM + ["bench"] + [f"renderer/{room}" for room in (
         "shapes", "accel", "sampler", "camera", "shading", "film", "denoise", "image", "scene",
