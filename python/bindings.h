@@ -9,6 +9,11 @@ namespace tessera {
 void bind_errors(pybind11::module_& module);
 void bind_arrays(pybind11::module_& module);
 void bind_scene(pybind11::module_& module);
+void bind_picture(pybind11::module_& module);
+void bind_render(pybind11::module_& module);
+/// From here on what C++ logs waits for `take_log()`.
+void bind_log(pybind11::module_& module);
 void bind_program(pybind11::module_& module);
+void bind_tracer(pybind11::module_& module);
 
 }  // namespace tessera

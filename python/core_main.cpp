@@ -16,7 +16,11 @@ void fill(py::module_& module) {
   tessera::bind_errors(module);
   tessera::bind_arrays(module);
   tessera::bind_scene(module);
+  tessera::bind_picture(module);
+  tessera::bind_render(module);
+  tessera::bind_log(module);
   tessera::bind_program(module);
+  tessera::bind_tracer(module);
 }
 
 }  // namespace

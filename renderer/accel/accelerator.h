@@ -31,7 +31,8 @@ struct AcceleratorStatistics {
 inline constexpr size_t kMaxPrimitives = size_t{1} << 28;
 
 /// Finds hits among many primitives. Every kind returns the same bits, those of a linear scan.
-/// Immutable after construction; all calls may run on many threads and none allocates.
+/// Immutable after construction; all calls may run on many threads and none but
+/// all_hits() allocates.
 class Accelerator {
  public:
   virtual ~Accelerator() = default;
@@ -40,6 +41,10 @@ class Accelerator {
   virtual bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const = 0;
   /// As Shape::any_hit.
   virtual bool any_hit(const Ray& ray, TraversalCounters& counters) const = 0;
+  /// Appends every hit inside (ray.t_min, ray.t_max), in any order; a hit may be appended twice.
+  /// Allocates where `hits` is full.
+  virtual void all_hits(const Ray& ray, std::vector<Hit>& hits,
+                        TraversalCounters& counters) const = 0;
   /// any_hit(), with the same result, that asks `instance` first, if that is not kNoInstance; sets
   /// it to one that was hit, or to kNoInstance. Only where takes_guesses().
   virtual bool any_hit_by(const Ray& ray, uint32_t& instance, TraversalCounters& counters) const {

@@ -10,6 +10,7 @@ MeshBvh::MeshBvh(BuiltMeshTree built, const BvhKernels& code)
     : tree_(std::move(built.tree)),
       closest_(code.mesh_closest),
       any_(code.mesh_any),
+      all_(code.mesh_all),
       packet_(code.mesh_packet),
       statistics_(built.statistics) {}
 
@@ -25,7 +26,7 @@ void MeshBvh::closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
 }
 
 InstanceBvh::InstanceBvh(std::vector<Instance> instances, int threads, const BvhKernels& code)
-    : closest_(code.instance_closest), any_(code.instance_any) {
+    : closest_(code.instance_closest), any_(code.instance_any), all_(code.instance_all) {
   const Time start = monotonic_now();
   tree_.instances = std::move(instances);
   WideTree tree = build_wide_tree(instance_boxes(tree_, bounds_), 1, threads);

@@ -28,12 +28,17 @@ class MeshBvh final : public Accelerator {
   }
   void closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
                     TraversalCounters& counters) const override;
+  void all_hits(const Ray& ray, std::vector<Hit>& hits,
+                TraversalCounters& counters) const override {
+    all_(tree_, ray, hits, counters);
+  }
   AcceleratorStatistics statistics() const override { return statistics_; }
 
  private:
   MeshTree tree_;
   decltype(BvhKernels::mesh_closest) closest_;
   decltype(BvhKernels::mesh_any) any_;
+  decltype(BvhKernels::mesh_all) all_;
   decltype(BvhKernels::mesh_packet) packet_;
   AcceleratorStatistics statistics_;
 };
@@ -55,6 +60,10 @@ class InstanceBvh final : public Accelerator {
     return any_(tree_, ray, instance, counters);
   }
   bool takes_guesses() const override { return true; }
+  void all_hits(const Ray& ray, std::vector<Hit>& hits,
+                TraversalCounters& counters) const override {
+    all_(tree_, ray, hits, counters);
+  }
   AcceleratorStatistics statistics() const override { return statistics_; }
 
  private:
@@ -62,6 +71,7 @@ class InstanceBvh final : public Accelerator {
   Bounds3 bounds_;
   decltype(BvhKernels::instance_closest) closest_;
   decltype(BvhKernels::instance_any) any_;
+  decltype(BvhKernels::instance_all) all_;
   AcceleratorStatistics statistics_;
 };
 

@@ -180,6 +180,20 @@ bool leaf_any(const MeshTree& mesh, uint32_t leaf, const TriangleRay& ray,
   return TriangleTester(mesh, ray).any(leaf, counters.primitive_tests);
 }
 
+void leaf_all(const MeshTree& mesh, uint32_t leaf, const TriangleRay& ray, std::vector<Hit>& hits,
+              TraversalCounters& counters) {
+  TriangleTester(mesh, ray).all(leaf, hits, counters.primitive_tests);
+}
+
+void mesh_all(const MeshTree& mesh, const Ray& ray, std::vector<Hit>& hits,
+              TraversalCounters& counters) {
+  test_line(mesh, ray, counters.node_visits,
+            [&](const TriangleTester& tester, uint32_t leaf) HWY_ATTR {
+              tester.all(leaf, hits, counters.primitive_tests);
+              return false;
+            });
+}
+
 /// Remembers instances that a ray was tested against: an octree holds one in several leaves.
 class Mailbox {
  public:
@@ -272,10 +286,37 @@ bool instance_any(const InstanceTree& scene, const Ray& ray, uint32_t& first,
   return any_in_tree<false>(scene.tree, box_ray, counters.node_visits, test);
 }
 
+void instance_all(const InstanceTree& scene, const Ray& ray, std::vector<Hit>& hits,
+                  TraversalCounters& counters) {
+  if (!can_hit(ray)) return;
+  for (const uint32_t i : scene.endless) all_hits_of(scene.instances[i], i, ray, hits, counters);
+  Mailbox mailbox;
+  const auto collect = [&](uint32_t leaf) HWY_ATTR {
+    const NodeReference run{leaf};
+    for (uint32_t i = 0; i < run.blocks(); ++i) {
+      const uint32_t number = scene.slots[run.first_block() + i];
+      if (!mailbox.tested(number))
+        all_hits_of(scene.instances[number], number, ray, hits, counters);
+    }
+    return false;
+  };
+  RayFrame frame;
+  BoxRay<float> box_ray;
+  const Setup setup = set_up<true>(ray, ray.t_max, scene.tree_bounds, scene.tree, frame, box_ray);
+  if (setup == Setup::misses) return;
+  if (setup == Setup::wide) [[unlikely]] {
+    BoxRay<double> wide_ray = make_box_ray<double>(frame);
+    any_in_tree<false>(scene.tree, wide_ray, counters.node_visits, collect);
+    return;
+  }
+  any_in_tree<false>(scene.tree, box_ray, counters.node_visits, collect);
+}
+
 BvhKernels kernels_of_target() {
-  return {mesh_closest,   mesh_any,         mesh_packet,  leaf_closest,
-          leaf_any,       instance_closest, instance_any, boxes_entered,
-          rectangles_met, planes_met,       row_met,      hwy::TargetName(HWY_TARGET)};
+  return {
+      mesh_closest,  mesh_any,       mesh_all,         mesh_packet,  leaf_closest,
+      leaf_any,      leaf_all,       instance_closest, instance_any, instance_all,
+      boxes_entered, rectangles_met, planes_met,       row_met,      hwy::TargetName(HWY_TARGET)};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -52,6 +52,8 @@ inline constexpr size_t kPacketSize = 32;
 struct BvhKernels {
   bool (*mesh_closest)(const MeshTree&, const Ray&, Hit&, TraversalCounters&);
   bool (*mesh_any)(const MeshTree&, const Ray&, TraversalCounters&);
+  /// Appends all hits, some perhaps twice.
+  void (*mesh_all)(const MeshTree&, const Ray&, std::vector<Hit>&, TraversalCounters&);
   /// mesh_closest for each of up to kPacketSize rays that go much the same way; false, with nothing
   /// done, where they do not or cannot be traced together.
   bool (*mesh_packet)(const MeshTree&, std::span<const Ray>, std::span<Hit>, TraversalCounters&);
@@ -59,9 +61,13 @@ struct BvhKernels {
   bool (*leaf_closest)(const MeshTree&, uint32_t leaf, const TriangleRay&, Hit&,
                        TraversalCounters&);
   bool (*leaf_any)(const MeshTree&, uint32_t leaf, const TriangleRay&, TraversalCounters&);
+  void (*leaf_all)(const MeshTree&, uint32_t leaf, const TriangleRay&, std::vector<Hit>&,
+                   TraversalCounters&);
   bool (*instance_closest)(const InstanceTree&, const Ray&, Hit&, TraversalCounters&);
   /// As Accelerator::any_hit_by().
   bool (*instance_any)(const InstanceTree&, const Ray&, uint32_t& first, TraversalCounters&);
+  /// Appends all hits, some perhaps twice.
+  void (*instance_all)(const InstanceTree&, const Ray&, std::vector<Hit>&, TraversalCounters&);
   /// Which boxes of the row the ray may hit something in before `t_max`, a bit each, and lower
   /// bounds of t there, as many as row.count. For a ray that can_hit().
   uint32_t (*boxes_entered)(const BoxRow& row, const Ray& ray, double t_max, double* entered);

@@ -75,6 +75,12 @@ bool DeferredMesh::any_hit(const Ray& ray, TraversalCounters& counters) const {
   return accelerator && accelerator->any_hit(ray, counters);
 }
 
+void DeferredMesh::all_hits(const Ray& ray, std::vector<Hit>& hits,
+                            TraversalCounters& counters) const {
+  if (const Accelerator* accelerator = accelerator_for(ray))
+    accelerator->all_hits(ray, hits, counters);
+}
+
 AcceleratorStatistics DeferredMesh::statistics() const {
   const Accelerator* built = built_.load(std::memory_order_acquire);
   return built ? built->statistics() : AcceleratorStatistics{};

@@ -27,6 +27,7 @@ class DeferredMesh final : public Accelerator {
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  void all_hits(const Ray& ray, std::vector<Hit>& hits, TraversalCounters& counters) const override;
   /// Of the accelerator, once it is built.
   AcceleratorStatistics statistics() const override;
 

@@ -23,6 +23,7 @@ struct Search {
   TraversalCounters& counters;
   const BvhKernels& code = kernels();
   bool found = false;
+  std::vector<Hit>* all_found = nullptr;
 
   static float closest(void* context, uint32_t box, float t_max) {
     auto& s = *static_cast<Search*>(context);
@@ -35,6 +36,11 @@ struct Search {
     auto& s = *static_cast<Search*>(context);
     s.found = s.code.leaf_any(s.blocks, kUnitsOfBlock * box, s.ray, s.counters);
     return s.found ? -std::numeric_limits<float>::infinity() : t_max;
+  }
+  static float all(void* context, uint32_t box, float t_max) {
+    auto& s = *static_cast<Search*>(context);
+    s.code.leaf_all(s.blocks, kUnitsOfBlock * box, s.ray, *s.all_found, s.counters);
+    return t_max;
   }
 };
 
@@ -115,6 +121,20 @@ bool EmbreeMesh::any_hit(const Ray& ray, TraversalCounters& counters) const {
   Search search{blocks_, prepared, frame, unused, counters};
   embree_->visit_any(to, Search::any, &search);
   return search.found;
+}
+
+void EmbreeMesh::all_hits(const Ray& ray, std::vector<Hit>& hits,
+                          TraversalCounters& counters) const {
+  const TriangleRay prepared(ray);
+  if (!prepared.valid()) return;
+  const RayFrame frame = make_ray_frame(ray, ray.t_max, bounds(), double{extent_});
+  if (frame.misses) return;
+  EmbreeBoxRay to;
+  if (!to_embree(ray, frame, extent_, to)) return scan_.all_hits(ray, hits, counters);
+  Hit unused;
+  Search search{blocks_, prepared, frame, unused, counters};
+  search.all_found = &hits;
+  embree_->visit_any(to, Search::all, &search);
 }
 
 }  // namespace tessera

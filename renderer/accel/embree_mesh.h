@@ -22,6 +22,7 @@ class EmbreeMesh final : public Accelerator {
   Bounds3 bounds() const override { return scan_.bounds(); }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  void all_hits(const Ray& ray, std::vector<Hit>& hits, TraversalCounters& counters) const override;
   AcceleratorStatistics statistics() const override { return statistics_; }
 
  private:

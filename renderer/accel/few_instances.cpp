@@ -293,6 +293,13 @@ bool FewInstances::any_hit_among(uint32_t boxes, const Ray& ray,
   return false;
 }
 
+void FewInstances::all_hits(const Ray& ray, std::vector<Hit>& hits,
+                            TraversalCounters& counters) const {
+  if (!can_hit(ray)) return;
+  for (uint32_t i = 0; i < instances_.size(); ++i)
+    all_hits_of(instances_[i], i, ray, hits, counters);
+}
+
 AcceleratorStatistics FewInstances::statistics() const {
   return {.primitives = instances_.size(),
           .references = instances_.size(),

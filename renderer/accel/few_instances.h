@@ -23,6 +23,7 @@ class FewInstances final : public Accelerator {
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  void all_hits(const Ray& ray, std::vector<Hit>& hits, TraversalCounters& counters) const override;
   using Accelerator::closest_hits;
   void closest_hits(const RayRow& rays, std::span<Hit> hits,
                     TraversalCounters& counters) const override;

@@ -2,6 +2,9 @@
 
 #include <limits>
 
+#include "renderer/accel/mesh_shape.h"
+#include "renderer/shapes/solid.h"
+
 namespace tessera {
 namespace {
 
@@ -54,6 +57,33 @@ bool any_hit_of_any(const Instance& instance, const Ray& ray, TraversalCounters&
   if (!instance.casts_shadow) return false;
   return query_local(instance, ray,
                      [&](const Ray& local) { return instance.shape->any_hit(local, counters); });
+}
+
+void all_hits_of(const Instance& instance, uint32_t number, const Ray& ray, std::vector<Hit>& hits,
+                 TraversalCounters& counters) {
+  const size_t before = hits.size();
+  query_local(instance, ray, [&](const Ray& local) {
+    instance.shape->all_hits(local, hits, counters);
+    return true;
+  });
+  for (size_t i = before; i < hits.size(); ++i) hits[i].instance = number;
+}
+
+int crossing_number_of(const Instance& instance, const Ray& ray, std::span<const Hit> hits) {
+  const int number = instance.shape->crossing_number(to_object(instance, ray, Cull::none), hits);
+  return instance.flip_normals ? -number : number;
+}
+
+bool is_closed(const Shape& shape) {
+  if (const auto* solid = dynamic_cast<const Solid*>(&shape)) return solid->closed();
+  const auto* mesh = dynamic_cast<const MeshShape*>(&shape);
+  return mesh != nullptr && is_closed(mesh->mesh());
+}
+
+bool holds_start_of(const Instance& instance, const Ray& ray, std::span<const Hit> hits) {
+  const Ray local = to_object(instance, ray, Cull::none);
+  const auto* solid = dynamic_cast<const Solid*>(instance.shape.get());
+  return solid ? solid->holds_start(local) : instance.shape->crossing_number(local, hits) != 0;
 }
 
 Bounds3 bounds_of(const Instance& instance) {

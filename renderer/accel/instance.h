@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "renderer/math/transform.h"
 #include "renderer/shapes/plane.h"
@@ -71,6 +72,17 @@ inline bool any_hit_of(const Instance& instance, const Ray& ray, TraversalCounte
   double t;
   return instance.casts_shadow && in_place(instance, ray, ray.t_max, t, counters);
 }
+/// As Shape::all_hits for instance `number` and a ray in world space; sets Hit::instance.
+void all_hits_of(const Instance& instance, uint32_t number, const Ray& ray, std::vector<Hit>& hits,
+                 TraversalCounters& counters);
+/// As Shape::crossing_number for the hits of this instance and a ray in world space.
+int crossing_number_of(const Instance& instance, const Ray& ray, std::span<const Hit> hits);
+/// Whether a world-space ray starts inside the instance's shape, of which `hits` are all hits.
+/// Only what is_closed() has an inside.
+bool holds_start_of(const Instance& instance, const Ray& ray, std::span<const Hit> hits);
+/// Whether the shape has an inside: a solid of which nothing is left out, or a closed mesh. Takes a
+/// sort of a mesh's edges.
+bool is_closed(const Shape& shape);
 /// In world space. Endless for an endless shape.
 Bounds3 bounds_of(const Instance& instance);
 

@@ -36,6 +36,18 @@ bool MeshLinearScan::any_hit(const Ray& ray, TraversalCounters& counters) const 
   return false;
 }
 
+void MeshLinearScan::all_hits(const Ray& ray, std::vector<Hit>& hits,
+                              TraversalCounters& counters) const {
+  const TriangleRay prepared(ray);
+  if (!prepared.valid()) return;
+  counters.primitive_tests += mesh_->triangles.size();
+  for (uint32_t i = 0; i < mesh_->triangles.size(); ++i) {
+    const auto [a, b, c] = mesh_->corners(i);
+    TriangleHit at;
+    if (intersect_triangle(prepared, a, b, c, at)) hits.push_back({at.t, at.u, at.v, 0, i});
+  }
+}
+
 AcceleratorStatistics MeshLinearScan::statistics() const {
   return {.primitives = mesh_->triangles.size(), .references = mesh_->triangles.size()};
 }
@@ -59,6 +71,13 @@ bool InstanceLinearScan::any_hit(const Ray& ray, TraversalCounters& counters) co
   for (const Instance& instance : instances_)
     if (any_hit_of(instance, ray, counters)) return true;
   return false;
+}
+
+void InstanceLinearScan::all_hits(const Ray& ray, std::vector<Hit>& hits,
+                                  TraversalCounters& counters) const {
+  if (!can_hit(ray)) return;
+  for (uint32_t i = 0; i < instances_.size(); ++i)
+    all_hits_of(instances_[i], i, ray, hits, counters);
 }
 
 AcceleratorStatistics InstanceLinearScan::statistics() const {

@@ -16,6 +16,7 @@ class MeshLinearScan final : public Accelerator {
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  void all_hits(const Ray& ray, std::vector<Hit>& hits, TraversalCounters& counters) const override;
   AcceleratorStatistics statistics() const override;
 
  private:
@@ -30,6 +31,7 @@ class InstanceLinearScan final : public Accelerator {
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  void all_hits(const Ray& ray, std::vector<Hit>& hits, TraversalCounters& counters) const override;
   AcceleratorStatistics statistics() const override;
 
  private:

@@ -22,6 +22,13 @@ class MeshShape final : public Shape {
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override {
     return accelerator_->any_hit(ray, counters);
   }
+  void all_hits(const Ray& ray, std::vector<Hit>& hits,
+                TraversalCounters& counters) const override {
+    accelerator_->all_hits(ray, hits, counters);
+  }
+  int crossing_number(const Ray& ray, std::span<const Hit> hits) const override {
+    return mesh_crossing_number(*mesh_, ray, hits);
+  }
   LocalSurface surface(const Ray&, const Hit& hit) const override {
     return triangle_surface(*mesh_, hit.primitive, hit.u, hit.v);
   }

@@ -32,6 +32,10 @@ class MeshOctree final : public Accelerator {
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override {
     return code_->mesh_any(tree_, ray, counters);
   }
+  void all_hits(const Ray& ray, std::vector<Hit>& hits,
+                TraversalCounters& counters) const override {
+    code_->mesh_all(tree_, ray, hits, counters);
+  }
   AcceleratorStatistics statistics() const override { return statistics_; }
   const MeshTree& tree() const { return tree_; }
 
@@ -59,6 +63,10 @@ class InstanceOctree final : public Accelerator {
     return code_->instance_any(tree_, ray, instance, counters);
   }
   bool takes_guesses() const override { return true; }
+  void all_hits(const Ray& ray, std::vector<Hit>& hits,
+                TraversalCounters& counters) const override {
+    code_->instance_all(tree_, ray, hits, counters);
+  }
   AcceleratorStatistics statistics() const override { return statistics_; }
   const InstanceTree& tree() const { return tree_; }
 

@@ -8,6 +8,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <vector>
 
 #include "renderer/accel/bvh_kernels.h"
 #include "renderer/accel/traverse-inl.h"
@@ -47,6 +48,28 @@ class TriangleTester {
           if (test_alone(*block, lane, h)) take(lane, h);
         }
       if (block->primitive[3] & TriangleBlock::kLast) return found;
+    }
+  }
+
+  /// Appends every hit inside (t_min, t_max).
+  HWY_INLINE void all(uint32_t leaf, std::vector<Hit>& hits, uint64_t& tests) const {
+    Lanes lanes;
+    for (const TriangleBlock* block = first_block(leaf);; ++block) {
+      tests += 4;
+      const auto take = [&](int lane, const TriangleHit& h) HWY_ATTR {
+        hits.push_back({h.t, h.u, h.v, 0, block->primitive[lane] & ~TriangleBlock::kLast});
+      };
+      Verdict verdict = test<true>(*block, ray_.t_max, lanes);
+      for (; verdict.sure != 0; verdict.sure &= verdict.sure - 1) {
+        const int lane = std::countr_zero(verdict.sure);
+        take(lane, {lanes.t[lane], lanes.u[lane], lanes.v[lane]});
+      }
+      for (; verdict.unsure != 0; verdict.unsure &= verdict.unsure - 1) [[unlikely]] {
+          const int lane = std::countr_zero(verdict.unsure);
+          TriangleHit h;
+          if (test_alone(*block, lane, h)) take(lane, h);
+        }
+      if (block->primitive[3] & TriangleBlock::kLast) return;
     }
   }
 

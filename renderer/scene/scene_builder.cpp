@@ -38,9 +38,10 @@ struct ShapeMaterials {
 class SceneBuilder {
  public:
   SceneBuilder(const v1::Scene& description, const BlobStore& blobs, const v1::FrameSettings& frame,
-               int threads, const Sharing& sharing, const Skips& skips)
+               int threads, const Sharing& sharing, const Skips& skips, SceneNames* names)
       : description_(description),
         frame_(frame),
+        names_(names),
         source_{.blobs = blobs,
                 .accelerator = {},
                 .threads = threads,
@@ -218,9 +219,13 @@ class SceneBuilder {
 
   void use_materials(const Where& where, const v1::Shape& shape) {
     for (const std::string& name : shape.materials()) {
-      scene_->material_slots.push_back(materials_.use(where, name));
+      use_material(where, name);
     }
-    if (shape.materials().empty()) scene_->material_slots.push_back(materials_.use(where, ""));
+    if (shape.materials().empty()) use_material(where, "");
+  }
+  void use_material(const Where& where, const std::string& name) {
+    scene_->material_slots.push_back(materials_.use(where, name));
+    if (names_) names_->materials.push_back(name);
   }
 
   bool shows_normals(const Material& material) const {
@@ -314,6 +319,8 @@ class SceneBuilder {
                                    .flip_normals = graph_.shapes[in.shape].shape->flip_normals()});
       scene_->shading.push_back({materials.first, materials.count, in.scope, materials.is_veil});
       instance_shapes_.push_back(in.shape);
+      if (names_)
+        names_->instances.push_back(in.name ? *in.name : graph_.shapes[in.shape].shape->name());
       is_clear_.push_back(materials.is_clear || !scene_->skips.opaque_as_clear);
       is_veil_.push_back(materials.is_veil || !scene_->skips.opaque_as_clear);
       is_any_clear_ |= materials.is_clear;
@@ -407,6 +414,7 @@ class SceneBuilder {
 
   const v1::Scene& description_;
   const v1::FrameSettings& frame_;
+  SceneNames* const names_;
   ShapeSource source_;
   TextureTable textures_;
   MaterialTable materials_;
@@ -425,8 +433,9 @@ class SceneBuilder {
 
 std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
                                          const v1::FrameSettings& frame, int threads,
-                                         const Sharing& sharing, const Skips& skips) {
-  return SceneBuilder(description, blobs, frame, threads, sharing, skips).build();
+                                         const Sharing& sharing, const Skips& skips,
+                                         SceneNames* names) {
+  return SceneBuilder(description, blobs, frame, threads, sharing, skips, names).build();
 }
 
 }  // namespace tessera

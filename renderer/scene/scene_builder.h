@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "base/live_things.h"
 #include "proto/tessera/v1/farm.pb.h"
@@ -10,12 +12,19 @@
 
 namespace tessera {
 
+/// What a built scene's parts are called in its description.
+struct SceneNames {
+  std::vector<std::string> instances;  ///< of the node, or else of the shape; may be empty
+  std::vector<std::string> materials;  ///< one each of Scene::material_slots; empty: the default
+};
+
 /// Builds the frame's scene. Throws a scene error where the description is wrong, or names an
 /// integrator, camera or accelerator that there is not. `threads` do not change the result, nor
 /// does where trees are shared.
-/// `skips` change no picture beyond what docs/skipping.md says.
+/// `skips` change no picture beyond what docs/skipping.md says. Fills `names`, if it is given.
 std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
                                          const v1::FrameSettings& frame, int threads,
-                                         const Sharing& sharing = {}, const Skips& skips = {});
+                                         const Sharing& sharing = {}, const Skips& skips = {},
+                                         SceneNames* names = nullptr);
 
 }  // namespace tessera

@@ -22,6 +22,7 @@ struct Inherited {
   uint32_t scope = 0;
   bool casts_shadow = true;
   int depth = 0;
+  const std::string* name = nullptr;
 };
 
 Vec3 column(const Affine& frame, size_t number) {
@@ -110,6 +111,7 @@ class Walker {
       return;
     }
     inherited.casts_shadow = inherited.casts_shadow && !node.casts_no_shadow();
+    if (!node.name().empty()) inherited.name = &node.name();
     ++inherited.depth;
     if (node.has_shape()) add_instance(where, node.shape(), inherited);
     if (!node.instance_of().empty()) enter_object(where, node.instance_of(), inherited);
@@ -208,8 +210,8 @@ class Walker {
     if (is_new) {
       graph_.shapes.push_back({&shape, Where{&where, "shape", shape.name()}.str()});
     }
-    graph_.instances.push_back(
-        {known->second, inherited.world_from_parent, inherited.scope, inherited.casts_shadow});
+    graph_.instances.push_back({known->second, inherited.world_from_parent, inherited.scope,
+                                inherited.casts_shadow, inherited.name});
   }
 
   /// Adds the lights that these siblings hold; returns the scope that they share.

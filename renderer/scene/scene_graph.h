@@ -22,6 +22,7 @@ struct GraphInstance {
   Affine world_from_object;  ///< invertible
   uint32_t scope = 0;        ///< into SceneGraph::scopes
   bool casts_shadow = true;
+  const std::string* name = nullptr;  ///< of the nearest node above that has one, or null
 };
 
 /// The nodes unfolded, in drawing order, without what is hidden, off or flat.

@@ -1,9 +1,7 @@
 #include "renderer/shapes/closed_mesh.h"
 
 #include <algorithm>
-#include <compare>
 #include <numeric>
-#include <tuple>
 
 #include "base/error.h"
 #include "renderer/shapes/line_box.h"
@@ -11,45 +9,6 @@
 
 namespace tessera {
 namespace {
-
-/// For each vertex the number of the first one at its place.
-std::vector<uint32_t> weld(const TriangleMesh& mesh) {
-  std::vector<uint32_t> order(mesh.positions.size()), same(order.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto place = [&](uint32_t i) {
-    const Point3 p = mesh.vertex(i);
-    return std::tuple(p.x, p.y, p.z);
-  };
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return place(a) != place(b) ? place(a) < place(b) : a < b;
-  });
-  for (size_t i = 0; i < order.size(); ++i)
-    same[order[i]] =
-        i > 0 && place(order[i]) == place(order[i - 1]) ? same[order[i - 1]] : order[i];
-  return same;
-}
-
-/// Whether every edge is passed as often one way as the other.
-bool is_closed(const TriangleMesh& mesh) {
-  const std::vector<uint32_t> same = weld(mesh);
-  std::vector<std::tuple<uint32_t, uint32_t, int>> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (const TriangleIndices& t : mesh.triangles) {
-    for (size_t k = 0; k < 3; ++k) {
-      const uint32_t a = same[t[k]], b = same[t[(k + 1) % 3]];
-      if (a != b) edges.emplace_back(std::min(a, b), std::max(a, b), a < b ? 1 : -1);
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  for (size_t i = 0; i < edges.size();) {
-    int sum = 0;
-    const auto [a, b, first] = edges[i];
-    for (; i < edges.size() && std::get<0>(edges[i]) == a && std::get<1>(edges[i]) == b; ++i)
-      sum += std::get<2>(edges[i]);
-    if (sum != 0) return false;
-  }
-  return !edges.empty();
-}
 
 /// Six times the enclosed volume, positive where triangles wind counter-clockwise from outside.
 double signed_volume(const TriangleMesh& mesh, const Point3& center) {

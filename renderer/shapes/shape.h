@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "renderer/math/bounds.h"
 #include "renderer/math/color.h"
 #include "renderer/shapes/ray.h"
@@ -44,6 +47,20 @@ class Shape {
   virtual bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const = 0;
   /// Whether anything is hit inside (ray.t_min, ray.t_max).
   virtual bool any_hit(const Ray& ray, TraversalCounters& counters) const = 0;
+  /// Appends every hit inside (ray.t_min, ray.t_max), in any order and with instance 0; a hit may
+  /// be appended twice. This default finds one primitive at each t, which suffices for shapes whose
+  /// surfaces meet in edges alone.
+  virtual void all_hits(const Ray& ray, std::vector<Hit>& hits, TraversalCounters& counters) const {
+    Ray rest = ray;
+    for (Hit hit; closest_hit(rest, hit, counters); hit = {}) {
+      hit.instance = 0;
+      hits.push_back(hit);
+      rest.t_min = hit.t;
+    }
+  }
+  /// How often the ray passes from front to back, less how often from back to front, at `hits`,
+  /// which are all of its hits, each once; ray.cull is none.
+  virtual int crossing_number(const Ray& ray, std::span<const Hit> hits) const;
   /// What lies at a hit that closest_hit reported for this ray.
   virtual LocalSurface surface(const Ray& ray, const Hit& hit) const = 0;
   virtual size_t primitive_count() const { return 1; }

@@ -32,6 +32,10 @@ class Solid : public Shape {
   /// come in either order. `error` widens the errors reported, and changes no t.
   virtual void crossings(const Ray& ray, const RayError& error,
                          std::vector<SolidEvent>& events) const = 0;
+  /// By crossings(), which balance: a line that touches the surface counts as often in as out.
+  int crossing_number(const Ray& ray, std::span<const Hit> hits) const override;
+  /// Whether the ray starts inside; any direction that is not zero serves.
+  bool holds_start(const Ray& ray) const;
 };
 
 /// The stretch of a line that is inside a convex solid; t is infinite where it has no end.

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <numeric>
 
 #include "base/parallel.h"
 #include "renderer/math/accurate_dot.h"
@@ -86,13 +87,18 @@ Bounds3 TriangleMesh::bounds() const {
 size_t TriangleMesh::bytes() const {
   return positions.size() * sizeof(Float3) + triangles.size() * sizeof(TriangleIndices) +
          normals.size() * sizeof(Float3) + uvs.size() * sizeof(Float2) +
-         colors.size() * sizeof(Float4) + face_materials.size() * sizeof(uint32_t);
+         colors.size() * sizeof(Float4) +
+         (face_materials.size() + original_numbers.size()) * sizeof(uint32_t);
 }
 
 MeshDefects drop_degenerate(TriangleMesh& mesh, int threads) {
   MeshDefects defects;
   if (all_legal(mesh, threads)) return defects;
   size_t kept = 0;
+  if (mesh.original_numbers.empty()) {
+    mesh.original_numbers.resize(mesh.triangles.size());
+    std::iota(mesh.original_numbers.begin(), mesh.original_numbers.end(), 0u);
+  }
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
     const TriangleIndices index = mesh.triangles[i];
     const size_t n = mesh.positions.size();
@@ -108,11 +114,13 @@ MeshDefects drop_degenerate(TriangleMesh& mesh, int threads) {
         continue;
       }
       mesh.triangles[kept] = index;
+      mesh.original_numbers[kept] = mesh.original_numbers[i];
       if (!mesh.face_materials.empty()) mesh.face_materials[kept] = mesh.face_materials[i];
       ++kept;
     }
   }
   mesh.triangles.resize(kept);
+  mesh.original_numbers.resize(kept);
   if (!mesh.face_materials.empty()) mesh.face_materials.resize(kept);
   return defects;
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "renderer/math/bounds.h"
@@ -32,6 +33,8 @@ struct TriangleMesh {
   std::vector<Float2> uvs;               ///< one a vertex
   std::vector<Float4> colors;            ///< one a vertex: linear RGBA
   std::vector<uint32_t> face_materials;  ///< one a triangle
+  /// Where drop_degenerate() took some away: the number that each triangle had before, ascending.
+  std::vector<uint32_t> original_numbers;
 
   Point3 vertex(uint32_t index) const {
     const Float3& p = positions[index];
@@ -55,6 +58,14 @@ struct MeshDefects {
 /// Removes every triangle that no accelerator may hold, with its face material; keeps the order of
 /// the rest. Three distinct corners in a line stay: without them a closed mesh would have a slit.
 MeshDefects drop_degenerate(TriangleMesh& mesh, int threads = 1);
+
+/// Whether every edge is passed as often one way as the other. Vertices at the same place count as
+/// one.
+bool is_closed(const TriangleMesh& mesh);
+/// As Shape::crossing_number. A ray right through an edge or vertex is moved aside by an endlessly
+/// small step, the same for all triangles: so a line through a closed mesh crosses it as often in
+/// as out, and never twice at a shared edge.
+int mesh_crossing_number(const TriangleMesh& mesh, const Ray& ray, std::span<const Hit> hits);
 
 /// The surface at barycentric weights u, v of vertices 1 and 2 of a triangle.
 /// Also a lane each in lane_triangle-inl.h, to the bit.

@@ -40,7 +40,7 @@ WALLS = [
     (["renderer/film", "renderer/denoise", "renderer/image"],
      FARM + ["proto", "scenes", "bench", "renderer/scene", "renderer/accel"],
      "pictures know no scenes"),
-    (["renderer/scene", "renderer/integrator", "renderer/render"],
+    (["renderer/scene", "renderer/integrator", "renderer/render", "renderer/query"],
      FARM + ["scenes", "bench", "renderer/image"], "the renderer sees no sockets and no files"),
     (["scenes"], FARM + ["bench"] + [f"renderer/{room}" for room in (
         "shapes", "accel", "sampler", "camera", "shading", "film", "denoise", "image", "scene",
@@ -72,7 +72,7 @@ WALLS = [
                            "renderer/scene", "renderer/render"], "the viewer is shown pixels"),
     (["worker"], ["client", "coordinator", "cli", "bench", "scenes", "renderer/image"],
      "the worker knows neither the coordinator's code nor files"),
-    (["python"], ["cli", "bench"], "the Python package stands beside the program"),
+    (["python"], ["cli"], "the Python package stands beside the program"),
 ]
 
 # What only one room may touch: (what, pattern of a line, the rooms that may).

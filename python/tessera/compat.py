@@ -1,0 +1,57 @@
+"""Stand-ins for classes of other packages."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Tuple
+
+from .rays import tracer_from_mesh
+
+if TYPE_CHECKING:
+    import numpy as np
+
+__all__ = ["MeshIntersector"]
+
+
+class MeshIntersector:
+    """Has the methods of `trimesh.Trimesh.ray`, with the same arguments, returns and dtypes: numbers
+    of rays and triangles are int64, locations float64. Hits come by ray, then by distance. A ray
+    through a shared edge or vertex hits each triangle there; a closed mesh contains what
+    `Tracer.contains` says."""
+
+    def __init__(self, vertices: Any, faces: Any):
+        self._tracer = tracer_from_mesh(vertices, faces)
+
+    def intersects_id(self, ray_origins: Any, ray_directions: Any, return_locations: bool = False,
+                      multiple_hits: bool = True, **_: Any) -> Tuple["np.ndarray", ...]:
+        """The triangles that are hit, and the ray of each; with `return_locations` the points too."""
+        import numpy as np
+        if multiple_hits:
+            hits = self._tracer.intersect_all(ray_origins, ray_directions)
+            ray, triangle = hits.ray, hits.primitive
+            points = hits.point if return_locations else None
+        else:
+            first = self._tracer.intersect(ray_origins, ray_directions)
+            ray = np.flatnonzero(first.hit)
+            triangle = first.primitive[ray]
+            points = first.point[ray] if return_locations else None
+        found = (triangle.astype(np.int64), ray.astype(np.int64))
+        return found if points is None else found + (points,)
+
+    def intersects_location(self, ray_origins: Any, ray_directions: Any, multiple_hits: bool = True,
+                            **_: Any) -> Tuple["np.ndarray", "np.ndarray", "np.ndarray"]:
+        """The points that are hit, the ray of each, and the triangle of each."""
+        triangle, ray, points = self.intersects_id(ray_origins, ray_directions, True, multiple_hits)
+        return points, ray, triangle
+
+    def intersects_first(self, ray_origins: Any, ray_directions: Any, **_: Any) -> "np.ndarray":
+        """The first triangle that each ray hits; -1 where there is none."""
+        import numpy as np
+        first = self._tracer.intersect(ray_origins, ray_directions, fields=("primitive",))
+        return np.where(first.hit, first.primitive.astype(np.int64), -1)
+
+    def intersects_any(self, ray_origins: Any, ray_directions: Any, **_: Any) -> "np.ndarray":
+        """Whether each ray hits anything."""
+        return self._tracer.occluded(ray_origins, ray_directions)
+
+    def contains_points(self, points: Any) -> "np.ndarray":
+        """Whether each point is inside the mesh; all False where it is not closed."""
+        return self._tracer.contains(points)

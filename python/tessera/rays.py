@@ -1,0 +1,420 @@
+"""Ray queries on arrays: closest hits, all hits, crossings, insides and what lies at hits."""
+from __future__ import annotations
+
+import difflib
+import os
+from typing import TYPE_CHECKING, Any, Iterable, List, Optional, Sequence, Tuple, Union
+
+from . import _core
+from .errors import UsageError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+__all__ = ["AllHits", "Hits", "Tracer", "tracer_from_scene"]
+
+_NONE = 0xFFFFFFFF
+_CULLS = ("none", "back", "front")
+_FIELDS = ("t", "instance", "primitive", "uv")
+#: The numbers that each attribute of a hit has, and their type.
+_ATTRIBUTES = {"point": (3, "f8"), "point_error": (3, "f8"), "normal": (3, "f8"),
+               "shading_normal": (3, "f8"), "texcoord": (2, "f8"), "material": (1, "u4")}
+
+
+def _numpy() -> Any:
+    import numpy
+    return numpy
+
+
+def _choice(keyword: str, found: str, known: Sequence[str]) -> str:
+    if found in known:
+        return found
+    near = difflib.get_close_matches(str(found), known, 1)
+    hint = f"; did you mean '{near[0]}'?" if near else ""
+    raise UsageError(f"{keyword}: {found!r}; expected one of {', '.join(known)}{hint}")
+
+
+def _real(name: str, value: Any) -> "np.ndarray":
+    """`value` as an array of float64, or of float32 where it is that."""
+    np = _numpy()
+    array = np.asarray(value)
+    if array.dtype == object or not np.can_cast(array.dtype, np.float64, "safe"):
+        # Whole numbers of 64 bits lose their last bits by numpy's rule, and are taken all the same.
+        if array.dtype.kind not in "iu":
+            raise UsageError(f"{name}: dtype {array.dtype}; expected float64 or what fits into it")
+    single = array.dtype.kind == "f" and array.dtype.itemsize == 4
+    return array.astype(np.float32 if single else np.float64, copy=False)
+
+
+def _vectors(name: str, value: Any) -> "np.ndarray":
+    array = _real(name, value)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise UsageError(f"{name}: shape {array.shape}; expected (..., 3)")
+    return array
+
+
+def _broadcast(named: Sequence[Tuple[str, Tuple[int, ...]]]) -> Tuple[int, ...]:
+    """The leading shape that all broadcast to."""
+    try:
+        return _numpy().broadcast_shapes(*(shape for _, shape in named))
+    except ValueError:
+        told = ", ".join(f"{name} {shape}" for name, shape in named)
+        raise UsageError(f"leading shapes: {told}; expected shapes that broadcast") from None
+
+
+def _rows(array: "np.ndarray", shape: Tuple[int, ...]) -> "np.ndarray":
+    """(n, 3), without a copy wherever one stride leads from row to row."""
+    return _numpy().broadcast_to(array, shape + (3,)).reshape(-1, 3)
+
+
+class _Rays:
+    """Rays of one call: their leading shape, and arrays as `_core` takes them."""
+
+    def __init__(self, origins: Any, directions: Any, t_min: Any = 0.0, t_max: Any = None):
+        np = _numpy()
+        o, d = _vectors("origins", origins), _vectors("directions", directions)
+        ends = [None if value is None or (isinstance(value, (int, float)) and value == usual)
+                else _real(name, value).astype(np.float64, copy=False)
+                for name, value, usual in (("t_min", t_min, 0), ("t_max", t_max, float("inf")))]
+        named = [("origins", o.shape[:-1]), ("directions", d.shape[:-1])]
+        named += [(name, end.shape) for name, end in zip(("t_min", "t_max"), ends)
+                  if end is not None]
+        self.shape = _broadcast(named)
+        self.origins, self.directions = _rows(o, self.shape), _rows(d, self.shape)
+        self.ends = [None if end is None else
+                     np.ascontiguousarray(np.broadcast_to(end, self.shape)).reshape(-1)
+                     for end in ends]
+
+    @property
+    def count(self) -> int:
+        return len(self.origins)
+
+
+def _frozen(array: "np.ndarray") -> "np.ndarray":
+    array.flags.writeable = False
+    return array
+
+
+class _Found:
+    """What `Hits` and `AllHits` share: hits in arrays, and what lies there."""
+
+    __slots__ = ("_tracer", "_origins", "_directions", "_threads", "_arrays", "_shape", "_known")
+
+    def __init__(self, tracer: "Tracer", origins: Any, directions: Any, threads: Optional[int],
+                 arrays: dict, shape: Tuple[int, ...]):
+        self._tracer, self._origins, self._directions = tracer, origins, directions
+        self._threads, self._arrays, self._shape = threads, arrays, shape
+        self._known: dict = {}
+
+    def _field(self, name: str) -> "np.ndarray":
+        if name not in self._arrays:
+            raise UsageError(f"{name}: not among the fields that were asked for; expected one of "
+                             f"{', '.join(self._arrays)}")
+        return self._arrays[name]
+
+    def _per_hit(self) -> Tuple[Any, Any]:
+        """The ray of each hit."""
+        return self._origins, self._directions
+
+    def _flat(self) -> tuple:
+        """The four arrays as `_core` takes them."""
+        count = len(self._per_hit()[0])
+        return tuple(self._field(name).reshape((count, 2) if name == "uv" else (count,))
+                     for name in _FIELDS)
+
+    def _attribute(self, name: str) -> "np.ndarray":
+        if name not in self._known:
+            np = _numpy()
+            width, code = _ATTRIBUTES[name]
+            shape = self._shape if width == 1 else self._shape + (width,)
+            out = np.empty(shape, code)
+            origins, directions = self._per_hit()
+            self._tracer._core.attributes(origins, directions, self._flat(),
+                                          self._tracer._threads(self._threads), {name: out})
+            self._known[name] = _frozen(out)
+        return self._known[name]
+
+    t = property(lambda self: self._field("t"), doc="Lengths of the direction; infinite: no hit.")
+    instance = property(lambda self: self._field("instance"),
+                        doc="Numbers into `tracer.instances`; 0xFFFFFFFF: no hit.")
+    primitive = property(lambda self: self._field("primitive"),
+                         doc="Of a mesh the row of its triangles; 0xFFFFFFFF: no hit.")
+    uv = property(lambda self: self._field("uv"), doc="Weights of a triangle's vertices 1 and 2.")
+    point = property(lambda self: self._attribute("point"), doc="Where the surface was hit.")
+    point_error = property(lambda self: self._attribute("point_error"),
+                           doc="A bound on the error of `point` on each axis.")
+    normal = property(lambda self: self._attribute("normal"),
+                      doc="Unit normals of the surface's front.")
+    shading_normal = property(lambda self: self._attribute("shading_normal"),
+                              doc="Unit normals, smoothed by those of vertices.")
+    texcoord = property(lambda self: self._attribute("texcoord"), doc="Texture coordinates.")
+    material = property(lambda self: self._attribute("material"),
+                        doc="Numbers into `tracer.materials`; 0xFFFFFFFF: no hit.")
+
+    def name(self, index: Any) -> Optional[str]:
+        """The name of the instance that was hit at that index; None where none was."""
+        number = int(self.instance[index])
+        return None if number == _NONE else self._tracer.instances[number]
+
+    def __getstate__(self) -> tuple:
+        return tuple(getattr(self, name) for name in self._slots())
+
+    def __setstate__(self, state: tuple) -> None:
+        for name, value in zip(self._slots(), state):
+            setattr(self, name, value)
+
+    @classmethod
+    def _slots(cls) -> List[str]:
+        return [name for base in reversed(cls.__mro__) for name in getattr(base, "__slots__", ())]
+
+
+class Hits(_Found):
+    """The closest hit of each ray, in arrays of the rays' shape. Attributes beside the fields are
+    computed when first asked for, from the arrays of rays that were given, which must not have
+    changed since."""
+
+    __slots__ = ()
+
+    @property
+    def hit(self) -> "np.ndarray":
+        """Whether anything was hit."""
+        for name in ("instance", "primitive"):
+            if name in self._arrays:
+                return self._arrays[name] != _NONE
+        return _numpy().isfinite(self.t)
+
+    @property
+    def shape(self) -> Tuple[int, ...]:
+        return self._shape
+
+    def __len__(self) -> int:
+        return self._shape[0]
+
+    def __repr__(self) -> str:
+        return f"<Hits {self._shape}: {int(self.hit.sum())} hit>"
+
+
+class AllHits(_Found):
+    """All hits of rays: those of ray `i`, in the order of C, are entries `offsets[i]` to
+    `offsets[i + 1]` of the other arrays, sorted by (t, instance, primitive)."""
+
+    __slots__ = ("offsets", "ray_shape")
+
+    def __init__(self, offsets: "np.ndarray", ray_shape: Tuple[int, ...], *found: Any):
+        super().__init__(*found)
+        self.offsets, self.ray_shape = offsets, ray_shape
+
+    @property
+    def counts(self) -> "np.ndarray":
+        """How many hits each ray has, in the rays' shape."""
+        return _numpy().diff(self.offsets).reshape(self.ray_shape)
+
+    @property
+    def ray(self) -> "np.ndarray":
+        """The number of each hit's ray."""
+        np = _numpy()
+        return np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
+
+    def _per_hit(self) -> Tuple[Any, Any]:
+        ray = self.ray
+        return self._origins[ray], self._directions[ray]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __repr__(self) -> str:
+        return f"<AllHits of {len(self.offsets) - 1} rays: {len(self)}>"
+
+
+class Tracer:
+    """The geometry of a scene for ray queries, made by `Scene.tracer`. It never changes: any number
+    of threads may use it at once. Results have the same bits for any number of threads.
+
+    Rays start at `origins` and go along `directions`, arrays of shape (..., 3) that broadcast; t
+    counts lengths of the direction, and hits lie at t_min < t < t_max. Surfaces are met whatever
+    their material lets through; hidden nodes are not there. A ray with a NaN, or without a
+    direction, hits nothing."""
+
+    __slots__ = ("_core", "_options", "_names")
+
+    def __init__(self, core: Any, options: tuple):
+        self._core, self._options, self._names = core, options, None
+
+    def _threads(self, threads: Optional[int]) -> int:
+        chosen = threads if threads is not None else self._options[-1]
+        if chosen is None:
+            return len(os.sched_getaffinity(0))
+        if isinstance(chosen, bool) or not isinstance(chosen, int) or not 1 <= chosen <= 4096:
+            raise UsageError(f"threads: {chosen!r}; expected a whole number from 1 to 4096")
+        return chosen
+
+    def intersect(self, origins: Any, directions: Any, *, t_min: Any = 0.0,
+                  t_max: Any = float("inf"), cull: str = "none", threads: Optional[int] = None,
+                  fields: Optional[Iterable[str]] = None) -> Hits:
+        """The closest hit of each ray. `fields` names what is wanted of t, instance, primitive and
+        uv; all, if it is left out."""
+        np = _numpy()
+        wanted = _FIELDS if fields is None else ((fields,) if isinstance(fields, str)
+                                                 else tuple(fields))
+        for name in wanted:
+            _choice("fields", name, _FIELDS)
+        rays = _Rays(origins, directions, t_min, t_max)
+        types = {"t": "f8", "instance": "u4", "primitive": "u4", "uv": "f8"}
+        arrays = {name: np.empty(rays.shape + ((2,) if name == "uv" else ()), types[name])
+                  for name in wanted}
+        self._core.intersect(rays.origins, rays.directions, *rays.ends,
+                             _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads),
+                             *(arrays.get(name) for name in _FIELDS))
+        for array in arrays.values():
+            _frozen(array)
+        return Hits(self, rays.origins, rays.directions, threads, arrays, rays.shape)
+
+    def occluded(self, origins: Any, directions: Any, *, t_min: Any = 0.0,
+                 t_max: Any = float("inf"), cull: str = "none",
+                 threads: Optional[int] = None) -> "np.ndarray":
+        """Whether each ray hits anything."""
+        rays = _Rays(origins, directions, t_min, t_max)
+        out = _numpy().empty(rays.shape, bool)
+        self._core.occluded(rays.origins, rays.directions, *rays.ends,
+                            _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads),
+                            out)
+        return out
+
+    def intersect_all(self, origins: Any, directions: Any, *, t_min: Any = 0.0,
+                      t_max: Any = float("inf"), cull: str = "none",
+                      threads: Optional[int] = None) -> AllHits:
+        """All hits of each ray, each once."""
+        np = _numpy()
+        rays = _Rays(origins, directions, t_min, t_max)
+        offsets, *arrays = (np.asarray(a) for a in self._core.intersect_all(
+            rays.origins, rays.directions, *rays.ends,
+            _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads)))
+        return AllHits(offsets, rays.shape, self, rays.origins, rays.directions, threads,
+                       dict(zip(_FIELDS, arrays)), (len(arrays[0]),))
+
+    def crossings(self, origins: Any, directions: Any, *, t_min: Any = 0.0,
+                  t_max: Any = float("inf"), threads: Optional[int] = None) -> "np.ndarray":
+        """How often each ray passes from front to back, less how often from back to front. Through
+        an edge or vertex of a mesh it passes once."""
+        rays = _Rays(origins, directions, t_min, t_max)
+        out = _numpy().empty(rays.shape, "i4")
+        self._core.crossings(rays.origins, rays.directions, *rays.ends, self._threads(threads), out)
+        return out
+
+    def contains(self, points: Any, shape: Union[None, int, str] = None, *,
+                 threads: Optional[int] = None) -> "np.ndarray":
+        """Whether each point is inside some solid or closed mesh, or inside the instances of that
+        name or number."""
+        np = _numpy()
+        at = _vectors("points", points)
+        inside = np.zeros(at.shape[:-1], bool)
+        for number in self._numbers(shape):
+            one = np.empty(at.shape[:-1], bool)
+            self._core.contains(at.reshape(-1, 3), number, self._threads(threads), one)
+            inside |= one
+        return inside
+
+    def _numbers(self, shape: Union[None, int, str]) -> Sequence[Optional[int]]:
+        if shape is None:
+            return [None]
+        if isinstance(shape, str):
+            _choice("shape", shape, sorted(set(self.instances)))
+            return [i for i, name in enumerate(self.instances) if name == shape]
+        number = int(shape)
+        if not 0 <= number < len(self.instances):
+            raise UsageError(f"shape: {shape}; expected a name or a number below "
+                             f"{len(self.instances)}")
+        return [number]
+
+    def camera_rays(self, size: Optional[Tuple[int, int]] = None, camera: Optional[str] = None,
+                    ) -> Tuple["np.ndarray", "np.ndarray"]:
+        """Origins and unit directions, (height, width, 3), of the rays through the middles of the
+        pixels of a frame of `size`, (width, height)."""
+        np = _numpy()
+        width, height = (int(n) for n in (size or self._core.size()))
+        if not (0 < width <= 65536 and 0 < height <= 65536):
+            raise UsageError(f"size: {(width, height)}; expected 1 to 65536 pixels a side")
+        origins, directions = (np.empty((height, width, 3)) for _ in range(2))
+        self._core.camera_rays(camera or "", width, height, origins, directions)
+        return origins, directions
+
+    def spawn(self, hits: _Found, directions: Any) -> "np.ndarray":
+        """Where rays start that leave the surfaces of `hits` along `directions`: moved off by the
+        bound on the error, so that they do not meet those surfaces there. NaN where there is no
+        hit."""
+        np = _numpy()
+        away = _vectors("directions", directions)
+        shape = hits._shape
+        if _broadcast([("hits", shape), ("directions", away.shape[:-1])]) != shape:
+            raise UsageError(f"directions: shape {away.shape}; expected one for each of the hits "
+                             f"{shape}")
+        out = np.empty(shape + (3,))
+        self._core.spawn(*hits._per_hit(), hits._flat(), _rows(away, shape), self._threads(None),
+                         out)
+        return out
+
+    @property
+    def bounds(self) -> "np.ndarray":
+        """The least and largest corner around all that ends somewhere, (2, 3)."""
+        return _numpy().asarray(self._core.bounds())
+
+    @property
+    def instances(self) -> List[str]:
+        """The names of instances, by number: of the node, or else of the shape."""
+        if self._names is None:
+            self._names = self._core.instances()
+        return self._names
+
+    @property
+    def materials(self) -> List[str]:
+        """The names of materials, by number; '' is the default one."""
+        return self._core.materials()
+
+    @property
+    def statistics(self) -> dict:
+        """What is held, and what building took."""
+        return self._core.statistics()
+
+    def __reduce__(self) -> tuple:
+        return _rebuild, (self._core.scene(), self._options)
+
+    def __repr__(self) -> str:
+        return f"<Tracer of {len(self.instances)} instances>"
+
+
+def _rebuild(scene: Any, options: tuple) -> Tracer:
+    time, camera, accel, threads = options
+    return Tracer(_core.Tracer(scene, time, camera, accel,
+                               threads or len(os.sched_getaffinity(0))), options)
+
+
+def tracer_from_scene(scene: Any, *, time: Optional[float] = None, camera: Optional[str] = None,
+                      accel: str = "bvh", threads: Optional[int] = None,
+                      geometry_only: bool = True) -> Tracer:
+    """A tracer of a `Scene`, of its text form (str) or of its binary form (bytes), as it is now."""
+    if not geometry_only:
+        raise UsageError("geometry_only: False; expected True, as tracers know no light")
+    return _rebuild(scene, (time, camera or "", accel, threads))
+
+
+def tracer_from_mesh(positions: "np.ndarray", triangles: "np.ndarray", *, accel: str = "bvh",
+                     threads: Optional[int] = None) -> Tracer:
+    """A tracer of one mesh: positions (v, 3), held as float32, and indices (t, 3)."""
+    np = _numpy()
+    points = np.ascontiguousarray(_vectors("positions", positions), np.float32)
+    rows = np.asarray(triangles)
+    if rows.size == 0:
+        rows = rows.reshape(0, 3).astype(np.uint32)
+    if points.ndim != 2:
+        raise UsageError(f"positions: shape {points.shape}; expected (v, 3)")
+    if rows.ndim != 2 or rows.shape[1] != 3 or rows.dtype.kind not in "iu":
+        raise UsageError(f"triangles: shape {rows.shape}, dtype {rows.dtype}; expected (t, 3) of "
+                         "whole numbers")
+    wrong = (rows < 0) | (rows >= len(points))
+    if wrong.any():
+        at = int(np.argmax(wrong.any(axis=1)))
+        raise UsageError(f"triangles[{at}]: {rows[at].tolist()}; expected numbers from 0 to "
+                         f"{len(points) - 1}")
+    options = (None, "", accel, threads)
+    return Tracer(_core.Tracer.of_mesh(points, np.ascontiguousarray(rows, np.uint32), accel,
+                                       threads or len(os.sched_getaffinity(0))), options)

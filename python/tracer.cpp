@@ -1,0 +1,337 @@
+// `tessera._core.Tracer`: ray queries for tessera/rays.py, which shapes the arrays.
+#include <pybind11/stl.h>
+
+#include <cstring>
+
+#include "python/array.h"
+#include "python/bindings.h"
+#include "python/errors.h"
+#include "python/scene_values.h"
+#include "python/wait.h"
+#include "renderer/query/ray_queries.h"
+
+namespace py = pybind11;
+
+namespace tessera {
+namespace {
+
+[[noreturn]] void fail_array(const char* name, const char* expected) {
+  throw python_error("UsageError", std::string(name) + ": another array; expected " + expected);
+}
+
+/// A view of the caller's memory, kept as long as this lives.
+py::buffer_info view_of(const char* name, const py::object& object, bool writable = false) {
+  if (!PyObject_CheckBuffer(object.ptr())) fail_array(name, "an array");
+  return py::reinterpret_borrow<py::buffer>(object).request(writable);
+}
+
+/// Rows of three numbers.
+class VectorArray {
+ public:
+  VectorArray(const char* name, const py::object& object) : view_(view_of(name, object)) {
+    const bool is_single = view_.format == "f";
+    if ((!is_single && view_.format != "d") || view_.ndim != 2 || view_.shape[1] != 3)
+      fail_array(name, "rows of three float64 or float32");
+    rows_ = {view_.ptr, view_.strides[0], view_.strides[1], is_single};
+  }
+  size_t count() const { return static_cast<size_t>(view_.shape[0]); }
+  const VectorRows& rows() const { return rows_; }
+
+ private:
+  py::buffer_info view_;
+  VectorRows rows_;
+};
+
+/// An array in C order of as many `T`s as are wanted, or null for None.
+template <typename T>
+class PlainArray {
+ public:
+  PlainArray(const char* name, const py::object& object, size_t count, bool writable = true) {
+    if (object.is_none()) return;
+    view_ = view_of(name, object, writable);
+    if (view_.format.size() != 1 || view_.itemsize != sizeof(T) ||
+        static_cast<size_t>(view_.size) != count || PyBuffer_IsContiguous(view_.view(), 'C') == 0 ||
+        (view_.format[0] == 'd' || view_.format[0] == 'f') != std::is_floating_point_v<T>)
+      fail_array(name, "one in C order with an entry for each ray");
+    data_ = static_cast<T*>(view_.ptr);
+  }
+  T* data() const { return data_; }
+
+ private:
+  py::buffer_info view_;
+  T* data_ = nullptr;
+};
+
+/// What all calls take: rays, and who traces them.
+struct Rays {
+  VectorArray origins, directions;
+  PlainArray<double> t_min, t_max;
+  RayBatch batch;
+
+  Rays(const py::object& o, const py::object& d, const py::object& from, const py::object& to,
+       int cull)
+      : origins("origins", o),
+        directions("directions", d),
+        t_min("t_min", from, origins.count(), false),
+        t_max("t_max", to, origins.count(), false) {
+    if (directions.count() != origins.count()) fail_array("directions", "one for each origin");
+    batch.count = origins.count();
+    batch.origins = origins.rows();
+    batch.directions = directions.rows();
+    batch.t_min.data = t_min.data();
+    batch.t_max.data = t_max.data();
+    batch.cull = static_cast<Cull>(cull);
+  }
+};
+
+/// The hits that `attributes` and `spawn` look up.
+struct FoundHits {
+  PlainArray<double> t, uv;
+  PlainArray<uint32_t> instance, primitive;
+
+  FoundHits(const py::tuple& arrays, size_t count)
+      : t("t", arrays[0], count, false),
+        uv("uv", arrays[3], 2 * count, false),
+        instance("instance", arrays[1], count, false),
+        primitive("primitive", arrays[2], count, false) {
+    if (count > 0 && !(t.data() && uv.data() && instance.data() && primitive.data()))
+      fail_array("hits", "t, instance, primitive and uv");
+  }
+  ConstHitArrays arrays() const { return {t.data(), instance.data(), primitive.data(), uv.data()}; }
+};
+
+/// Calls work(control). Few rays are traced at once, since to start a thread would take longer.
+template <typename Work>
+void trace(size_t count, int threads, const Work& work) {
+  constexpr size_t kFew = 4096;
+  if (count <= kFew) {
+    const py::gil_scoped_release release;
+    work(QueryControl{});
+    return;
+  }
+  run_interruptibly([&](const std::atomic<bool>& cancelled) {
+    work(QueryControl{.threads = threads, .cancelled = &cancelled});
+  });
+}
+
+std::unique_ptr<RayQueries> make_queries(const SceneWithBlobs& scene,
+                                         const v1::FrameSettings& frame, int threads) {
+  std::unique_ptr<RayQueries> made;
+  run_interruptibly([&](const std::atomic<bool>&) {
+    made = std::make_unique<RayQueries>(scene.scene, scene.blobs, frame, threads);
+  });
+  return made;
+}
+
+v1::FrameSettings frame_of(std::optional<double> time, const std::string& camera,
+                           const std::string& accelerator, const SceneWithBlobs& scene) {
+  v1::FrameSettings frame;
+  frame.set_time(time.value_or(scene.scene.settings().time()));
+  frame.set_camera(camera);
+  frame.set_accelerator(accelerator);
+  return frame;
+}
+
+/// A tessera.Scene, its text form (str) or its binary form (bytes).
+SceneWithBlobs scene_of(const py::object& scene) {
+  if (py::isinstance<py::bytes>(scene))
+    return decode_scene(py::cast<std::string>(scene), SceneEncoding::binary, "scene");
+  if (py::isinstance<py::str>(scene))
+    return decode_scene(py::cast<std::string>(scene), SceneEncoding::text, "scene");
+  return message_of(scene);
+}
+
+/// A scene of one mesh, of float32 positions and uint32 indices in C order.
+SceneWithBlobs scene_of_mesh(const py::object& positions, const py::object& triangles) {
+  SceneWithBlobs made;
+  v1::TriangleMesh& mesh = *made.scene.add_nodes()->mutable_shape()->mutable_mesh();
+  const auto put = [&](const char* name, const py::object& object, char code, v1::BlobRef& ref) {
+    const py::buffer_info view = view_of(name, object);
+    if (view.format.size() != 1 || (view.format[0] == 'f') != (code == 'f') || view.itemsize != 4 ||
+        PyBuffer_IsContiguous(view.view(), 'C') == 0)
+      fail_array(name, code == 'f' ? "float32 in C order" : "uint32 in C order");
+    const auto* const first = static_cast<const std::byte*>(view.ptr);
+    std::vector<std::byte> bytes(first, first + view.size * view.itemsize);
+    ref.set_size(bytes.size());
+    ref.set_digest(made.blobs.put(std::move(bytes)).hex());
+  };
+  put("positions", positions, 'f', *mesh.mutable_positions());
+  put("triangles", triangles, 'I', *mesh.mutable_triangles());
+  return made;
+}
+
+template <typename T>
+Array array_of(std::vector<T> values, py::ssize_t width = 0) {
+  const auto count = static_cast<py::ssize_t>(values.size());
+  return width == 0 ? Array(std::move(values), {count})
+                    : Array(std::move(values), {count / width, width});
+}
+
+py::tuple intersect_all(const RayQueries& queries, const py::object& o, const py::object& d,
+                        const py::object& t_min, const py::object& t_max, int cull, int threads) {
+  const Rays rays(o, d, t_min, t_max, cull);
+  std::optional<AllHits> all;
+  trace(rays.batch.count, threads,
+        [&](const QueryControl& control) { all = queries.all_hits(rays.batch, control); });
+  return py::make_tuple(array_of(std::move(all->offsets)), array_of(std::move(all->t)),
+                        array_of(std::move(all->instance)), array_of(std::move(all->primitive)),
+                        array_of(std::move(all->uv), 2));
+}
+
+/// Fills two arrays of (height, width, 3) with the rays through the middles of pixels.
+void camera_rays(const RayQueries& queries, const std::string& name, int width, int height,
+                 const py::object& origins, const py::object& directions) {
+  const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
+  const PlainArray<double> o("origins", origins, 3 * pixels);
+  const PlainArray<double> d("directions", directions, 3 * pixels);
+  const py::gil_scoped_release release;
+  const Camera camera = queries.camera(name, width, height);
+  for (size_t i = 0; i < pixels; ++i) {
+    const auto row = static_cast<double>(i / static_cast<size_t>(width));
+    const auto column = static_cast<double>(i % static_cast<size_t>(width));
+    const Ray ray = camera.ray(column + 0.5, row + 0.5);
+    for (size_t a = 0; a < 3; ++a) {
+      o.data()[3 * i + a] = ray.origin[static_cast<int>(a)];
+      d.data()[3 * i + a] = ray.direction[static_cast<int>(a)];
+    }
+  }
+}
+
+py::dict statistics(const RayQueries& queries) {
+  const AcceleratorStatistics s = queries.statistics();
+  py::dict out;
+  out["instances"] = queries.scene().instances.size();
+  out["primitives"] = s.primitives;
+  out["nodes"] = s.nodes;
+  out["leaves"] = s.leaves;
+  out["references"] = s.references;
+  out["depth"] = s.depth;
+  out["bytes"] = s.bytes;
+  out["build_seconds"] = s.build_seconds;
+  return out;
+}
+
+void bind_queries(py::class_<RayQueries>& tracer) {
+  tracer
+      .def("intersect",
+           [](const RayQueries& queries, const py::object& o, const py::object& d,
+              const py::object& t_min, const py::object& t_max, int cull, int threads,
+              const py::object& t, const py::object& instance, const py::object& primitive,
+              const py::object& uv) {
+             const Rays rays(o, d, t_min, t_max, cull);
+             const size_t count = rays.batch.count;
+             const PlainArray<double> t_out("t", t, count), uv_out("uv", uv, 2 * count);
+             const PlainArray<uint32_t> instance_out("instance", instance, count),
+                 primitive_out("primitive", primitive, count);
+             trace(count, threads, [&](const QueryControl& control) {
+               queries.closest_hits(
+                   rays.batch,
+                   {t_out.data(), instance_out.data(), primitive_out.data(), uv_out.data()},
+                   control);
+             });
+           })
+      .def("occluded",
+           [](const RayQueries& queries, const py::object& o, const py::object& d,
+              const py::object& t_min, const py::object& t_max, int cull, int threads,
+              const py::object& out) {
+             const Rays rays(o, d, t_min, t_max, cull);
+             const PlainArray<uint8_t> result("out", out, rays.batch.count);
+             trace(rays.batch.count, threads, [&](const QueryControl& control) {
+               queries.occluded(rays.batch, result.data(), control);
+             });
+           })
+      .def("intersect_all", intersect_all)
+      .def(
+          "crossings",
+          [](const RayQueries& queries, const py::object& o, const py::object& d,
+             const py::object& t_min, const py::object& t_max, int threads, const py::object& out) {
+            const Rays rays(o, d, t_min, t_max, 0);
+            const PlainArray<int32_t> result("out", out, rays.batch.count);
+            trace(rays.batch.count, threads, [&](const QueryControl& control) {
+              queries.crossings(rays.batch, result.data(), control);
+            });
+          })
+      .def("contains",
+           [](const RayQueries& queries, const py::object& points, std::optional<uint32_t> instance,
+              int threads, const py::object& out) {
+             const VectorArray at("points", points);
+             const PlainArray<uint8_t> result("out", out, at.count());
+             trace(at.count(), threads, [&](const QueryControl& control) {
+               queries.contains(at.count(), at.rows(), instance, result.data(), control);
+             });
+           })
+      .def("attributes",
+           [](const RayQueries& queries, const py::object& o, const py::object& d,
+              const py::tuple& hits, int threads, const py::dict& out) {
+             const Rays rays(o, d, py::none(), py::none(), 0);
+             const size_t n = rays.batch.count;
+             const FoundHits found(hits, n);
+             const auto wanted = [&](const char* name) -> py::object {
+               return out.contains(name) ? py::object(out[name]) : py::none();
+             };
+             const PlainArray<double> point("point", wanted("point"), 3 * n),
+                 error("point_error", wanted("point_error"), 3 * n),
+                 normal("normal", wanted("normal"), 3 * n),
+                 shading("shading_normal", wanted("shading_normal"), 3 * n),
+                 texcoord("texcoord", wanted("texcoord"), 2 * n);
+             const PlainArray<uint32_t> material("material", wanted("material"), n);
+             trace(n, threads, [&](const QueryControl& control) {
+               queries.attributes(rays.batch, found.arrays(),
+                                  {point.data(), error.data(), normal.data(), shading.data(),
+                                   texcoord.data(), material.data()},
+                                  control);
+             });
+           })
+      .def("spawn", [](const RayQueries& queries, const py::object& o, const py::object& d,
+                       const py::tuple& hits, const py::object& directions, int threads,
+                       const py::object& out) {
+        const Rays rays(o, d, py::none(), py::none(), 0);
+        const FoundHits found(hits, rays.batch.count);
+        const VectorArray away("directions", directions);
+        if (away.count() != rays.batch.count) fail_array("directions", "one for each hit");
+        const PlainArray<double> result("out", out, 3 * rays.batch.count);
+        trace(rays.batch.count, threads, [&](const QueryControl& control) {
+          queries.spawn(rays.batch, found.arrays(), away.rows(), result.data(), control);
+        });
+      });
+}
+
+}  // namespace
+
+void bind_tracer(py::module_& module) {
+  py::class_<RayQueries> tracer(module, "Tracer", "The geometry of a scene, for `tessera.Tracer`.");
+  tracer
+      .def(py::init([](const py::object& scene, std::optional<double> time,
+                       const std::string& camera, const std::string& accelerator, int threads) {
+        const SceneWithBlobs made = scene_of(scene);
+        return make_queries(made, frame_of(time, camera, accelerator, made), threads);
+      }))
+      .def_static("of_mesh",
+                  [](const py::object& positions, const py::object& triangles,
+                     const std::string& accelerator, int threads) {
+                    const SceneWithBlobs made = scene_of_mesh(positions, triangles);
+                    return make_queries(made, frame_of({}, {}, accelerator, made), threads);
+                  })
+      .def("scene",
+           [](const RayQueries& queries) {
+             return py::bytes(
+                 encode_scene(queries.description(), queries.blobs(), SceneEncoding::binary));
+           })
+      .def("camera_rays", camera_rays)
+      .def("size",
+           [](const RayQueries& queries) {
+             return py::make_tuple(queries.width(), queries.height());
+           })
+      .def("bounds",
+           [](const RayQueries& queries) {
+             const Bounds3 b = queries.bounds();
+             return array_of(
+                 std::vector<double>{b.min.x, b.min.y, b.min.z, b.max.x, b.max.y, b.max.z}, 3);
+           })
+      .def("instances", [](const RayQueries& queries) { return queries.instance_names(); })
+      .def("materials", [](const RayQueries& queries) { return queries.material_names(); })
+      .def("statistics", statistics);
+  bind_queries(tracer);
+}
+
+}  // namespace tessera

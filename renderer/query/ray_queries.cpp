@@ -1,0 +1,274 @@
+#include "renderer/query/ray_queries.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <unordered_map>
+
+#include "base/error.h"
+#include "renderer/accel/mesh_shape.h"
+#include "renderer/query/each_ray.h"
+#include "renderer/query/geometry_only.h"
+#include "renderer/shapes/solid.h"
+
+namespace tessera {
+
+/// Which instances have an inside, found out when it is first asked for.
+struct RayQueries::Insides {
+  std::once_flag once;
+  std::vector<bool> has;            ///< by instance
+  std::vector<uint32_t> unbounded;  ///< solids without an end, which rays may leave nowhere
+};
+
+namespace {
+
+const MeshShape* mesh_of(const Instance& instance) {
+  return dynamic_cast<const MeshShape*>(instance.shape.get());
+}
+
+Skips skips_for_queries() {
+  Skips skips;
+  // All trees are built at once by all threads, and all that hits have is kept.
+  skips.unhit_meshes = false;
+  skips.unused_attributes = false;
+  return skips;
+}
+
+bool is_bounded(const Bounds3& b) { return is_finite(b.diagonal()); }
+
+/// Calls visit(hits) for the hits of each instance, of hits sorted by instance.
+template <typename Visit>
+void for_each_instance(std::span<const Hit> hits, const Visit& visit) {
+  for (size_t begin = 0, end = 0; begin < hits.size(); begin = end) {
+    while (end < hits.size() && hits[end].instance == hits[begin].instance) ++end;
+    visit(hits.subspan(begin, end - begin));
+  }
+}
+
+void sort_by_instance(std::vector<Hit>& hits) {
+  std::stable_sort(hits.begin(), hits.end(),
+                   [](const Hit& a, const Hit& b) { return a.instance < b.instance; });
+}
+
+}  // namespace
+
+RayQueries::RayQueries(const v1::Scene& description, const BlobStore& blobs,
+                       const v1::FrameSettings& frame, int threads)
+    : description_(geometry_only(description)),
+      blobs_(blobs),
+      frame_(geometry_only(frame)),
+      scene_(build_scene(description_, blobs_, frame_, threads, {}, skips_for_queries(), &names_)),
+      insides_(std::make_unique<Insides>()) {
+  const std::vector<Instance>& instances = scene_->instances;
+  if (instances.size() == 1 && instances[0].world_from_object.is_identity() &&
+      !instances[0].flip_normals)
+    if (const MeshShape* mesh = mesh_of(instances[0])) only_mesh_ = &mesh->accelerator();
+  std::unordered_map<std::string, uint32_t> known;
+  for (const std::string& name : names_.materials) {
+    const auto [at, is_new] = known.try_emplace(name, static_cast<uint32_t>(materials_.size()));
+    if (is_new) materials_.push_back(name);
+    material_of_slot_.push_back(at->second);
+  }
+  for (size_t i = 0; i < instances.size(); ++i) {
+    const MeshShape* mesh = mesh_of(instances[i]);
+    if (!mesh || mesh->mesh().original_numbers.empty()) continue;
+    rows_.resize(instances.size());
+    rows_[i] = &mesh->mesh().original_numbers;
+  }
+}
+
+RayQueries::~RayQueries() = default;
+
+uint32_t RayQueries::row_of(const Hit& hit) const {
+  if (rows_.empty() || !rows_[hit.instance]) return hit.primitive;
+  return (*rows_[hit.instance])[hit.primitive];
+}
+
+bool RayQueries::closest_hits(const RayBatch& rays, const HitArrays& out,
+                              const QueryControl& control) const {
+  const Accelerator* const surfaces = only_mesh_ ? only_mesh_ : scene_->surfaces.get();
+  return for_each_chunk(rays.count, control, [&](size_t begin, size_t end) {
+    constexpr size_t kTogether = 32;
+    Ray some[kTogether];
+    Hit hits[kTogether];
+    TraversalCounters counters;
+    for (; begin < end; begin += kTogether) {
+      const size_t count = std::min(kTogether, end - begin);
+      for (size_t k = 0; k < count; ++k) some[k] = checked_ray(rays, begin + k), hits[k] = {};
+      if (surfaces) surfaces->closest_hits({some, count}, {hits, count}, counters);
+      for (size_t k = 0; k < count; ++k) {
+        const Hit& hit = hits[k];
+        const bool is_hit = std::isfinite(hit.t);
+        const size_t i = begin + k;
+        if (out.t) out.t[i] = hit.t;
+        if (out.instance) out.instance[i] = is_hit ? hit.instance : kNoInstance;
+        if (out.primitive) out.primitive[i] = is_hit ? row_of(hit) : kNoInstance;
+        if (out.uv) out.uv[2 * i] = hit.u, out.uv[2 * i + 1] = hit.v;
+      }
+    }
+  });
+}
+
+bool RayQueries::occluded(const RayBatch& rays, uint8_t* result,
+                          const QueryControl& control) const {
+  const Accelerator* const surfaces = only_mesh_ ? only_mesh_ : scene_->surfaces.get();
+  return for_each_chunk(rays.count, control, [&](size_t begin, size_t end) {
+    TraversalCounters counters;
+    for (size_t i = begin; i < end; ++i) {
+      const Ray ray = checked_ray(rays, i);
+      result[i] = surfaces && surfaces->any_hit(ray, counters) ? 1 : 0;
+    }
+  });
+}
+
+/// In the order of (t, instance, primitive), each once.
+void RayQueries::find_all(const Ray& ray, std::vector<Hit>& hits) const {
+  hits.clear();
+  if (!scene_->surfaces || !can_hit(ray)) return;
+  TraversalCounters counters;
+  scene_->surfaces->all_hits(ray, hits, counters);
+  const auto order = [](const Hit& h) { return std::tuple(h.t, h.instance, h.primitive); };
+  std::sort(hits.begin(), hits.end(),
+            [&](const Hit& a, const Hit& b) { return order(a) < order(b); });
+  hits.erase(std::unique(hits.begin(), hits.end(),
+                         [&](const Hit& a, const Hit& b) { return order(a) == order(b); }),
+             hits.end());
+}
+
+std::optional<AllHits> RayQueries::all_hits(const RayBatch& rays,
+                                            const QueryControl& control) const {
+  AllHits all;
+  all.offsets.resize(rays.count + 1);
+  std::vector<std::vector<Hit>> chunks((rays.count + kRaysOfChunk - 1) / kRaysOfChunk);
+  const bool done = for_each_chunk(rays.count, control, [&](size_t begin, size_t end) {
+    std::vector<Hit>& chunk = chunks[begin / kRaysOfChunk];
+    std::vector<Hit> hits;
+    for (size_t i = begin; i < end; ++i) {
+      find_all(checked_ray(rays, i), hits);
+      chunk.insert(chunk.end(), hits.begin(), hits.end());
+      all.offsets[i + 1] = static_cast<int64_t>(hits.size());
+    }
+  });
+  if (!done) return std::nullopt;
+  for (size_t i = 0; i < rays.count; ++i) all.offsets[i + 1] += all.offsets[i];
+  const auto total = static_cast<size_t>(all.offsets.back());
+  all.t.reserve(total), all.instance.reserve(total), all.primitive.reserve(total);
+  all.uv.reserve(2 * total);
+  for (std::vector<Hit>& chunk : chunks) {
+    for (const Hit& hit : chunk) {
+      all.t.push_back(hit.t);
+      all.instance.push_back(hit.instance);
+      all.primitive.push_back(row_of(hit));
+      all.uv.push_back(hit.u), all.uv.push_back(hit.v);
+    }
+    chunk = {};
+  }
+  return all;
+}
+
+bool RayQueries::crossings(const RayBatch& rays, int32_t* result,
+                           const QueryControl& control) const {
+  return for_each_chunk(rays.count, control, [&](size_t begin, size_t end) {
+    std::vector<Hit> hits;
+    for (size_t i = begin; i < end; ++i) {
+      Ray ray = checked_ray(rays, i);
+      ray.cull = Cull::none;
+      find_all(ray, hits);
+      sort_by_instance(hits);
+      result[i] = 0;
+      for_each_instance(hits, [&](std::span<const Hit> of) {
+        result[i] += crossing_number_of(scene_->instances[of[0].instance], ray, of);
+      });
+    }
+  });
+}
+
+bool RayQueries::has_inside(uint32_t instance) const {
+  std::call_once(insides_->once, [this] {
+    std::unordered_map<const Shape*, bool> known;
+    for (uint32_t i = 0; i < scene_->instances.size(); ++i) {
+      const Shape& shape = *scene_->instances[i].shape;
+      const auto [found, is_new] = known.try_emplace(&shape);
+      if (is_new) found->second = is_closed(shape);
+      insides_->has.push_back(found->second);
+      if (found->second && !is_bounded(shape.bounds())) insides_->unbounded.push_back(i);
+    }
+  });
+  return insides_->has[instance];
+}
+
+bool RayQueries::contains(size_t count, const VectorRows& points, std::optional<uint32_t> instance,
+                          uint8_t* result, const QueryControl& control) const {
+  const std::vector<Instance>& instances = scene_->instances;
+  if (instance && (*instance >= instances.size() || !has_inside(*instance)))
+    throw usage_error(
+        *instance >= instances.size()
+            ? fmt::format("shape: instance {}; expected one below {}", *instance, instances.size())
+            : fmt::format("shape: instance {}, which is open; expected a solid or a "
+                          "closed mesh",
+                          *instance));
+  if (!instances.empty()) has_inside(0);
+  return for_each_chunk(count, control, [&](size_t begin, size_t end) {
+    std::vector<Hit> hits;
+    for (size_t i = begin; i < end; ++i) {
+      // Along an axis vertices are projected without rounding. Which axis makes no difference.
+      const Ray ray{Point3{} + points[i], {0, 0, 1}};
+      bool inside = false;
+      const auto look_in = [&](uint32_t number, std::span<const Hit> of) {
+        if (inside || (instance && number != *instance) || !insides_->has[number]) return;
+        inside = holds_start_of(instances[number], ray, of);
+      };
+      if (can_hit(ray)) {
+        find_all(ray, hits);
+        sort_by_instance(hits);
+        for_each_instance(hits, [&](std::span<const Hit> of) { look_in(of[0].instance, of); });
+        for (const uint32_t number : insides_->unbounded) look_in(number, {});
+      }
+      result[i] = inside ? 1 : 0;
+    }
+  });
+}
+
+Camera RayQueries::camera(const std::string& name, int width, int height) const {
+  const bool same = (name.empty() || name == frame_.camera()) &&
+                    (width == 0 || width == this->width()) &&
+                    (height == 0 || height == this->height());
+  if (same) return *scene_->camera;
+  v1::FrameSettings frame = frame_;
+  if (!name.empty()) frame.set_camera(name);
+  frame.set_width(static_cast<uint32_t>(width == 0 ? this->width() : width));
+  frame.set_height(static_cast<uint32_t>(height == 0 ? this->height() : height));
+  // A camera may be placed so that it sees all of the scene; no tree is built for that.
+  frame.set_accelerator("linear");
+  return *build_scene(description_, blobs_, frame, 1)->camera;
+}
+
+Bounds3 RayQueries::bounds() const {
+  Bounds3 all;
+  for (const Instance& instance : scene_->instances)
+    if (const Bounds3 b = bounds_of(instance); is_bounded(b)) all.extend(b);
+  return all;
+}
+
+AcceleratorStatistics RayQueries::statistics() const {
+  AcceleratorStatistics sum =
+      scene_->surfaces ? scene_->surfaces->statistics() : AcceleratorStatistics{};
+  std::vector<const Shape*> counted;
+  for (const Instance& instance : scene_->instances)
+    if (mesh_of(instance)) counted.push_back(instance.shape.get());
+  std::sort(counted.begin(), counted.end());
+  counted.erase(std::unique(counted.begin(), counted.end()), counted.end());
+  for (const Shape* shape : counted) {
+    const AcceleratorStatistics of =
+        static_cast<const MeshShape*>(shape)->accelerator().statistics();
+    sum.primitives += of.primitives, sum.nodes += of.nodes, sum.leaves += of.leaves;
+    sum.references += of.references, sum.bytes += of.bytes;
+    sum.depth = std::max(sum.depth, of.depth);
+    sum.build_seconds += of.build_seconds;
+  }
+  return sum;
+}
+
+}  // namespace tessera

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "proto/tessera/v1/farm.pb.h"
+#include "proto/tessera/v1/scene.pb.h"
+#include "proto/wire/blob_store.h"
+#include "renderer/camera/camera.h"
+#include "renderer/query/ray_arrays.h"
+#include "renderer/scene/scene_builder.h"
+
+namespace tessera {
+
+/// Ray queries on a scene's geometry. A surface is met whatever its material lets through and
+/// whether or not it casts shadows; hidden nodes are not there. Immutable: any number of threads
+/// may ask at once. Functions that return bool, or an optional, say false, or nothing, where they
+/// were cancelled; the arrays then hold some results. A t_min below 0, or a hit that this scene
+/// cannot have, is a usage error. Memory of a call is its results and some KiB a thread, but for
+/// all_hits(), which needs twice its results.
+class RayQueries {
+ public:
+  /// Of `frame` only size, camera, time and accelerator count. Materials are known by name alone:
+  /// neither they nor textures and lights are read. Throws a scene error as build_scene() does.
+  RayQueries(const v1::Scene& description, const BlobStore& blobs, const v1::FrameSettings& frame,
+             int threads);
+  ~RayQueries();
+
+  bool closest_hits(const RayBatch& rays, const HitArrays& hits,
+                    const QueryControl& control = {}) const;
+  /// 1 where closest_hits() would find a hit, else 0.
+  bool occluded(const RayBatch& rays, uint8_t* result, const QueryControl& control = {}) const;
+  /// Each (instance, primitive) once for each real intersection.
+  std::optional<AllHits> all_hits(const RayBatch& rays, const QueryControl& control = {}) const;
+  /// Passages from front to back less those from back to front. A ray through an edge or vertex of
+  /// a mesh counts for one of the triangles there. rays.cull does not count.
+  bool crossings(const RayBatch& rays, int32_t* result, const QueryControl& control = {}) const;
+  /// 1 for points inside some solid or closed mesh, or inside that instance. An instance without an
+  /// inside is a usage error. Points on a surface are on either side, the same each time.
+  bool contains(size_t count, const VectorRows& points, std::optional<uint32_t> instance,
+                uint8_t* result, const QueryControl& control = {}) const;
+
+  /// What lies at hits that closest_hits() or all_hits() found for these rays.
+  bool attributes(const RayBatch& rays, const ConstHitArrays& hits, const AttributeArrays& out,
+                  const QueryControl& control = {}) const;
+  /// Three numbers a hit: where a ray starts that leaves the hit's surface in the direction given
+  /// for it, so that it does not meet that surface there; NaN where there is no hit.
+  bool spawn(const RayBatch& rays, const ConstHitArrays& hits, const VectorRows& directions,
+             double* origins, const QueryControl& control = {}) const;
+
+  /// The camera of that name for a frame of that size; an empty name and sizes of 0 stand for those
+  /// of the constructor.
+  Camera camera(const std::string& name = {}, int width = 0, int height = 0) const;
+  /// The size of the constructor's frame in pixels.
+  int width() const { return scene_->settings.width; }
+  int height() const { return scene_->settings.height; }
+  /// Around all that ends somewhere; empty where nothing does.
+  Bounds3 bounds() const;
+  /// By instance: of its node, or else of its shape.
+  const std::vector<std::string>& instance_names() const { return names_.instances; }
+  /// By AttributeArrays::material; empty for the default material.
+  const std::vector<std::string>& material_names() const { return materials_; }
+  AcceleratorStatistics statistics() const;
+  const Scene& scene() const { return *scene_; }
+  /// What the constructor was given, without what these queries do not need of it.
+  const v1::Scene& description() const { return description_; }
+  const BlobStore& blobs() const { return blobs_; }
+
+ private:
+  struct Insides;
+
+  bool has_inside(uint32_t instance) const;
+  void find_all(const Ray& ray, std::vector<Hit>& hits) const;
+  uint32_t row_of(const Hit& hit) const;
+  /// The hit of entry `i`, in the scene's numbers; nothing where none was hit.
+  std::optional<Hit> hit_at(const ConstHitArrays& hits, size_t i) const;
+
+  v1::Scene description_;
+  BlobStore blobs_;
+  v1::FrameSettings frame_;
+  SceneNames names_;
+  std::shared_ptr<const Scene> scene_;
+  std::vector<std::string> materials_;      ///< each name once
+  std::vector<uint32_t> material_of_slot_;  ///< into materials_, one each of Scene::material_slots
+  /// Where one mesh that stands as it is makes up the scene: its triangles.
+  const Accelerator* only_mesh_ = nullptr;
+  /// By instance, where some mesh lost triangles: TriangleMesh::original_numbers, or null.
+  std::vector<const std::vector<uint32_t>*> rows_;
+  std::unique_ptr<Insides> insides_;
+};
+
+}  // namespace tessera

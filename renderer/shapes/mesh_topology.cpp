@@ -1,0 +1,65 @@
+// Whether a mesh is closed, and how often lines cross it.
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+#include "renderer/shapes/projected_edge.h"
+#include "renderer/shapes/triangle_mesh.h"
+
+namespace tessera {
+namespace {
+
+/// For each vertex the number of the first one at its place.
+std::vector<uint32_t> weld(const TriangleMesh& mesh) {
+  std::vector<uint32_t> order(mesh.positions.size()), same(order.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto place = [&](uint32_t i) {
+    const Point3 p = mesh.vertex(i);
+    return std::tuple(p.x, p.y, p.z);
+  };
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return place(a) != place(b) ? place(a) < place(b) : a < b;
+  });
+  for (size_t i = 0; i < order.size(); ++i)
+    same[order[i]] =
+        i > 0 && place(order[i]) == place(order[i - 1]) ? same[order[i - 1]] : order[i];
+  return same;
+}
+
+}  // namespace
+
+bool is_closed(const TriangleMesh& mesh) {
+  const std::vector<uint32_t> same = weld(mesh);
+  std::vector<std::tuple<uint32_t, uint32_t, int>> edges;
+  edges.reserve(3 * mesh.triangles.size());
+  for (const TriangleIndices& t : mesh.triangles) {
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t a = same[t[k]], b = same[t[(k + 1) % 3]];
+      if (a != b) edges.emplace_back(std::min(a, b), std::max(a, b), a < b ? 1 : -1);
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  for (size_t i = 0; i < edges.size();) {
+    int sum = 0;
+    const auto [a, b, first] = edges[i];
+    for (; i < edges.size() && std::get<0>(edges[i]) == a && std::get<1>(edges[i]) == b; ++i)
+      sum += std::get<2>(edges[i]);
+    if (sum != 0) return false;
+  }
+  return !edges.empty();
+}
+
+int mesh_crossing_number(const TriangleMesh& mesh, const Ray& ray, std::span<const Hit> hits) {
+  const TriangleRay frame(ray);
+  int sum = 0;
+  for (const Hit& hit : hits) {
+    const auto corners = mesh.corners(hit.primitive);
+    const ProjectedVertex a = project(frame, corners[0]), b = project(frame, corners[1]),
+                          c = project(frame, corners[2]);
+    const int side = edge_side(a, b);
+    if (side == edge_side(b, c) && side == edge_side(c, a)) sum += side;
+  }
+  return sum;
+}
+
+}  // namespace tessera
