@@ -15,7 +15,12 @@ void fill(py::module_& module) {
   module.def("is_main_interpreter", is_main_interpreter, "Whether the caller's interpreter is.");
   tessera::bind_errors(module);
   tessera::bind_arrays(module);
+  tessera::bind_mesh_arrays(module);
+  tessera::bind_value_base(module);
+  tessera::bind_vec(module);
   tessera::bind_scene(module);
+  tessera::bind_load(module);
+  tessera::bind_transforms(module);
   tessera::bind_picture(module);
   tessera::bind_render(module);
   tessera::bind_log(module);

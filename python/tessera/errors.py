@@ -78,6 +78,16 @@ class PrecisionWarning(UserWarning):
     """Numbers were rounded by more than their use bears."""
 
 
+def scene_error(found: str, expected: str, path: str, value: object) -> SceneError:
+    """The error of a value that is no part of a scene: where it was made and the way to it."""
+    from ._value import where
+    made = where(value)
+    place = f"{made[0]}:{made[1]}" if made else ""
+    beginning = "".join(f"{part}: " for part in (place, path) if part)
+    message = f"{beginning}{found}{f'; expected {expected}' if expected else ''}"
+    return SceneError(message, place=place, path=path)
+
+
 _CLASS_OF_CODE = {1: SceneError, 2: UsageError, 3: RenderError, 4: Cancelled}
 
 
@@ -86,4 +96,5 @@ def from_core(message: str, code: int) -> Error:
     has them: "--min-spp" is min_spp."""
     if code == UsageError.code:
         message = re.sub(r"--([a-z0-9][a-z0-9-]*)", lambda m: m.group(1).replace("-", "_"), message)
-    return _CLASS_OF_CODE.get(code, RenderError)(message)
+    place = re.match(r"(.+?:\d+(?::\d+)?): ", message)
+    return _CLASS_OF_CODE.get(code, RenderError)(message, place=place.group(1) if place else "")

@@ -80,7 +80,7 @@ MONOPOLIES = [
     ("ZeroMQ", re.compile(r'#\s*include\s*[<"]zmq'), ["proto/transport"]),
     ("protobuf's parsers",
      re.compile(r"TextFormat|JsonStringToMessage|\bParse(Partial)?From|google/protobuf/(text_format|"
-                r"util/json_util)"), ["proto/wire"]),
+                r"util/json_util)"), ["proto/wire", "python/generate"]),
     ("OpenImageIO", re.compile(r'#\s*include\s*[<"]OpenImageIO'), ["renderer/image/oiio"]),
     ("Embree", re.compile(r'#\s*include\s*[<"]embree'), ["renderer/accel/embree"]),
     ("pugixml", re.compile(r'#\s*include\s*[<"]pugixml'), ["scenes/formats"]),
