@@ -112,7 +112,7 @@ def test_an_animation(served):
 
 def test_orders(served):
     with served.farm() as farm:
-        job = farm.submit(KNOT, size=(800, 600), spp=1 << 18)
+        job = farm.submit(KNOT, size=(4000, 3000), spp=64)
         job.pause()
         assert job.status()["state"] == "paused"
         with pytest.raises(TimeoutError, match="not done yet"):

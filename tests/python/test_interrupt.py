@@ -15,7 +15,7 @@ import pytest
 import tessera as ts
 
 KNOT = str(pathlib.Path(__file__).parents[2] / "scenes" / "samples" / "knot.tessera")
-ENDLESS = "size=(800, 600), spp=1 << 20"
+ENDLESS = "size=(4000, 3000), spp=64"  # minutes, in many small tiles
 
 
 def children(pid):

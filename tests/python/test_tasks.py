@@ -28,7 +28,7 @@ def expected(threads):
 
 def endless(threads):
     """A render that nobody waits for."""
-    return ts.render(KNOT, farm=threads, spp=1 << 20, size=(600, 400), wait=False)
+    return ts.render(KNOT, farm=threads, spp=64, size=(4000, 3000), wait=False)
 
 
 def test_a_task_has_the_picture_of_a_render(threads, expected):
@@ -112,7 +112,7 @@ def test_an_exception_in_a_callback_cancels_the_render(threads, expected, which)
         raise ZeroDivisionError("mine")
 
     with pytest.raises(ZeroDivisionError, match="mine"):
-        ts.render(KNOT, farm=threads, size=(600, 400), spp=1 << 20, **{which: fails})
+        ts.render(KNOT, farm=threads, size=(4000, 3000), spp=64, **{which: fails})
     assert ts.render(KNOT, farm=threads, **SMALL) == expected
 
 
