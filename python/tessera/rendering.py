@@ -5,7 +5,6 @@ one after the other and never needs Python: a script may compute, sleep or be in
 """
 from __future__ import annotations
 
-import asyncio
 import atexit
 import logging
 import os
@@ -17,6 +16,7 @@ from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterable, Iterator,
                     Optional, Sequence, Tuple, Union, overload)
 
 from . import _core
+from ._program import program
 from .errors import Cancelled, Error, FarmError, Refused, RenderError, SceneWarning, UsageError
 from .picture import Image, Rect
 
@@ -138,6 +138,7 @@ class LocalFarm(_Farm):
             raise UsageError(f"verify: {verify}; expected a share from 0 to 1")
         if verify > 0 and (self.workers or os.cpu_count() or 1) < 2:
             raise UsageError("verify: needs a second worker; expected workers=2 or more")
+        program()  # Workers are its processes: ImportError tells where it is not of our version.
         super().__init__(_core.local_farm(self.workers, self.threads, float(verify)))
 
     def __repr__(self) -> str:
@@ -268,6 +269,7 @@ class Task(_OfThisProcess):
         return self._wait_async().__await__()
 
     async def _wait_async(self) -> Image:
+        import asyncio  # It takes longer than all of `import tessera`, and brings sockets.
         try:
             while not self.done():
                 await asyncio.sleep(_LOOK_SECONDS)
