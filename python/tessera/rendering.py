@@ -15,6 +15,7 @@ from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterable, Iterator,
                     Optional, Sequence, Tuple, Union, overload)
 
 from . import _core
+from ._program import program
 from .errors import Cancelled, Error, MissingFile, RenderError, SceneWarning, UsageError
 from .picture import Image, Rect
 
@@ -140,6 +141,7 @@ class LocalFarm(_Farm):
             raise UsageError(f"verify: {verify}; expected a share from 0 to 1")
         if verify > 0 and (self.workers or os.cpu_count() or 1) < 2:
             raise UsageError("verify: needs a second worker; expected workers=2 or more")
+        program()  # Workers are its processes: ImportError tells where it is not of our version.
         super().__init__(_core.local_farm(self.workers, self.threads, float(verify)))
 
     def __repr__(self) -> str:
