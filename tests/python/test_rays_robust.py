@@ -232,11 +232,13 @@ def test_names_materials_and_attributes_are_those_of_the_scene():
     assert tracer.statistics["instances"] == 2
 
 
+#: A query that would take minutes.
 INTERRUPTED = """
 import numpy as np, os, signal, threading, time
 from tessera.rays import tracer_from_mesh
 random = np.random.default_rng(0)
-tracer = tracer_from_mesh(random.normal(size=(3000, 3)), np.arange(3000).reshape(-1, 3), accel="linear")
+points = random.normal(size=(60_000, 3))
+tracer = tracer_from_mesh(points, np.arange(60_000).reshape(-1, 3), accel="linear")
 o = random.normal(size=(3_000_000, 3))
 threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
 try:
