@@ -41,6 +41,14 @@ BlobData Blob::map_sealed(OwnedDescriptor file, uint64_t size) {
   return seals >= 0 && (seals & kSeals) == kSeals ? map(std::move(file), size) : nullptr;
 }
 
+BlobData Blob::share(std::shared_ptr<const void> owner, std::span<const std::byte> bytes) {
+  const auto blob = std::make_shared<Blob>(std::vector<std::byte>{});
+  blob->data_ = bytes.data();
+  blob->size_ = bytes.size();
+  blob->owner_ = std::move(owner);
+  return blob;
+}
+
 bool operator==(const Blob& a, const Blob& b) { return std::ranges::equal(a, b); }
 
 }  // namespace tessera

@@ -30,6 +30,9 @@ class Blob {
   /// The same of memory that another process made; null too where it could still be changed.
   static BlobData map_sealed(OwnedDescriptor file, uint64_t size);
 
+  /// Memory of somebody else's, who leaves it as it is; `owner` is let go of with the blob.
+  static BlobData share(std::shared_ptr<const void> owner, std::span<const std::byte> bytes);
+
   const std::byte* data() const { return data_; }
   size_t size() const { return size_; }
   const std::byte* begin() const { return data_; }
@@ -44,6 +47,7 @@ class Blob {
   const std::byte* data_;
   size_t size_;
   OwnedDescriptor file_;
+  std::shared_ptr<const void> owner_;  ///< of memory that is not the blob's own
 };
 
 inline BlobData make_blob(std::vector<std::byte> bytes) {

@@ -13,14 +13,15 @@
 #include "cli/add_options.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
-#include "cli/job_name.h"
 #include "cli/progress_display.h"
 #include "cli/say.h"
 #include "client/farm_client.h"
 #include "client/job_client.h"
 #include "front/all_failures.h"
 #include "front/farm_connection.h"
+#include "front/job_name.h"
 #include "front/output_settings.h"
+#include "front/picture.h"
 #include "front/render_options.h"
 #include "job/job_messages.h"
 #include "proto/wire/printable.h"
@@ -62,7 +63,7 @@ class Fetch {
         client_(*transport_, options.connection.endpoint, interrupted()) {}
 
   ExitCode run() {
-    query_.set_job(find_job(client_, options_.job));
+    query_.set_job(find_job(client_, options_.job, say_error));
     v1::JobStatus status = client_.ask(query_);
     paths_ = options_.outputs;
     // The name of a job is text from elsewhere: no folder of it counts.
@@ -140,13 +141,8 @@ class Fetch {
       check_shows_light(frame.settings());
       smooth(film);
     }
-    const ImageMetadata metadata{.scene_digest = frame.scene_digest(),
-                                 .seed = frame.settings().seed(),
-                                 .samples_per_pixel = frame.settings().samples_per_pixel(),
-                                 .denoiser = denoised ? kDenoiserName : "",
-                                 .colors = colors_of(frame.output()),
-                                 .frame_width = static_cast<int>(frame.settings().width()),
-                                 .frame_height = static_cast<int>(frame.settings().height())};
+    const ImageMetadata metadata =
+        picture_metadata(frame.settings(), denoised, frame.output(), frame.scene_digest());
     const OutputSettings settings =
         output_settings(printable(status.name()), frame.output(), options_.output);
     for (const auto& path : paths_) {

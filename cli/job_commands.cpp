@@ -13,13 +13,14 @@
 #include "cli/add_options.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
-#include "cli/job_name.h"
-#include "cli/order_outcome.h"
 #include "cli/progress_display.h"
 #include "cli/say.h"
 #include "front/all_failures.h"
 #include "front/farm_connection.h"
+#include "front/job_name.h"
+#include "front/job_status.h"
 #include "front/option_values.h"
+#include "front/order_outcome.h"
 #include "job/job.h"
 #include "proto/wire/printable.h"
 
@@ -44,58 +45,6 @@ struct Connection {
   std::unique_ptr<ClientTransport> transport;
   FarmClient client;
 };
-
-std::string state_name(const v1::JobStatus& status) {
-  switch (status.state()) {
-    case v1::JobStatus::QUEUED:
-      return "queued";
-    case v1::JobStatus::RUNNING:
-      return "running";
-    case v1::JobStatus::PAUSED:
-      return "paused";
-    case v1::JobStatus::HELD:
-      return "held";
-    case v1::JobStatus::ENDED:
-      return status.how() == v1::JobEnd::DONE          ? "done"
-             : status.how() == v1::JobEnd::INTERRUPTED ? "cancelled"
-                                                       : "failed";
-    default:
-      return "unknown";
-  }
-}
-
-/// It would be rendered if there were anybody to do that.
-bool waits_for_workers(const v1::JobStatus& status, uint32_t workers) {
-  return status.state() == v1::JobStatus::RUNNING && workers == 0;
-}
-
-int percent(const v1::JobStatus& status) {
-  if (status.tiles_total() == 0) return 0;
-  return static_cast<int>(100 * status.tiles_done() / status.tiles_total());
-}
-
-json status_json(const v1::JobStatus& status, uint32_t workers) {
-  json result;
-  result["job"] = status.job();
-  result["name"] = printable(status.name());
-  result["state"] = state_name(status);
-  const bool waits = waits_for_workers(status, workers);
-  result["waits_for"] = waits ? json("workers") : json(nullptr);
-  result["priority"] = status.priority();
-  result["weight"] = status.weight();
-  result["frames"] = {{"done", status.frames_done()}, {"total", status.frames_total()}};
-  result["tiles"] = {{"done", status.tiles_done()},
-                     {"total", status.tiles_total()},
-                     {"restored", status.tiles_restored()}};
-  result["elapsed_seconds"] = status.elapsed_seconds();
-  const bool known =
-      status.state() == v1::JobStatus::RUNNING && !waits && status.remaining_seconds() >= 0;
-  result["remaining_seconds"] = known ? json(status.remaining_seconds()) : json(nullptr);
-  result["exit_code"] =
-      status.state() == v1::JobStatus::ENDED ? json(status.exit_code()) : json(nullptr);
-  result["failure"] = printable(status.failure());
-  return result;
-}
 
 void print_table(const v1::JobList& list) {
   static constexpr char kRow[] = "{:>5}  {:<9}  {:>8}  {:>9}  {:>15}  {:>5}  {:>9}  {}\n";
@@ -154,7 +103,7 @@ ExitCode show_status(const JobOptions& options) {
     return ExitCode::done;
   }
   v1::JobQuery query;
-  query.set_job(find_job(connection.client, options.job));
+  query.set_job(find_job(connection.client, options.job, say_error));
   const v1::JobStatus status = connection.client.ask(query);
   if (options.as_json) {
     say("{}\n", status_json(status, status.workers()).dump(2));
@@ -177,7 +126,7 @@ ExitCode retry(const JobOptions& options) {
   }
   Connection connection(options.connection);
   std::vector<uint64_t> jobs;
-  if (!options.all_failed) jobs = {find_job(connection.client, options.job)};
+  if (!options.all_failed) jobs = {find_job(connection.client, options.job, say_error)};
   if (options.all_failed) {
     const v1::JobList list = connection.client.list();
     for (const v1::JobStatus& job : list.jobs()) {
@@ -212,7 +161,7 @@ ExitCode order(const JobOptions& options, v1::JobQuery::Action action) {
   configure_logging("warn", "order");
   Connection connection(options.connection);
   v1::JobQuery query;
-  query.set_job(find_job(connection.client, options.job));
+  query.set_job(find_job(connection.client, options.job, say_error));
   query.set_action(action);
   if (options.priority) query.set_priority(*options.priority);
   const v1::JobStatus status = connection.client.ask(query);

@@ -25,12 +25,12 @@
 #include "front/load_frame.h"
 #include "front/located.h"
 #include "front/output_settings.h"
+#include "front/picture.h"
 #include "front/picture_warnings.h"
 #include "front/render_options.h"
 #include "front/statistics.h"
 #include "front/tracing_farm.h"
 #include "proto/wire/scene_codec.h"
-#include "renderer/denoise/denoiser.h"
 #include "renderer/image/image_file.h"
 
 namespace tessera {
@@ -169,7 +169,7 @@ class RenderRun {
       throw Error(report.exit_code,
                   fmt::format("{}; {}", report.failure, what_was_written(report)));
     }
-    finish(result, settings);
+    finish_picture(options_, settings, result);
     write(result, settings, output, frame);
     if (report.end == JobReport::End::failed) throw Error(report.exit_code, report.failure);
     return ExitCode::done;
@@ -177,24 +177,7 @@ class RenderRun {
 
   /// Whether the options go with the scene.
   void check_settings(std::optional<int> frame) const {
-    const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
-    crop_window(options_, settings);
-    if (!options_.denoise) return;
-    check_shows_light(settings);
-    if (settings.samples_per_pixel() > 1) return;
-    throw usage_error("--denoise: one sample tells nothing of its noise; expected --spp 2 or more");
-  }
-
-  /// Whether the picture is one of --denoise. One with holes is left alone, and so are passes of
-  /// one sample.
-  bool is_denoised(const JobResult& result, const v1::FrameSettings& settings) const {
-    return options_.denoise && result.report.holes.empty() && settings.samples_per_pixel() > 1;
-  }
-
-  /// From what was traced to what was asked for.
-  void finish(JobResult& result, const v1::FrameSettings& settings) const {
-    if (is_denoised(result, settings)) denoise(result.film, core_count());
-    if (result.film.aovs() != options_.aovs) result.film = result.film.with_only(options_.aovs);
+    check_picture_options(options_, frame_settings(options_, loaded_.scene, frame));
   }
 
   /// Pictures of fewer samples, each the first ones of the next: jobs of their own, whose tiles are
@@ -208,7 +191,7 @@ class RenderRun {
       JobResult result = trace(settings, frame, false);
       if (result.report.end == JobReport::End::interrupted) throw interruption(result.report);
       if (result.report.end != JobReport::End::done) return;
-      finish(result, settings);
+      finish_picture(options_, settings, result);
       if (!write_pictures(result, settings, output, frame)) pass_samples_ = samples;
     }
   }
@@ -235,11 +218,7 @@ class RenderRun {
     const std::string label = frame ? fmt::format("frame {}  ", *frame) : "";
     ProgressDisplay display(progress_style(stderr, options_.quiet), stderr, label);
     farm_->share(loaded_.blobs);
-    JobSpec job{.scene = loaded_.scene,
-                .blobs = loaded_.blobs,
-                .frame = settings,
-                .crop = crop_window(options_, settings),
-                .tile_size = options_.tile_size};
+    JobSpec job = picture_job(options_, loaded_, settings);
     const auto start = Clock::now();
     JobResult result = farm_->run(
         std::move(job),
@@ -275,13 +254,9 @@ class RenderRun {
   std::optional<Error> write_pictures(const JobResult& result, const v1::FrameSettings& settings,
                                       const OutputSettings& output,
                                       std::optional<int> frame) const {
-    const ImageMetadata metadata{.scene_digest = scene_digest_,
-                                 .seed = settings.seed(),
-                                 .samples_per_pixel = settings.samples_per_pixel(),
-                                 .denoiser = is_denoised(result, settings) ? kDenoiserName : "",
-                                 .colors = colors_of(loaded_.scene.settings().output()),
-                                 .frame_width = static_cast<int>(settings.width()),
-                                 .frame_height = static_cast<int>(settings.height())};
+    const ImageMetadata metadata =
+        picture_metadata(settings, is_denoised(options_, result.report, settings),
+                         loaded_.scene.settings().output(), scene_digest_);
     AllFailures failures;
     for (const auto& path : picture_paths(options_)) {
       failures.attempt([&] { write_image(path_for(path, frame), result.film, output, metadata); });

@@ -11,10 +11,11 @@
 #include "cli/add_options.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
-#include "cli/job_name.h"
 #include "cli/say.h"
 #include "client/farm_client.h"
 #include "front/farm_connection.h"
+#include "front/gather_job.h"
+#include "front/job_name.h"
 #include "front/load_frame.h"
 #include "front/option_values.h"
 #include "front/output_settings.h"
@@ -37,8 +38,6 @@ constexpr char kSubmitFooter[] =
     "  tessera submit walk.x3d --frames 1-240 --priority 5 --connect tcp://127.0.0.1:7117\n"
     "  job=$(tessera submit room.x3d --quiet) && tessera fetch $job --wait -o room.png";
 
-constexpr size_t kMostNameTyped = 200;
-
 struct SubmitOptions {
   RenderOptions render;
   FarmConnection connection{.endpoint = kDefaultEndpoint};
@@ -49,53 +48,13 @@ struct SubmitOptions {
 
 /// Reads all that is to be rendered.
 SubmittedJob gather(const SubmitOptions& options) {
-  const RenderOptions& render = options.render;
-  if (render.frames && render.time) {
-    throw usage_error("--time: a frame of --frames has its own instant; expected one of the two");
-  }
-  if (options.name.size() > kMostNameTyped) {
-    throw usage_error(fmt::format("--name: a name of {} bytes; expected at most {}",
-                                  options.name.size(), kMostNameTyped));
-  }
-  check_input_file(render.scene, UINT64_MAX);
-  SubmittedJob job;
-  job.request.set_submission(draw_submission());
-  job.request.set_detached(true);
-  job.request.set_priority(options.priority);
-  job.request.set_weight(static_cast<uint32_t>(options.weight));
-  job.request.set_animation(render.frames.has_value());
-  job.request.set_name(to_utf8(
-      options.name.empty() ? std::filesystem::path(render.scene).stem().string() : options.name));
-  const FrameRange range = render.frames.value_or(FrameRange{0, 0});
-  LoadedScene loaded;
-  std::set<std::string> warned;
-  for (int frame = range.first; frame <= range.last; ++frame) {
-    if (frame == range.first || loaded.depends_on_frame) loaded = load_frame(render, frame);
-    for (const auto& warnings : {loaded.warnings, picture_warnings(render, loaded)}) {
-      for (const std::string& warning : warnings) {
-        if (render.quiet || !warned.insert(warning).second) continue;
-        say_warning(warning);
-      }
-    }
-    JobSpec spec;
-    spec.scene = loaded.scene;
-    spec.blobs = loaded.blobs;
-    spec.frame =
-        frame_settings(render, loaded.scene, render.frames ? std::optional(frame) : std::nullopt);
-    spec.crop = crop_window(render, spec.frame);
-    spec.tile_size = render.tile_size;
-    check_job(spec);
-    const v1::Output output = with_options(loaded.scene.settings().output(), render.output);
-    if (output_settings(render.scene, output, render.output).color_management) {
-      throw usage_error("--ocio-...: no job keeps these; expected them at 'tessera fetch'");
-    }
-    add_frame(job, spec, frame, output);
-  }
-  if (job.request.ByteSizeLong() > max_message_bytes(Channel::control) / 2) {
-    throw usage_error(
-        fmt::format("--frames: {} frames; expected fewer in one job", job.request.frames_size()));
-  }
-  return job;
+  check_input_file(options.render.scene, UINT64_MAX);
+  const JobOrder order{options.name, options.priority, options.weight};
+  const auto load = [&](int frame) { return load_frame(options.render, frame); };
+  const auto warn = [&](const std::string& warning) {
+    if (!options.render.quiet) say_warning(warning);
+  };
+  return gather_job(options.render, order, load, warn);
 }
 
 ExitCode submit(const SubmitOptions& options) {

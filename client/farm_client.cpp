@@ -55,7 +55,7 @@ void FarmClient::converse(const v1::Envelope& question, const Handler& done) {
     first_word_.check(endpoint_, now);
     if (stop_) throw Error(ExitCode::interrupted, "interrupted");
     if (now - last_heard_ > patience_) {
-      throw render_error(
+      throw UnreachableError(
           fmt::format("no word from the coordinator at {} for {} s{}; expected an answer",
                       endpoint_, to_seconds(patience_), known_trouble(transport_)));
     }
@@ -182,7 +182,7 @@ std::optional<Film> FarmClient::fetch_film(const v1::JobStatus& status) {
     if (stop_) throw Error(ExitCode::interrupted, "interrupted");
     trouble.check(transport_, endpoint_, true, monotonic_now());
     if (monotonic_now() - last_heard_ > patience_) {
-      throw render_error(fmt::format("no word from the coordinator at {}", endpoint_));
+      throw UnreachableError(fmt::format("no word from the coordinator at {}", endpoint_));
     }
   }
   Film film(crop, aovs);

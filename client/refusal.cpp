@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "base/error.h"
 #include "proto/transport/listening.h"
 #include "proto/wire/printable.h"
 
@@ -16,14 +15,14 @@ void check_host_is_known(const std::string& endpoint) {
 
 void check_not_refused(const v1::Envelope& message, const std::string& endpoint) {
   if (!message.has_reject()) return;
-  throw usage_error(fmt::format("the coordinator at {} refused: {}", endpoint,
-                                printable(message.reject().text())));
+  throw RefusedError(fmt::format("the coordinator at {} refused: {}", endpoint,
+                                 printable(message.reject().text())));
 }
 
 void check_let_in(const ClientTransport& transport, const std::string& endpoint) {
   const auto trouble = transport.trouble();
   if (!trouble || !trouble->refused) return;
-  throw usage_error(
+  throw RefusedError(
       fmt::format("no connection to the coordinator at {}: {}", endpoint, trouble->why));
 }
 
@@ -36,7 +35,7 @@ void FirstWord::check(const std::string& endpoint, Time now) {
   if (now < look_) return;
   look_ = now + std::chrono::seconds(2);
   if (!nobody_listens(endpoint)) return;
-  throw render_error(
+  throw UnreachableError(
       fmt::format("nothing listens at {}; expected a running 'tessera serve' there", endpoint));
 }
 
@@ -46,7 +45,7 @@ void TroublePatience::check(const ClientTransport& transport, const std::string&
   if (!needed || !trouble) {
     last_fine_ = now;
   } else if (now - last_fine_ > patience_) {
-    throw render_error(
+    throw UnreachableError(
         fmt::format("no connection to the coordinator at {}: {}", endpoint, trouble->why));
   }
 }

@@ -55,7 +55,7 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
       next_progress = now + kTellProgress;
     }
     if (now - client.last_heard() > patience) {
-      throw render_error(fmt::format(
+      throw UnreachableError(fmt::format(
           "no word from the coordinator at {} for {} s{}; expected an answer to the job", endpoint,
           to_seconds(patience), known_trouble(transport)));
     }

@@ -1,4 +1,4 @@
-# What `cmake --install` puts where, and the Debian packages of `cpack -G DEB`.
+# What `cmake --install` puts where, the Debian packages of `cpack -G DEB`, and what is in the wheel.
 #
 # The program and what it loads stand in one folder, since it looks for its modules beside itself;
 # bin/ has a link to it. OpenImageIO, with the 260 libraries that it brings, is a package of its own:
@@ -23,11 +23,6 @@ install(PROGRAMS deploy/slurm/tessera.sbatch DESTINATION "${CMAKE_INSTALL_DATADI
         COMPONENT tessera)
 install(FILES README.md DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT tessera)
 install(DIRECTORY docs DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT tessera)
-foreach(package tessera tessera-openimageio)
-  string(REPLACE "tessera-" "" component "${package}")
-  install(FILES deploy/debian/copyright DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${package}"
-          COMPONENT "${component}")
-endforeach()
 # What lies outside of any prefix is for the package alone.
 install(DIRECTORY deploy/systemd/ DESTINATION /lib/systemd/system COMPONENT tessera EXCLUDE_FROM_ALL
         FILES_MATCHING PATTERN "*.service")
@@ -50,9 +45,16 @@ function(install_compressed source name destination component)
   install(FILES "${packed}" DESTINATION "${destination}" COMPONENT "${component}")
 endfunction()
 install_compressed(deploy/debian/tessera.1 tessera.1 "${CMAKE_INSTALL_MANDIR}/man1" tessera)
-install_compressed(deploy/debian/changelog changelog "${CMAKE_INSTALL_DATADIR}/doc/tessera" tessera)
-install_compressed(deploy/debian/changelog changelog
-                   "${CMAKE_INSTALL_DATADIR}/doc/tessera-openimageio" openimageio)
+function(install_package_documents package component)
+  set(folder "${CMAKE_INSTALL_DATADIR}/doc/${package}")
+  install(FILES deploy/debian/copyright DESTINATION "${folder}" COMPONENT "${component}")
+  install_compressed(deploy/debian/changelog changelog "${folder}" "${component}")
+endfunction()
+install_package_documents(tessera tessera)
+install_package_documents(tessera-openimageio openimageio)
+if(TARGET tessera_python)
+  include(package_python)
+endif()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "ray-tracing renderer that spreads a frame over a farm")
@@ -79,4 +81,19 @@ set(CPACK_DEBIAN_OPENIMAGEIO_PACKAGE_DEPENDS "tessera (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_OPENIMAGEIO_DESCRIPTION
 "With this module it writes EXR, TIFF and the like, and reads textures of all
 formats of OpenImageIO. Wanted where scenes are submitted and pictures fetched.")
+if(TARGET tessera_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-tessera)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "tessera (= ${PROJECT_VERSION}), python3 (>= 3.11~), python3 (<< 3.12)")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-numpy, tessera-openimageio")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-tqdm, python3-ipython")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${CMAKE_SOURCE_DIR}/deploy/debian/python3/postinst"
+    "${CMAKE_SOURCE_DIR}/deploy/debian/python3/prerm")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION
+"This is the Python module tessera: scenes as values, and pictures and ray
+queries as arrays. Worker processes of the package tessera render for it.")
 include(CPack)

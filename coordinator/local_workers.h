@@ -7,14 +7,14 @@
 
 #include "base/monotonic.h"
 #include "base/owned_descriptor.h"
+#include "base/program_folder.h"
 
 namespace tessera {
 
 struct LocalWorkerOptions {
   int count = 4;
-  int threads = 1;  ///< of each worker
-  /// The program to run; by default this one.
-  std::string program = "/proc/self/exe";
+  int threads = 1;                       ///< of each worker
+  std::string program = program_path();  ///< what to run
   /// Arguments after "worker --connect ENDPOINT --threads N --parent PID --arena 0".
   std::vector<std::string> extra_arguments;
 };

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "base/monotonic.h"
 #include "front/option_list.h"
 #include "proto/transport/zmq_transport.h"
 
@@ -13,6 +14,7 @@ struct FarmConnection {
   std::string endpoint;      ///< empty: not given
   std::string key_file{};    ///< our secret key; empty: none
   std::string server_key{};  ///< the coordinator's public key: a file, or its digits
+  Time patience = std::chrono::seconds(15);  ///< with a coordinator that is silent
 };
 
 inline constexpr char kDefaultEndpoint[] = "tcp://127.0.0.1:7117";

@@ -11,11 +11,15 @@ LoadedScene load_frame(const RenderOptions& options, int frame) {
   reading.decode_texture_bytes = decode_texture_bytes;
   reading.frame = frame;
   LoadedScene loaded = read_scene(options.scene, reading);
-  for (v1::Camera& camera : *loaded.scene.mutable_cameras()) {
+  apply_camera_options(options, loaded.scene);
+  return loaded;
+}
+
+void apply_camera_options(const RenderOptions& options, v1::Scene& scene) {
+  for (v1::Camera& camera : *scene.mutable_cameras()) {
     if (options.pinhole) camera.clear_lens();
     if (options.frame_all) camera.set_frame_all(true);
   }
-  return loaded;
 }
 
 }  // namespace tessera

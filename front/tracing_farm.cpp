@@ -19,6 +19,7 @@
 #include "base/process.h"
 #include "client/refusal.h"
 #include "client/run_remote_job.h"
+#include "coordinator/coordinator.h"
 #include "coordinator/local_workers.h"
 #include "coordinator/render_loop.h"
 #include "coordinator/tev/tev_viewer.h"
@@ -61,6 +62,49 @@ uint64_t peak_bytes_of(pid_t process) {
   return 0;
 }
 
+/// Tells which tiles of the frame that is traced became done, each once.
+class TileWatch {
+ public:
+  void set(TileCallback done) { done_ = std::move(done); }
+
+  void look(Coordinator& coordinator, Time now) {
+    if (!done_) return;
+    for (const auto& [job, frame] : coordinator.running_frames()) {
+      const auto film = coordinator.film(job, frame);
+      if (!film) continue;
+      NewTiles news{film->rect, film->channels, film->values, {}};
+      const auto tiles = coordinator.tiles(job, frame, now);
+      told_.resize(tiles.size());
+      tiles_.clear();
+      for (size_t i = 0; i < tiles.size(); ++i) {
+        tiles_.push_back(tiles[i].rect);
+        const bool is_done = tiles[i].state == TileSnapshot::State::done;
+        if (is_done && !told_[i]) news.tiles.push_back(tiles[i].rect);
+        told_[i] = is_done;
+      }
+      if (!news.tiles.empty()) done_(news);
+    }
+  }
+  /// Tells of those that were done after the last look.
+  void finish(const Film& film) {
+    if (done_) {
+      NewTiles news{film.rect(), film.channels(), film.values(), {}};
+      for (size_t i = 0; i < tiles_.size(); ++i) {
+        if (!told_[i]) news.tiles.push_back(tiles_[i]);
+      }
+      if (tiles_.empty()) news.tiles.push_back(film.rect());
+      done_(news);
+    }
+    tiles_.clear();
+    told_.clear();
+  }
+
+ private:
+  TileCallback done_;
+  std::vector<PixelRect> tiles_;
+  std::vector<bool> told_;  ///< by tile
+};
+
 class LocalFarm : public TracingFarm {
  public:
   explicit LocalFarm(const LocalFarmOptions& options)
@@ -72,11 +116,13 @@ class LocalFarm : public TracingFarm {
       options.made_sockets(socket.parent_path(), {socket.string(), socket.string() + ".bulk"});
     }
     loop_.watch(&workers_);
-    if (!options.tev.empty()) {
-      tev_.emplace(options.tev);
-      loop_.observe([this](Coordinator& coordinator, Time now) { tev_->look(coordinator, now); },
-                    kBetweenObservations);
-    }
+    if (!options.tev.empty()) tev_.emplace(options.tev);
+    loop_.observe(
+        [this](Coordinator& coordinator, Time now) {
+          if (tev_) tev_->look(coordinator, now);
+          watch_.look(coordinator, now);
+        },
+        kBetweenObservations);
     workers_.start();
   }
   ~LocalFarm() override {
@@ -88,9 +134,11 @@ class LocalFarm : public TracingFarm {
                 const std::atomic<bool>& stop) override {
     JobResult result = loop_.run(std::move(job), progress, stop, tiles_);
     if (tev_) tev_->finish(result.film);
+    watch_.finish(result.film);
     return result;
   }
   void keep_tiles(std::shared_ptr<TileStore> tiles) override { tiles_ = std::move(tiles); }
+  void watch_tiles(TileCallback done) override { watch_.set(std::move(done)); }
   void share(BlobStore& blobs) const override { share_large_blobs(blobs); }
   uint64_t peak_worker_bytes() const override {
     uint64_t peak = 0;
@@ -107,6 +155,7 @@ class LocalFarm : public TracingFarm {
  private:
   LocalWorkers workers_;
   std::optional<TevViewer> tev_;
+  TileWatch watch_;
   RenderLoop loop_;
   std::shared_ptr<TileStore> tiles_;
   bool dismissed_ = false;
@@ -138,8 +187,9 @@ class InProcessFarm : public TracingFarm {
           }
         }) {
     loop_.observe(
-        [this](Coordinator&, Time) {
+        [this](Coordinator& coordinator, Time now) {
           if (has_failed_) std::rethrow_exception(failure_);
+          watch_.look(coordinator, now);
         },
         kBetweenObservations);
   }
@@ -158,7 +208,9 @@ class InProcessFarm : public TracingFarm {
       const std::lock_guard lock(mutex_);
       blobs_ = job.blobs;
     }
-    return loop_.run(std::move(job), progress, stop, tiles_);
+    JobResult result = loop_.run(std::move(job), progress, stop, tiles_);
+    watch_.finish(result.film);
+    return result;
   }
   void dismiss() override {
     if (std::exchange(dismissed_, true)) return;
@@ -168,6 +220,7 @@ class InProcessFarm : public TracingFarm {
     const std::lock_guard lock(mutex_);
     blobs_ = {};
   }
+  void watch_tiles(TileCallback done) override { watch_.set(std::move(done)); }
   void keep_tiles(std::shared_ptr<TileStore> tiles) override { tiles_ = std::move(tiles); }
 
  private:
@@ -180,6 +233,7 @@ class InProcessFarm : public TracingFarm {
   BlobStore blobs_;  ///< of the job; the worker has them from here
   LiveThings trees_;
   MemoryNetwork network_;
+  TileWatch watch_;
   RenderLoop loop_;
   std::shared_ptr<TileStore> tiles_;
   std::atomic<bool> stop_{false};
@@ -192,17 +246,20 @@ class InProcessFarm : public TracingFarm {
 class RemoteFarm : public TracingFarm {
  public:
   explicit RemoteFarm(const FarmConnection& connection)
-      : endpoint_(connection.endpoint), transport_(connect(connection)) {
+      : endpoint_(connection.endpoint),
+        patience_(connection.patience),
+        transport_(connect(connection)) {
     check_host_is_known(endpoint_);
   }
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {
-    return run_remote_job(*transport_, endpoint_, job, progress, stop);
+    return run_remote_job(*transport_, endpoint_, job, progress, stop, patience_);
   }
 
  private:
   std::string endpoint_;
+  Time patience_;
   std::unique_ptr<ClientTransport> transport_;
 };
 

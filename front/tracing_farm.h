@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,16 @@
 
 namespace tessera {
 
+/// Tiles that were done since the last call, and the film that has them: `channels` values a pixel
+/// of `film`, rows from the top, valid during the call.
+struct NewTiles {
+  PixelRect film;
+  int channels = 0;
+  std::span<const float> values;
+  std::vector<PixelRect> tiles;
+};
+using TileCallback = std::function<void(const NewTiles&)>;
+
 /// Whoever traces the frames of one command: started early, to get ready while a long scene
 /// is still being read. Used by one thread; its destructor leaves nothing running.
 class TracingFarm {
@@ -21,6 +32,9 @@ class TracingFarm {
   /// Renders one frame; until `stop` is set.
   virtual JobResult run(JobSpec job, const ProgressCallback& progress,
                         const std::atomic<bool>& stop) = 0;
+  /// From now on `done` is called, on the thread that runs, with tiles of the running frame a few
+  /// times a second; empty: no more. A farm elsewhere tells none.
+  virtual void watch_tiles(TileCallback /*done*/) {}
   /// Where finished tiles of jobs to come are kept and found, by those who trace them here.
   virtual void keep_tiles(std::shared_ptr<TileStore>) {}
   /// Moves blobs of jobs to come to where its workers can share them.

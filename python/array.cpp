@@ -1,11 +1,27 @@
 #include "python/array.h"
 
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "python/array_source.h"
 #include "python/bindings.h"
 
 namespace py = pybind11;
 
 namespace tessera {
 namespace {
+
+/// Throws TypeError for a code that arrays do not have.
+ElementType element_type(const std::string& code) {
+  for (const ElementType& type :
+       {kElementOf<double>, kElementOf<float>, ElementType{'e', 2}, kElementOf<int32_t>,
+        kElementOf<uint32_t>, kElementOf<int64_t>, kElementOf<uint8_t>, kElementOf<bool>}) {
+    if (code.size() == 1 && type.code == code[0]) return type;
+  }
+  throw py::type_error("Array: elements of format '" + code + "'");
+}
 
 py::buffer_info buffer_of(const Array& array) {
   const ElementType type = array.type();
@@ -52,6 +68,70 @@ py::object item_of(const Array& array, py::ssize_t index) {
                         array.type(), std::move(rest)));
 }
 
+bool are_equal(const Array& a, const Array& b) {
+  return a.shape() == b.shape() && a.type().code == b.type().code &&
+         (a.data() == b.data() || std::ranges::equal(a.bytes(), b.bytes()));
+}
+
+/// Small arrays print as what makes them again; large ones are told.
+std::string show(const py::object& self) {
+  constexpr py::ssize_t kMostShown = 1000;
+  const auto& array = self.cast<const Array&>();
+  const py::object shape = shape_of(array);
+  if (array.count() > kMostShown) {
+    return "<Array '" + std::string(1, array.type().code) + "' " +
+           py::str(shape).cast<std::string>() + ">";
+  }
+  // memoryview knows all formats but half floats, which are shown as their bits.
+  const bool is_half = array.type().code == 'e';
+  const Array flat(array.owner(), array.data(), is_half ? ElementType{'H', 2} : array.type(),
+                   {array.count()});
+  const auto view =
+      py::reinterpret_steal<py::object>(PyMemoryView_FromObject(py::cast(flat).ptr()));
+  return "Array.of(" + py::repr(view.attr("tolist")()).cast<std::string>() + ", '" +
+         std::string(1, array.type().code) + "', " + py::str(shape).cast<std::string>() + ")";
+}
+
+/// An array of that type from the bytes of a buffer, which it shares where nobody can write to it.
+Array from_bytes(const py::buffer& given, const std::string& code, Array::Shape shape) {
+  const ArraySource source = array_source(
+      py::module_::import("builtins").attr("memoryview")(given).attr("cast")("B"), "Array");
+  const ElementType type = element_type(code);
+  py::ssize_t bytes = type.size;
+  for (const py::ssize_t length : shape) {
+    if (length < 0 || (length > 0 && bytes > PY_SSIZE_T_MAX / length))
+      wrong_shape("Array", shape, "lengths of axes");
+    bytes *= length;
+  }
+  if (bytes != source.count()) {
+    throw py::value_error("Array: " + std::to_string(source.count()) + " bytes; expected " +
+                          std::to_string(bytes));
+  }
+  if (source.read_only) return {source.owner, source.data, type, std::move(shape)};
+  const auto copy =
+      std::make_shared<const std::vector<std::byte>>(source.data, source.data + bytes);
+  return {copy, copy->data(), type, std::move(shape)};
+}
+
+/// An array of numbers in a list, as `repr` shows them.
+Array from_list(const py::list& numbers, const std::string& code, Array::Shape shape) {
+  const py::object pack = py::module_::import("struct").attr("pack");
+  const std::string format = std::to_string(numbers.size()) + (code == "e" ? "H" : code);
+  return from_bytes(pack(format, *numbers), code, std::move(shape));
+}
+
+py::tuple reduce(const py::object& self, int protocol) {
+  const auto& array = self.cast<const Array&>();
+  py::object bytes;
+  if (protocol >= 5) {
+    bytes = py::module_::import("pickle").attr("PickleBuffer")(self);
+  } else {
+    bytes = py::bytes(reinterpret_cast<const char*>(array.data()), array.bytes().size());
+  }
+  return py::make_tuple(py::type::of(self).attr("from_bytes"),
+                        py::make_tuple(bytes, std::string(1, array.type().code), shape_of(array)));
+}
+
 }  // namespace
 
 void bind_arrays(py::module_& module) {
@@ -63,7 +143,14 @@ void bind_arrays(py::module_& module) {
           "dtype", [](const Array& array) { return std::string(1, array.type().code); },
           "What an element is, as a code of the module `struct`.")
       .def("__len__", length_of)
-      .def("__getitem__", item_of);
+      .def("__getitem__", item_of)
+      .def("__eq__", are_equal, py::is_operator())
+      .def("__repr__", show)
+      .def("__reduce_ex__", reduce)
+      .def("__copy__", [](const py::object& self) { return self; })
+      .def("__deepcopy__", [](const py::object& self, const py::object&) { return self; })
+      .def_static("of", from_list, "An array of the numbers in a list.")
+      .def_static("from_bytes", from_bytes, "An array of the bytes of a buffer.");
 }
 
 }  // namespace tessera

@@ -2,13 +2,18 @@
 
 #include <pybind11/pybind11.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <numeric>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "base/blob.h"
+#include "base/digest.h"
 
 namespace tessera {
 
@@ -60,12 +65,15 @@ class Array {
     return {static_cast<const std::byte*>(data_), static_cast<size_t>(count() * type_.size)};
   }
   const std::shared_ptr<const void>& owner() const { return owner_; }
+  /// Of python/mesh_arrays.h: the blob and its digest, once somebody wanted them.
+  std::pair<Digest, BlobData>& blob() const { return blob_; }
 
  private:
   std::shared_ptr<const void> owner_;
   const void* data_ = nullptr;
   ElementType type_;
   Shape shape_;
+  mutable std::pair<Digest, BlobData> blob_;
 };
 
 }  // namespace tessera

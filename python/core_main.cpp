@@ -1,9 +1,54 @@
 #include "python/bindings.h"
 
-// The extension module `tessera._core`. The package `tessera` imports it and is what users see.
-PYBIND11_MODULE(_core, module) {
+namespace py = pybind11;
+
+namespace {
+
+bool is_main_interpreter() { return PyInterpreterState_Get() == PyInterpreterState_Main(); }
+
+PyObject* refuse(const char* why) {
+  PyErr_SetString(PyExc_ImportError, why);
+  return nullptr;
+}
+
+void fill(py::module_& module) {
+  module.def("is_main_interpreter", is_main_interpreter, "Whether the caller's interpreter is.");
   tessera::bind_errors(module);
   tessera::bind_arrays(module);
+  tessera::bind_mesh_arrays(module);
+  tessera::bind_value_base(module);
+  tessera::bind_vec(module);
   tessera::bind_scene(module);
+  tessera::bind_load(module);
+  tessera::bind_transforms(module);
+  tessera::bind_picture(module);
+  tessera::bind_render(module);
+  tessera::bind_log(module);
+  tessera::bind_program(module);
   tessera::bind_tracer(module);
+}
+
+}  // namespace
+
+// The extension module `tessera._core`. The package `tessera` imports it and is what users see.
+//
+// PYBIND11_MODULE would write the same but for the refusals. They have to come before anything of
+// pybind11, which keeps its types in the interpreter that loads a module first, and ends the
+// process where the module is made a second time. Python does that for a file that it meets by
+// another path.
+extern "C" PYBIND11_EXPORT PyObject* PyInit__core() {
+  static bool is_made = false;
+  if (!is_main_interpreter())
+    return refuse("a sub-interpreter imports tessera; expected the main one");
+  if (is_made) return refuse("tessera was imported by another path before; expected the same path");
+  is_made = true;
+  PYBIND11_CHECK_PYTHON_VERSION
+  PYBIND11_ENSURE_INTERNALS_READY
+  static PyModuleDef definition;
+  auto module = py::module_::create_extension_module("_core", nullptr, &definition);
+  try {
+    fill(module);
+    return module.ptr();
+  }
+  PYBIND11_CATCH_INIT_EXCEPTIONS
 }

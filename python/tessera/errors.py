@@ -6,7 +6,10 @@ and wrong arguments, `except tessera.Error` everything that is not a bug.
 from __future__ import annotations
 
 import re
-from typing import Optional
+from typing import TYPE_CHECKING, Any, Optional
+
+if TYPE_CHECKING:
+    from .picture import Image
 
 
 class Error(Exception):
@@ -44,7 +47,11 @@ class UsageError(Error, ValueError):
 
 
 class RenderError(Error, RuntimeError):
-    """Rendering or writing failed."""
+    """Rendering or writing failed. `image` is what was done of the picture, holes marked, and `stats`
+    what is known of it, where there is one."""
+
+    image: Optional["Image"] = None
+    stats: Optional[dict[str, Any]] = None
 
 
 class FarmError(RenderError, ConnectionError):
@@ -56,9 +63,11 @@ class Refused(FarmError, PermissionError):
 
 
 class Cancelled(Error):
-    """The task was cancelled before it was done."""
+    """The task was cancelled before it was done. `image` is what was done of the picture, if any."""
 
     code = 4
+    image: Optional["Image"] = None
+    stats: Optional[dict[str, Any]] = None
 
 
 class SceneWarning(UserWarning):
@@ -69,9 +78,23 @@ class PrecisionWarning(UserWarning):
     """Numbers were rounded by more than their use bears."""
 
 
+def scene_error(found: str, expected: str, path: str, value: object) -> SceneError:
+    """The error of a value that is no part of a scene: where it was made and the way to it."""
+    from ._value import where
+    made = where(value)
+    place = f"{made[0]}:{made[1]}" if made else ""
+    beginning = "".join(f"{part}: " for part in (place, path) if part)
+    message = f"{beginning}{found}{f'; expected {expected}' if expected else ''}"
+    return SceneError(message, place=place, path=path)
+
+
 _CLASS_OF_CODE = {1: SceneError, 2: UsageError, 3: RenderError, 4: Cancelled}
 
 
 def from_core(message: str, code: int) -> Error:
-    """The exception for an error of the renderer with that exit code."""
-    return _CLASS_OF_CODE.get(code, RenderError)(message)
+    """The exception for an error of the renderer with that exit code. Options are called as Python
+    has them: "--min-spp" is min_spp."""
+    if code == UsageError.code:
+        message = re.sub(r"--([a-z0-9][a-z0-9-]*)", lambda m: m.group(1).replace("-", "_"), message)
+    place = re.match(r"(.+?:\d+(?::\d+)?): ", message)
+    return _CLASS_OF_CODE.get(code, RenderError)(message, place=place.group(1) if place else "")

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <string>
 
 #include "base/error.h"
+#include "base/program_folder.h"
 
 namespace tessera {
 namespace {
@@ -125,7 +125,7 @@ class NloptSearch final : public SplitSearch {
 };
 
 NloptMinimize load_module() {
-  const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  const auto folder = program_folder();
   std::string cause;
   for (const char* place : {"tessera_nlopt.so", "../lib/tessera/tessera_nlopt.so"}) {
     const std::string file = (folder / place).string();

@@ -18,6 +18,7 @@
 
 #include "base/log.h"
 #include "base/process.h"
+#include "base/program_folder.h"
 
 namespace tessera {
 
@@ -28,7 +29,7 @@ namespace {
 constexpr const char* kProgram = "tessera-image-codec";
 
 fs::path find_program() {
-  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
+  const fs::path folder = program_folder();
   for (const char* place : {"", "../libexec/tessera"}) {
     const fs::path file = folder / place / kProgram;
     if (access(file.c_str(), X_OK) == 0) return file;

@@ -247,20 +247,23 @@ bool holds_aovs(const fs::path& path) { return format_of(path).has_channels; }
 
 bool holds_floats(const fs::path& path) { return format_of(path).is_float; }
 
-void write_image(const fs::path& path, const Film& film, const OutputSettings& settings,
-                 const ImageMetadata& metadata) {
+std::string encode_image(const fs::path& path, const Film& film, const OutputSettings& settings,
+                         const ImageMetadata& metadata) {
   const Format& format = format_of(path);
   if (!film.aovs().empty() && !format.has_channels) {
-    return write_image(path, film.with_only({}), settings, metadata);
+    return encode_image(path, film.with_only({}), settings, metadata);
   }
-  if (!format.name) return write_output_file(path.string(), encode_pfm(film));
-  BlobData file;
+  if (!format.name) return encode_pfm(film);
   try {
-    file = encode(format, film, settings, metadata);
+    return std::string(as_text(*encode(format, film, settings, metadata)));
   } catch (const Error& error) {
     throw render_error(fmt::format("'{}' cannot be written: {}", path.string(), error.what()));
   }
-  write_output_file(path.string(), as_text(*file));
+}
+
+void write_image(const fs::path& path, const Film& film, const OutputSettings& settings,
+                 const ImageMetadata& metadata) {
+  write_output_file(path.string(), encode_image(path, film, settings, metadata));
 }
 
 FloatImage read_image(const fs::path& path) {

@@ -68,6 +68,10 @@ bool holds_floats(const std::filesystem::path& path);
 void write_image(const std::filesystem::path& path, const Film& film,
                  const OutputSettings& settings, const ImageMetadata& metadata);
 
+/// The bytes of the file that write_image would write to `path`.
+std::string encode_image(const std::filesystem::path& path, const Film& film,
+                         const OutputSettings& settings, const ImageMetadata& metadata);
+
 /// All channels of the first picture in a file, whose format its content tells (image_format.h),
 /// not its name. Throws a scene error.
 FloatImage read_image(const std::filesystem::path& path);

@@ -72,7 +72,7 @@ WALLS = [
                            "renderer/scene", "renderer/render"], "the viewer is shown pixels"),
     (["worker"], ["client", "coordinator", "cli", "bench", "scenes", "renderer/image"],
      "the worker knows neither the coordinator's code nor files"),
-    (["python"], ["cli", "bench"], "the Python package stands beside the program"),
+    (["python"], ["cli"], "the Python package stands beside the program"),
 ]
 
 # What only one room may touch: (what, pattern of a line, the rooms that may).
@@ -80,7 +80,7 @@ MONOPOLIES = [
     ("ZeroMQ", re.compile(r'#\s*include\s*[<"]zmq'), ["proto/transport"]),
     ("protobuf's parsers",
      re.compile(r"TextFormat|JsonStringToMessage|\bParse(Partial)?From|google/protobuf/(text_format|"
-                r"util/json_util)"), ["proto/wire"]),
+                r"util/json_util)"), ["proto/wire", "python/generate"]),
     ("OpenImageIO", re.compile(r'#\s*include\s*[<"]OpenImageIO'), ["renderer/image/oiio"]),
     ("Embree", re.compile(r'#\s*include\s*[<"]embree'), ["renderer/accel/embree"]),
     ("pugixml", re.compile(r'#\s*include\s*[<"]pugixml'), ["scenes/formats"]),

@@ -2,7 +2,7 @@
 
 #include <dlfcn.h>
 
-#include <filesystem>
+#include "base/program_folder.h"
 
 namespace tessera {
 namespace {
@@ -11,12 +11,8 @@ using SceneFactory = EmbreeScene* (*)(const float*, size_t, const uint32_t*, siz
 using BoxesFactory = EmbreeBoxes* (*)(const std::array<float, 6>*, size_t, int);
 
 void* load(const char* symbol) {
-  static void* const module = []() -> void* {
-    std::error_code failed;
-    const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
-    if (failed) return nullptr;
-    return dlopen((program.parent_path() / "tessera_embree.so").c_str(), RTLD_NOW | RTLD_LOCAL);
-  }();
+  static void* const module =
+      dlopen((program_folder() / "tessera_embree.so").c_str(), RTLD_NOW | RTLD_LOCAL);
   return module ? dlsym(module, symbol) : nullptr;
 }
 

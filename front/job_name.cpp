@@ -1,17 +1,15 @@
-#include "cli/job_name.h"
+#include "front/job_name.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <optional>
 #include <vector>
 
 #include "base/error.h"
 #include "base/plural.h"
-#include "cli/say.h"
 #include "proto/wire/printable.h"
 
 namespace tessera {
@@ -39,17 +37,19 @@ std::string those_there(const v1::JobList& list) {
 }
 
 /// Of several jobs of that name, the latest is meant.
-void tell_which(const std::string& name, const std::vector<uint64_t>& jobs) {
+std::string which_is_meant(const std::string& name, const std::vector<uint64_t>& jobs) {
   const size_t others = jobs.size() - 1, listed = std::min(others, kMostListed);
   const auto last = jobs.end() - 1;
-  say(stderr, "tessera: {} have the name '{}': job {}, the latest, is meant, not {}{}\n",
-      counted(jobs.size(), "job"), printable(name), jobs.back(), others > listed ? "... " : "",
-      fmt::join(last - static_cast<ptrdiff_t>(listed), last, ", "));
+  return fmt::format("{} have the name '{}': job {}, the latest, is meant, not {}{}",
+                     counted(jobs.size(), "job"), printable(name), jobs.back(),
+                     others > listed ? "... " : "",
+                     fmt::join(last - static_cast<ptrdiff_t>(listed), last, ", "));
 }
 
 }  // namespace
 
-uint64_t find_job(FarmClient& client, const std::string& text) {
+uint64_t find_job(FarmClient& client, const std::string& text,
+                  const std::function<void(const std::string&)>& tell) {
   const v1::JobList list = client.list();
   const auto number = whole(text);
   std::vector<uint64_t> found;
@@ -58,7 +58,7 @@ uint64_t find_job(FarmClient& client, const std::string& text) {
     names.push_back(printable(job.name()));
     if (number ? job.job() == *number : job.name() == text) found.push_back(job.job());
   }
-  if (found.size() > 1) tell_which(text, found);
+  if (found.size() > 1) tell(which_is_meant(text, found));
   if (!found.empty()) return found.back();
   if (list.jobs().empty()) throw usage_error(fmt::format("JOB: '{}': there are no jobs", text));
   const bool forgotten = number && *number >= 1 && *number <= list.last();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "client/farm_client.h"
@@ -8,8 +9,9 @@
 namespace tessera {
 
 /// The number of the job that `text` means: its number, or the name of the latest that has it; of
-/// several it says on standard error which that is.
+/// several `tell` is told which that is.
 /// Throws usage_error, with the nearest name, where there is none.
-uint64_t find_job(FarmClient& client, const std::string& text);
+uint64_t find_job(FarmClient& client, const std::string& text,
+                  const std::function<void(const std::string&)>& tell);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-#include "cli/order_outcome.h"
+#include "front/order_outcome.h"
 
 #include <gtest/gtest.h>
 

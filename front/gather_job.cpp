@@ -1,0 +1,80 @@
+#include "front/gather_job.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <set>
+
+#include "base/error.h"
+#include "front/output_settings.h"
+#include "front/picture_warnings.h"
+#include "job/check_job.h"
+#include "proto/wire/frame.h"
+#include "proto/wire/printable.h"
+
+namespace tessera {
+namespace {
+
+constexpr size_t kMostNameTyped = 200;
+
+void check(const RenderOptions& options, const JobOrder& order) {
+  if (options.frames && options.time) {
+    throw usage_error("--time: a frame of --frames has its own instant; expected one of the two");
+  }
+  if (order.name.size() > kMostNameTyped) {
+    throw usage_error(fmt::format("--name: a name of {} bytes; expected at most {}",
+                                  order.name.size(), kMostNameTyped));
+  }
+}
+
+JobSpec spec_of(const RenderOptions& options, const LoadedScene& loaded, std::optional<int> frame) {
+  JobSpec spec;
+  spec.scene = loaded.scene;
+  spec.blobs = loaded.blobs;
+  spec.frame = frame_settings(options, loaded.scene, frame);
+  spec.crop = crop_window(options, spec.frame);
+  spec.tile_size = options.tile_size;
+  check_job(spec);
+  return spec;
+}
+
+}  // namespace
+
+SubmittedJob gather_job(const RenderOptions& options, const JobOrder& order,
+                        const std::function<LoadedScene(int frame)>& load,
+                        const std::function<void(const std::string&)>& warn) {
+  check(options, order);
+  SubmittedJob job;
+  job.request.set_submission(draw_submission());
+  job.request.set_detached(true);
+  job.request.set_priority(order.priority);
+  job.request.set_weight(static_cast<uint32_t>(order.weight));
+  job.request.set_animation(options.frames.has_value());
+  job.request.set_name(to_utf8(
+      order.name.empty() ? std::filesystem::path(options.scene).stem().string() : order.name));
+  const FrameRange range = options.frames.value_or(FrameRange{0, 0});
+  LoadedScene loaded;
+  std::set<std::string> warned;
+  for (int frame = range.first; frame <= range.last; ++frame) {
+    if (frame == range.first || loaded.depends_on_frame) loaded = load(frame);
+    for (const auto& warnings : {loaded.warnings, picture_warnings(options, loaded)}) {
+      for (const std::string& warning : warnings) {
+        if (warned.insert(warning).second) warn(warning);
+      }
+    }
+    const JobSpec spec =
+        spec_of(options, loaded, options.frames ? std::optional(frame) : std::nullopt);
+    const v1::Output output = with_options(loaded.scene.settings().output(), options.output);
+    if (output_settings(options.scene, output, options.output).color_management) {
+      throw usage_error("--ocio-...: no job keeps these; expected them at 'tessera fetch'");
+    }
+    add_frame(job, spec, frame, output);
+  }
+  if (job.request.ByteSizeLong() > max_message_bytes(Channel::control) / 2) {
+    throw usage_error(
+        fmt::format("--frames: {} frames; expected fewer in one job", job.request.frames_size()));
+  }
+  return job;
+}
+
+}  // namespace tessera

@@ -1,0 +1,48 @@
+#include "front/picture.h"
+
+#include "base/error.h"
+#include "base/process.h"
+#include "renderer/denoise/denoiser.h"
+
+namespace tessera {
+
+void check_picture_options(const RenderOptions& options, const v1::FrameSettings& settings) {
+  crop_window(options, settings);
+  if (!options.denoise) return;
+  check_shows_light(settings);
+  if (settings.samples_per_pixel() > 1) return;
+  throw usage_error("--denoise: one sample tells nothing of its noise; expected --spp 2 or more");
+}
+
+JobSpec picture_job(const RenderOptions& options, const LoadedScene& loaded,
+                    const v1::FrameSettings& settings) {
+  return {.scene = loaded.scene,
+          .blobs = loaded.blobs,
+          .frame = settings,
+          .crop = crop_window(options, settings),
+          .tile_size = options.tile_size};
+}
+
+bool is_denoised(const RenderOptions& options, const JobReport& report,
+                 const v1::FrameSettings& settings) {
+  return options.denoise && report.holes.empty() && settings.samples_per_pixel() > 1;
+}
+
+void finish_picture(const RenderOptions& options, const v1::FrameSettings& settings,
+                    JobResult& result) {
+  if (is_denoised(options, result.report, settings)) denoise(result.film, core_count());
+  if (result.film.aovs() != options.aovs) result.film = result.film.with_only(options.aovs);
+}
+
+ImageMetadata picture_metadata(const v1::FrameSettings& settings, bool is_denoised,
+                               const v1::Output& of_scene, const std::string& scene_digest) {
+  return {.scene_digest = scene_digest,
+          .seed = settings.seed(),
+          .samples_per_pixel = settings.samples_per_pixel(),
+          .denoiser = is_denoised ? kDenoiserName : "",
+          .colors = colors_of(of_scene),
+          .frame_width = static_cast<int>(settings.width()),
+          .frame_height = static_cast<int>(settings.height())};
+}
+
+}  // namespace tessera

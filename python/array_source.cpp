@@ -1,0 +1,205 @@
+#include "python/array_source.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <optional>
+
+namespace py = pybind11;
+
+namespace tessera {
+namespace {
+
+/// Lets go of a buffer from any thread.
+struct HeldBuffer {
+  Py_buffer view{};
+  HeldBuffer() = default;
+  HeldBuffer(const HeldBuffer&) = delete;
+  HeldBuffer& operator=(const HeldBuffer&) = delete;
+  ~HeldBuffer() {
+    if (!Py_IsInitialized()) return;
+    const py::gil_scoped_acquire locked;
+    PyBuffer_Release(&view);
+  }
+};
+
+/// The kind of numbers of a format of the module `struct`; nothing: no single number.
+std::optional<char> kind_of(std::string_view code) {
+  if (code.size() != 1) return std::nullopt;
+  constexpr std::string_view kFloats = "efd", kSigned = "bhilqn", kUnsigned = "BHILQN";
+  if (kFloats.find(code[0]) != code.npos) return 'f';
+  if (kSigned.find(code[0]) != code.npos) return 'i';
+  if (kUnsigned.find(code[0]) != code.npos) return 'u';
+  if (code[0] == '?') return '?';
+  return std::nullopt;
+}
+
+ArraySource from_buffer(py::handle given, const std::string& name) {
+  auto held = std::make_shared<HeldBuffer>();
+  if (PyObject_GetBuffer(given.ptr(), &held->view, PyBUF_RECORDS_RO)) {
+    PyErr_Clear();
+    throw py::type_error(fmt::format("{}: a {} without strides; expected an array of numbers", name,
+                                     Py_TYPE(given.ptr())->tp_name));
+  }
+  const Py_buffer& view = held->view;
+  std::string_view format = view.format ? view.format : "B";
+  ArraySource source;
+  if (!format.empty() && std::string_view("@=<>!").find(format[0]) != format.npos) {
+    source.swapped = (format[0] == '>' || format[0] == '!') && view.itemsize > 1;
+    format.remove_prefix(1);
+  }
+  const auto kind = kind_of(format);
+  if (!kind || view.suboffsets) {
+    throw py::type_error(
+        fmt::format("{}: elements of format '{}'; expected float32, float64 or an "
+                    "integer type",
+                    name, view.format ? view.format : "B"));
+  }
+  source.kind = *kind;
+  source.data = static_cast<const std::byte*>(view.buf);
+  source.item_size = view.itemsize;
+  source.read_only = view.readonly;
+  source.shape.assign(view.shape, view.shape + view.ndim);
+  source.strides.assign(view.strides, view.strides + view.ndim);
+  source.owner = std::move(held);
+  return source;
+}
+
+/// The numbers of nested sequences, and how many there are along each axis.
+class Flattener {
+ public:
+  explicit Flattener(const std::string& name) : name_(name) {}
+
+  ArraySource take(py::handle given) {
+    add(given, 0);
+    ArraySource source;
+    source.shape = shape_;
+    source.read_only = false;
+    if (all_whole_) {
+      const auto kept = std::make_shared<const std::vector<int64_t>>(std::move(whole_));
+      source.data = reinterpret_cast<const std::byte*>(kept->data());
+      source.kind = 'i';
+      source.owner = kept;
+    } else {
+      const auto kept = std::make_shared<const std::vector<double>>(std::move(numbers_));
+      source.data = reinterpret_cast<const std::byte*>(kept->data());
+      source.owner = kept;
+    }
+    source.strides.resize(shape_.size());
+    py::ssize_t stride = 8;
+    for (size_t axis = shape_.size(); axis-- > 0; stride *= shape_[axis])
+      source.strides[axis] = stride;
+    return source;
+  }
+
+ private:
+  static constexpr size_t kMostAxes = 8;
+
+  void add(py::handle given, size_t axis) {
+    const bool is_sequence = PySequence_Check(given.ptr()) && !PyUnicode_Check(given.ptr()) &&
+                             !PyBytes_Check(given.ptr());
+    if (!is_sequence) return add_number(given, axis);
+    if (axis >= kMostAxes)
+      throw py::value_error(name_ + ": sequences inside sequences without end");
+    const auto items = py::reinterpret_steal<py::object>(PySequence_Fast(given.ptr(), ""));
+    if (!items) throw py::error_already_set();
+    const py::ssize_t count = PySequence_Fast_GET_SIZE(items.ptr());
+    if (shape_.size() == axis && !complete_) {
+      shape_.push_back(count);
+    } else if (shape_.size() <= axis || shape_[axis] != count) {
+      throw py::value_error(
+          fmt::format("{}: rows of different lengths ({} and {}); expected an array", name_,
+                      shape_.size() > axis ? shape_[axis] : 1, count));
+    }
+    for (py::ssize_t i = 0; i < count && i < PySequence_Fast_GET_SIZE(items.ptr()); ++i) {
+      add(py::reinterpret_borrow<py::object>(PySequence_Fast_GET_ITEM(items.ptr(), i)), axis + 1);
+    }
+  }
+
+  void add_number(py::handle given, size_t axis) {
+    complete_ = true;
+    if (axis != shape_.size()) {
+      throw py::value_error(name_ + ": a number beside rows; expected an array");
+    }
+    const double number = PyFloat_AsDouble(given.ptr());
+    if (number == -1 && PyErr_Occurred()) {
+      PyErr_Clear();
+      throw py::type_error(
+          fmt::format("{}: a {}; expected numbers", name_, Py_TYPE(given.ptr())->tp_name));
+    }
+    numbers_.push_back(number);
+    if (!all_whole_) return;
+    int overflow = 0;
+    const long long whole =
+        PyLong_Check(given.ptr()) ? PyLong_AsLongLongAndOverflow(given.ptr(), &overflow) : 0;
+    all_whole_ = PyLong_Check(given.ptr()) && !overflow;
+    whole_.push_back(whole);
+  }
+
+  const std::string& name_;
+  Array::Shape shape_;
+  bool complete_ = false;  ///< a number was met, so that the number of axes is known
+  bool all_whole_ = true;
+  std::vector<double> numbers_;
+  std::vector<int64_t> whole_;
+};
+
+}  // namespace
+
+py::ssize_t ArraySource::count() const {
+  py::ssize_t product = 1;
+  for (const py::ssize_t length : shape) product *= length;
+  return product;
+}
+
+bool ArraySource::is_contiguous() const {
+  py::ssize_t stride = item_size;
+  for (size_t axis = shape.size(); axis-- > 0; stride *= shape[axis]) {
+    if (shape[axis] == 0) return true;
+    if (shape[axis] != 1 && strides[axis] != stride) return false;
+  }
+  return true;
+}
+
+bool ArraySource::is_plain(ElementType type) const {
+  const char wanted = *kind_of(std::string_view(&type.code, 1));
+  return kind == wanted && item_size == type.size && !swapped && is_contiguous();
+}
+
+ArraySource array_source(py::handle given, const std::string& name) {
+  if (PyObject_CheckBuffer(given.ptr()) && !PyBytes_Check(given.ptr())) {
+    return from_buffer(given, name);
+  }
+  if (!PyType_Check(given.ptr()) && py::hasattr(given, "__array__")) {
+    const py::object array = given.attr("__array__")();
+    if (PyObject_CheckBuffer(array.ptr())) return from_buffer(array, name);
+  }
+  if (PySequence_Check(given.ptr()) && !PyUnicode_Check(given.ptr()) &&
+      !PyBytes_Check(given.ptr())) {
+    return Flattener(name).take(given);
+  }
+  throw py::type_error(
+      fmt::format("{}: a {}; expected an array of numbers", name, Py_TYPE(given.ptr())->tp_name));
+}
+
+std::string shape_text(const Array::Shape& shape) {
+  return fmt::format("({}{})", fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
+}
+
+void wrong_shape(const std::string& name, const Array::Shape& found, const std::string& expected) {
+  throw py::value_error(
+      fmt::format("{}: shape {}; expected {}", name, shape_text(found), expected));
+}
+
+float detail::half_to_float(uint16_t half) {
+  const uint32_t sign = uint32_t{half & 0x8000u} << 16;
+  const uint32_t exponent = (half >> 10) & 31, fraction = half & 1023u;
+  if (exponent == 0) {
+    const float tiny = static_cast<float>(fraction) * 0x1p-24f;
+    return sign ? -tiny : tiny;
+  }
+  const uint32_t wide = exponent == 31 ? 255 : exponent + 112;
+  return std::bit_cast<float>(sign | wide << 23 | fraction << 13);
+}
+
+}  // namespace tessera

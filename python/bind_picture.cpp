@@ -1,0 +1,197 @@
+#include <fmt/format.h>
+
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "bench/error/metrics.h"
+#include "front/output_settings.h"
+#include "python/bindings.h"
+#include "python/picture.h"
+#include "renderer/image/image_file.h"
+
+namespace py = pybind11;
+
+namespace tessera {
+namespace {
+
+using PicturePointer = std::shared_ptr<RenderedPicture>;
+
+/// The settings of `--exposure`, `--tone-map` and the like laid over what the scene asks.
+OutputSettings settings_of(const RenderedPicture& picture,
+                           const std::vector<std::pair<std::string, std::string>>& texts) {
+  OutputOptions options;
+  OptionList list;
+  add_output_options(list, options);
+  for (const auto& [name, text] : texts) {
+    const auto found = std::find_if(
+        list.begin(), list.end(), [&](const Option& option) { return option.long_name() == name; });
+    if (found == list.end()) {
+      std::vector<std::string> names;
+      for (const Option& option : list) names.push_back(option.long_name());
+      throw usage_error("--" + name + ": no option is called so" + suggestion(name, names));
+    }
+    found->assign(text);
+  }
+  return output_settings("scene", picture.output, options);
+}
+
+/// Channels [first, first + count) of every pixel, in an array of their own.
+template <typename Value>
+std::vector<Value> gather(const Film& film, int first, int count) {
+  const auto channels = static_cast<size_t>(film.channels());
+  const auto kept = static_cast<size_t>(count);
+  const size_t pixels = film.values().size() / channels;
+  std::vector<Value> out(pixels * kept);
+  for (size_t pixel = 0; pixel < pixels; ++pixel) {
+    const float* from = &film.values()[pixel * channels + static_cast<size_t>(first)];
+    for (size_t i = 0; i < kept; ++i) out[pixel * kept + i] = static_cast<Value>(from[i]);
+  }
+  return out;
+}
+
+Array to_srgb(const PicturePointer& picture,
+              const std::vector<std::pair<std::string, std::string>>& texts) {
+  const OutputSettings settings = settings_of(*picture, texts);
+  if (settings.color_management) {
+    throw usage_error("--ocio-...: are for files; expected them at save()");
+  }
+  std::vector<uint8_t> bytes = picture->film.aovs().empty()
+                                   ? to_8_bit(picture->film, settings)
+                                   : to_8_bit(picture->film.with_only({}), settings);
+  return Array(std::move(bytes), {picture->film.height(), picture->film.width(), kFilmChannels});
+}
+
+/// The bytes of a file that `path` would name.
+py::bytes encode(const PicturePointer& picture, const std::string& path,
+                 const std::vector<std::pair<std::string, std::string>>& texts) {
+  std::string bytes;
+  {
+    const py::gil_scoped_release release;
+    bytes = encode_image(path, picture->film, settings_of(*picture, texts), picture->metadata);
+  }
+  return py::bytes(bytes);
+}
+
+void save(const PicturePointer& picture, const std::string& path,
+          const std::vector<std::pair<std::string, std::string>>& texts) {
+  const OutputSettings settings = settings_of(*picture, texts);
+  check_writable(path);
+  if (settings.color_management) check_color_management(*settings.color_management);
+  write_image(path, picture->film, settings, picture->metadata);
+}
+
+/// A picture of light alone, from (h, w, 3) float32 values in a row.
+PicturePointer from_values(int width, int height, const py::buffer& values) {
+  const py::buffer_info info = values.request();
+  Film film(PixelRect{0, 0, width, height});
+  if (info.size * info.itemsize != static_cast<py::ssize_t>(film.values().size_bytes())) {
+    throw usage_error("values: not as many as the picture has");
+  }
+  std::memcpy(film.values().data(), info.ptr, film.values().size_bytes());
+  RenderedPicture picture{.film = std::move(film), .output = {}};
+  picture.metadata.frame_width = width;
+  picture.metadata.frame_height = height;
+  return std::make_shared<RenderedPicture>(std::move(picture));
+}
+
+py::tuple read_file(const std::string& path) {
+  FloatImage image;
+  {
+    const py::gil_scoped_release release;
+    image = read_image(path);
+  }
+  const auto channels = static_cast<py::ssize_t>(image.channels.size());
+  return py::make_tuple(image.channels,
+                        Array(std::move(image.values), {image.height, image.width, channels}));
+}
+
+/// Light of the same size, (h, w, 3) float32 in a row each: the greatest, mean and root mean square
+/// difference, then relMSE and FLIP with the second as the reference.
+py::tuple compare(const py::buffer& first, const py::buffer& second) {
+  const auto taken = [](const py::buffer& buffer) {
+    const py::buffer_info info = buffer.request();
+    const auto* values = static_cast<const float*>(info.ptr);
+    return Picture{static_cast<int>(info.shape.at(1)), static_cast<int>(info.shape.at(0)),
+                   std::vector<float>(values, values + info.size)};
+  };
+  const Picture a = taken(first), b = taken(second);
+  const py::gil_scoped_release release;
+  double sum = 0;
+  for (size_t i = 0; i < a.values.size(); ++i) {
+    sum += std::abs(double{a.values[i]} - double{b.values[i]});
+  }
+  const PictureError error = picture_error(a, b);
+  const py::gil_scoped_acquire acquire;
+  return py::make_tuple(error.max_error, sum / static_cast<double>(a.values.size()), error.rmse,
+                        error.rel_mse, error.flip);
+}
+
+}  // namespace
+
+Array channels_of(const PicturePointer& picture, const std::string& name) {
+  const Film& film = picture->film;
+  const py::ssize_t height = film.height(), width = film.width();
+  if (name == "light") {
+    if (film.aovs().empty()) {
+      return Array(picture, film.values().data(), kElementOf<float>,
+                   {height, width, kFilmChannels});
+    }
+    return Array(gather<float>(film, 0, kFilmChannels), {height, width, kFilmChannels});
+  }
+  const std::vector<std::string>& names = aov_names();
+  const auto found = std::find(names.begin(), names.end(), name);
+  const auto aov = static_cast<Aov>(found - names.begin());
+  if (found == names.end() || !film.aovs().has(aov)) {
+    throw usage_error(
+        fmt::format("aov: the picture has no '{}'; expected one of those rendered by aovs=...{}",
+                    name, suggestion(name, names)));
+  }
+  const int first = film.aovs().first_channel(aov);
+  const int count = AovSet().with(aov).channels() - kFilmChannels;
+  if (aov == Aov::id) return Array(gather<uint32_t>(film, first, 1), {height, width});
+  if (count == 1) return Array(gather<float>(film, first, 1), {height, width});
+  return Array(gather<float>(film, first, count), {height, width, count});
+}
+
+void bind_picture(py::module_& module) {
+  using Release = py::call_guard<py::gil_scoped_release>;
+  py::class_<RenderedPicture, PicturePointer>(module, "Picture")
+      .def_property_readonly("width", [](const RenderedPicture& p) { return p.film.width(); })
+      .def_property_readonly("height", [](const RenderedPicture& p) { return p.film.height(); })
+      .def_property_readonly("aovs",
+                             [](const RenderedPicture& p) {
+                               std::vector<std::string> names;
+                               for (size_t i = 0; i < aov_names().size(); ++i) {
+                                 if (p.film.aovs().has(static_cast<Aov>(i))) {
+                                   names.push_back(aov_names()[i]);
+                                 }
+                               }
+                               return names;
+                             })
+      .def_property_readonly("statistics", [](const RenderedPicture& p) { return p.statistics; })
+      .def_property_readonly("holes",
+                             [](const RenderedPicture& p) {
+                               py::list out;
+                               for (const PixelRect& r : p.report.holes) {
+                                 out.append(py::make_tuple(r.x0, r.y0, r.x1, r.y1));
+                               }
+                               return out;
+                             })
+      .def(
+          "sha256", [](const RenderedPicture& p) { return p.film.pixels_sha256(); }, Release())
+      .def("channels", &channels_of)
+      .def("to_srgb", &to_srgb)
+      .def("encode", &encode)
+      .def("save", &save, Release());
+  module.def("picture_from_values", &from_values);
+  module.def("read_picture", &read_file);
+  module.def("compare", &compare);
+}
+
+}  // namespace tessera

@@ -1,0 +1,258 @@
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/process.h"
+#include "client/refusal.h"
+#include "front/load_frame.h"
+#include "front/render_options.h"
+#include "python/array.h"
+#include "python/bindings.h"
+#include "python/errors.h"
+#include "python/farm_access.h"
+#include "python/farm_thread.h"
+#include "python/frame_task.h"
+#include "python/interruptible.h"
+#include "python/picture.h"
+#include "python/scene_values.h"
+
+namespace py = pybind11;
+
+namespace tessera {
+namespace {
+
+using Release = py::call_guard<py::gil_scoped_release>;
+constexpr char kSceneOfPython[] = "scene";  ///< what errors call one that is no file
+
+/// The options of `tessera render`, each assigned by its long name and a text.
+class OptionTexts {
+ public:
+  OptionTexts() { add_render_options(list_, options); }
+  OptionTexts(const OptionTexts&) = delete;
+  OptionTexts& operator=(const OptionTexts&) = delete;
+
+  /// Throws usage_error for an unknown name, and for a value that is wrong.
+  void assign(const std::string& name, const std::string& text) {
+    const auto found = std::find_if(list_.begin(), list_.end(), [&](const Option& option) {
+      return option.long_name() == name;
+    });
+    if (found == list_.end()) {
+      throw usage_error("--" + name + ": no option is called so" + suggestion(name, names()));
+    }
+    found->assign(text);
+  }
+  std::vector<std::string> names() const {
+    std::vector<std::string> out;
+    for (const Option& option : list_) out.push_back(option.long_name());
+    return out;
+  }
+
+  RenderOptions options;
+
+ private:
+  OptionList list_;
+};
+
+/// Reads the scene of a file, which may take long.
+std::pair<LoadedScene, double> read_file(RenderOptions& options, const std::string& path,
+                                         std::optional<int> frame) {
+  const py::gil_scoped_release release;
+  const auto start = std::chrono::steady_clock::now();
+  options.scene = path;
+  LoadedScene loaded = load_frame(options, frame.value_or(0));
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  return {std::move(loaded), took.count()};
+}
+
+/// The scene in a file, or that of a value, at a frame of its animation.
+LoadedScene scene_of(RenderOptions& options, const py::object& scene, std::optional<int> frame,
+                     double& parse_seconds) {
+  LoadedScene loaded;
+  if (py::isinstance<py::str>(scene)) {
+    std::tie(loaded, parse_seconds) = read_file(options, py::cast<std::string>(scene), frame);
+    return loaded;
+  }
+  options.scene = kSceneOfPython;
+  SceneWithBlobs described = message_of(scene);
+  loaded.scene = std::move(described.scene);
+  loaded.blobs = std::move(described.blobs);
+  apply_camera_options(options, loaded.scene);
+  return loaded;
+}
+
+/// A task for one frame of `scene`, a path or a value, and what was told of reading it.
+std::pair<std::shared_ptr<FrameTask>, std::vector<std::string>> make_task(
+    const OptionTexts& texts, const py::object& scene, std::optional<int> frame) {
+  RenderOptions options = texts.options;
+  double parse_seconds = 0;
+  LoadedScene loaded = scene_of(options, scene, frame, parse_seconds);
+  std::vector<std::string> warnings = loaded.warnings;
+  const py::gil_scoped_release release;
+  auto task =
+      std::make_shared<FrameTask>(std::move(options), std::move(loaded), frame, parse_seconds);
+  return {std::move(task), std::move(warnings)};
+}
+
+std::shared_ptr<FarmThread> local_farm(std::optional<int> workers, int threads, double verify) {
+  LocalFarmOptions options{.workers = workers.value_or(core_count()),
+                           .threads = threads,
+                           .quiet = true,
+                           .verify = verify};
+  return std::make_shared<FarmThread>([options] { return start_local_workers(options); });
+}
+
+std::shared_ptr<FarmThread> threads_here(std::optional<int> threads) {
+  return std::make_shared<FarmThread>(
+      [count = threads.value_or(core_count())] { return start_in_process(count); });
+}
+
+FarmConnection connection_of(const std::string& endpoint, const std::string& key,
+                             const std::string& server_key, double patience) {
+  return {.endpoint = endpoint,
+          .key_file = key,
+          .server_key = server_key,
+          .patience = std::chrono::duration_cast<Time>(std::chrono::duration<double>(patience))};
+}
+
+std::shared_ptr<FarmThread> remote_farm(const std::string& endpoint, const std::string& key,
+                                        const std::string& server_key, double patience) {
+  const FarmConnection connection = connection_of(endpoint, key, server_key, patience);
+  return std::make_shared<FarmThread>([connection] { return connect_to_farm(connection); });
+}
+
+py::tuple tuple_of(const PixelRect& rect) {
+  return py::make_tuple(rect.x0, rect.y0, rect.x1, rect.y1);
+}
+
+py::list tuples_of(const std::vector<PixelRect>& rects) {
+  py::list out;
+  for (const PixelRect& rect : rects) out.append(tuple_of(rect));
+  return out;
+}
+
+/// A job of all frames that the options ask for, and what was told of reading them.
+std::pair<uint64_t, std::vector<std::string>> submit(FarmAccess& farm, const OptionTexts& texts,
+                                                     const py::object& scene,
+                                                     const JobOrder& order) {
+  RenderOptions options = texts.options;
+  std::vector<std::string> warnings;
+  double parse_seconds = 0;
+  const std::optional<int> first =
+      options.frames ? std::optional(options.frames->first) : std::nullopt;
+  const LoadedScene loaded = scene_of(options, scene, first, parse_seconds);
+  const uint64_t job = run_interruptibly([&](const std::atomic<bool>& stop) {
+    const auto load = [&](int frame) {
+      return frame == first.value_or(0) ? loaded : load_frame(options, frame);
+    };
+    const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
+    return farm.submit(gather_job(options, order, load, warn), stop);
+  });
+  return {job, std::move(warnings)};
+}
+
+/// What a farm does to us has classes of its own.
+void translate_farm_errors() {
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const RefusedError& error) {
+      python_error("Refused", error.what()).restore();
+    } catch (const UnreachableError& error) {
+      python_error("FarmError", error.what()).restore();
+    }
+  });
+}
+
+void bind_access(py::module_& module) {
+  using Stop = const std::atomic<bool>&;
+  py::enum_<v1::JobQuery::Action>(module, "Order")
+      .value("cancel", v1::JobQuery::CANCEL)
+      .value("pause", v1::JobQuery::PAUSE)
+      .value("resume", v1::JobQuery::RESUME)
+      .value("forget", v1::JobQuery::FORGET)
+      .value("retry", v1::JobQuery::RETRY)
+      .value("none", v1::JobQuery::ASK);
+  py::class_<FarmAccess, std::shared_ptr<FarmAccess>>(module, "FarmAccess")
+      .def(py::init([](const std::string& endpoint, const std::string& key,
+                       const std::string& server_key, double patience) {
+        return std::make_shared<FarmAccess>(connection_of(endpoint, key, server_key, patience));
+      }))
+      .def("submit",
+           [](FarmAccess& farm, const OptionTexts& options, const py::object& scene,
+              const std::string& name, int priority, int weight) {
+             return submit(farm, options, scene, {name, priority, weight});
+           })
+      .def("find",
+           [](FarmAccess& farm, const std::string& text) {
+             return run_interruptibly([&](Stop stop) { return farm.find(text, stop); });
+           })
+      .def("list",
+           [](FarmAccess& farm) {
+             return run_interruptibly([&](Stop stop) { return farm.list(stop); });
+           })
+      .def("status",
+           [](FarmAccess& farm, uint64_t job) {
+             return run_interruptibly([&](Stop stop) { return farm.status(job, stop); });
+           })
+      .def("order",
+           [](FarmAccess& farm, uint64_t job, v1::JobQuery::Action action,
+              std::optional<int> priority) {
+             run_interruptibly([&](Stop stop) { farm.order(job, action, priority, stop); });
+           })
+      .def("fetch",
+           [](FarmAccess& farm, uint64_t job, uint32_t frame) {
+             return run_interruptibly([&](Stop stop) { return farm.fetch(job, frame, stop); });
+           })
+      .def("frames", [](FarmAccess& farm, uint64_t job) {
+        return run_interruptibly([&](Stop stop) { return farm.frames(job, stop); });
+      });
+}
+
+void bind_task(py::module_& module) {
+  py::class_<FrameTask, std::shared_ptr<FrameTask>>(module, "Task")
+      .def("wait",
+           [](const FrameTask& task, double seconds) {
+             const py::gil_scoped_release release;
+             return task.wait(std::chrono::microseconds(static_cast<int64_t>(seconds * 1e6)));
+           })
+      .def("is_done", &FrameTask::is_done)
+      .def("cancel", &FrameTask::cancel)
+      .def("is_cancelled", &FrameTask::is_cancelled)
+      .def("progress",
+           [](const FrameTask& task) {
+             const JobProgress p = task.progress();
+             return py::make_tuple(p.tiles_done, p.tiles_total, p.workers, p.elapsed_seconds,
+                                   p.remaining_seconds, p.waiting_for);
+           })
+      .def("keep_tiles", &FrameTask::keep_tiles)
+      .def("take_tiles", [](FrameTask& task) { return tuples_of(task.take_tiles()); })
+      .def("snapshot", &FrameTask::snapshot, Release())
+      .def("picture", &FrameTask::picture)
+      .def("throw_failure", &FrameTask::throw_failure);
+}
+
+}  // namespace
+
+void bind_render(py::module_& module) {
+  py::class_<OptionTexts>(module, "Options")
+      .def(py::init<>())
+      .def("assign", &OptionTexts::assign)
+      .def("names", &OptionTexts::names);
+  bind_task(module);
+  bind_access(module);
+  translate_farm_errors();
+  py::class_<FarmThread, std::shared_ptr<FarmThread>>(module, "FarmThread")
+      .def("submit", &FarmThread::submit)
+      .def("close", &FarmThread::close, Release());
+  module.def("make_task", &make_task);
+  module.def("local_farm", &local_farm, Release());
+  module.def("threads_here", &threads_here, Release());
+  module.def("remote_farm", &remote_farm, Release());
+}
+
+}  // namespace tessera

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "front/tracing_farm.h"
+#include "python/frame_task.h"
+
+namespace tessera {
+
+/// A farm with a thread of its own, on which it starts, runs its tasks one after the other and
+/// ends: workers die with the thread that started them, so it must outlive every caller's. May be
+/// used by any thread. No thread of it ever takes the GIL.
+class FarmThread {
+ public:
+  using Start = std::function<std::unique_ptr<TracingFarm>()>;
+
+  /// Returns at once; what goes wrong with `start` is what every task fails with.
+  explicit FarmThread(Start start);
+  /// As close(). In a process that was forked after it was made it does nothing: the thread is not
+  /// there.
+  ~FarmThread();
+  FarmThread(const FarmThread&) = delete;
+  FarmThread& operator=(const FarmThread&) = delete;
+
+  /// Throws usage_error once the farm is closed.
+  void submit(std::shared_ptr<FrameTask> task);
+  /// Cancels what runs and waits until workers, sockets and folders are gone. May be called again.
+  void close();
+
+ private:
+  void run();
+  std::shared_ptr<FrameTask> next_task();
+
+  const int process_;  ///< that made it
+  Start start_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::shared_ptr<FrameTask>> waiting_;
+  std::shared_ptr<FrameTask> running_;
+  bool closed_ = false;
+  std::thread thread_;  ///< last: it uses all of the above
+};
+
+}  // namespace tessera

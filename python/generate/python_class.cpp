@@ -1,0 +1,305 @@
+#include "python/generate/python_class.h"
+
+#include <google/protobuf/descriptor.pb.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "python/generate/enum_names.h"
+
+namespace tessera {
+namespace {
+
+namespace pb = google::protobuf;
+
+/// Messages that are plain Python values: what takes their place in annotations.
+const std::map<std::string, std::string> kPlain = {{"Vec2", "VectorLike"},
+                                                   {"Vec3", "VectorLike"},
+                                                   {"Color", "ColorLike"},
+                                                   {"BlobRef", "ArrayLike"},
+                                                   {"Blob", ""}};
+/// What is taken beside the class itself.
+const std::map<std::string, std::string> kTaken = {
+    {"ColorInput", "ColorInputLike"}, {"FloatInput", "FloatInputLike"}, {"Node", "NodeLike"}};
+const std::map<std::string, std::string> kRenamed = {{"TriangleMesh", "Mesh"},
+                                                     {"Texture.GradientRamp", "GradientTexture"},
+                                                     {"Light.Cylinder", "BeamLight"}};
+/// String fields that name a thing of the scene, for which the thing itself is taken too.
+const std::map<std::string, std::string> kNames = {
+    {"ColorInput.texture", "Texture"},    {"FloatInput.texture", "Texture"},
+    {"Material.normal_map", "Texture"},   {"Background.Panorama.texture", "Texture"},
+    {"Background.Cube.front", "Texture"}, {"Background.Cube.back", "Texture"},
+    {"Background.Cube.left", "Texture"},  {"Background.Cube.right", "Texture"},
+    {"Background.Cube.top", "Texture"},   {"Background.Cube.bottom", "Texture"},
+    {"Material.back", "Material"},        {"Shape.materials", "Material"},
+    {"Include.material", "Material"},     {"Node.instance_of", "Object"}};
+
+std::string short_name(const std::string& full_name) {
+  return full_name.substr(std::string("tessera.v1.").size());
+}
+
+std::string class_name(const pb::Descriptor& message) {
+  const auto renamed = kRenamed.find(short_name(message.full_name()));
+  if (renamed != kRenamed.end()) return renamed->second;
+  const pb::Descriptor* parent = message.containing_type();
+  if (!parent) return message.name();
+  return is_union(*parent) ? message.name() + parent->name() : parent->name() + message.name();
+}
+
+/// The comments before and behind it, as one paragraph.
+template <class D>
+std::string comment(const D& described) {
+  pb::SourceLocation place;
+  if (!described.GetSourceLocation(&place)) return "";
+  std::string text, words;
+  for (const std::string& part : {place.leading_comments, place.trailing_comments}) {
+    if (part.find("-----") != std::string::npos) continue;  // the heading of a section
+    text += part + " ";
+  }
+  for (const char c : text) {
+    const bool space = c == ' ' || c == '\n' || c == '\t';
+    if (!space) {
+      words += c;
+    } else if (!words.empty() && words.back() != ' ') {
+      words += ' ';
+    }
+  }
+  if (!words.empty() && words.back() == ' ') words.pop_back();
+  std::string escaped;
+  for (const char c : words) escaped += c == '\\' ? "\\\\" : std::string(1, c);
+  return escaped;
+}
+
+std::string enum_type(const pb::EnumDescriptor& type) {
+  std::string names;
+  for (int i = 0; i < type.value_count(); ++i) {
+    names += fmt::format("{}\"{}\"", i ? ", " : "", python_name(*type.value(i)));
+  }
+  return "Literal[" + names + "]";
+}
+
+std::string element_type(const pb::FieldDescriptor& field) {
+  switch (field.cpp_type()) {
+    case pb::FieldDescriptor::CPPTYPE_DOUBLE:
+    case pb::FieldDescriptor::CPPTYPE_FLOAT:
+      return "float";
+    case pb::FieldDescriptor::CPPTYPE_BOOL:
+      return "bool";
+    case pb::FieldDescriptor::CPPTYPE_ENUM:
+      return enum_type(*field.enum_type());
+    case pb::FieldDescriptor::CPPTYPE_STRING: {
+      const auto named = kNames.find(short_name(field.full_name()));
+      return named == kNames.end() ? "str" : fmt::format("Union[str, {}]", named->second);
+    }
+    case pb::FieldDescriptor::CPPTYPE_MESSAGE: {
+      const std::string name = short_name(field.message_type()->full_name());
+      if (kPlain.contains(name)) return kPlain.at(name);
+      if (kTaken.contains(name)) return kTaken.at(name);
+      return class_name(*field.message_type());
+    }
+    default:
+      return "int";
+  }
+}
+
+/// The field's comment, and those of the values that it can have.
+std::string field_doc(const pb::FieldDescriptor& field) {
+  std::string doc = comment(field);
+  const pb::EnumDescriptor* type = field.enum_type();
+  for (int i = 0; type && i < type->value_count(); ++i) {
+    const std::string said = comment(*type->value(i));
+    if (said.empty()) continue;
+    doc += fmt::format("{}\"{}\": {}", doc.empty() ? "" : "; ", python_name(*type->value(i)), said);
+  }
+  return doc;
+}
+
+PythonField make_field(const pb::FieldDescriptor& field) {
+  PythonField made{.name = field.name(), .type = "", .doc = field_doc(field)};
+  made.is_map = field.is_map();
+  made.is_list = field.is_repeated() && !field.is_map();
+  made.type = made.is_map ? "str" : element_type(field);
+  return made;
+}
+
+/// The fields of a message but for those of its kinds and the blobs, which are arrays in place.
+std::vector<PythonField> fields_of(const pb::Descriptor& message, bool with_kinds) {
+  std::vector<PythonField> fields;
+  for (int i = 0; i < message.field_count(); ++i) {
+    const pb::FieldDescriptor& field = *message.field(i);
+    const bool is_kind = field.real_containing_oneof() != nullptr;
+    const bool is_blob = field.message_type() && field.message_type()->name() == "Blob";
+    if ((with_kinds || !is_kind) && !is_blob) fields.push_back(make_field(field));
+  }
+  return fields;
+}
+
+const pb::OneofDescriptor* kinds_of(const pb::Descriptor& message) {
+  return message.real_oneof_decl_count() == 1 ? message.oneof_decl(0) : nullptr;
+}
+
+void add_union(const pb::Descriptor& message, std::vector<PythonClass>& classes) {
+  PythonClass base{.name = class_name(message),
+                   .base = "Value",
+                   .doc = comment(message),
+                   .message = message.full_name(),
+                   .kind = "",
+                   .own = {},
+                   .common = fields_of(message, false)};
+  if (message.name() == "Shape") {
+    base.base = "ShapeMethods, Value";
+    base.common.push_back({.name = "transform",
+                           .type = "Transform",
+                           .doc = "Comes behind the transform of the node that holds the shape."});
+  }
+  classes.push_back(base);
+  const pb::OneofDescriptor& kinds = *kinds_of(message);
+  for (int i = 0; i < kinds.field_count(); ++i) {
+    const pb::Descriptor& kind = *kinds.field(i)->message_type();
+    classes.push_back({.name = class_name(kind),
+                       .base = base.name,
+                       .doc = comment(kind),
+                       .message = base.message,
+                       .kind = kinds.field(i)->name(),
+                       .own = fields_of(kind, true),
+                       .common = base.common});
+  }
+}
+
+void add_classes(const pb::Descriptor& message, std::set<std::string>& kinds,
+                 std::vector<PythonClass>& classes) {
+  if (message.options().map_entry() || kPlain.contains(short_name(message.full_name()))) return;
+  for (int i = 0; i < message.nested_type_count(); ++i) {
+    add_classes(*message.nested_type(i), kinds, classes);
+  }
+  if (is_union(message)) {
+    add_union(message, classes);
+  } else if (!kinds.contains(message.full_name())) {
+    classes.push_back({.name = class_name(message),
+                       .base = "Value",
+                       .doc = comment(message),
+                       .message = message.full_name(),
+                       .kind = "",
+                       .own = fields_of(message, true),
+                       .common = {}});
+  }
+}
+
+/// `text` in lines of at most 100 columns, each indented.
+std::string wrap(const std::string& text, const std::string& indent) {
+  std::string lines, line = indent;
+  size_t at = 0;
+  while (at < text.size()) {
+    const size_t end = std::min(text.find(' ', at), text.size());
+    if (line.size() + (end - at) > 98 && line != indent) {
+      lines += line + "\n";
+      line = indent + "    ";
+    }
+    if (line.back() != ' ') line += ' ';
+    line += text.substr(at, end - at);
+    at = end + 1;
+  }
+  return lines + line + "\n";
+}
+
+std::string attribute_type(const PythonField& field) {
+  if (field.is_map) return fmt::format("Dict[str, {}]", field.type);
+  return fmt::format("{}[{}]", field.is_list ? "List" : "Optional", field.type);
+}
+
+std::string argument(const PythonField& field) {
+  const char* form = field.is_map    ? "Optional[Mapping[str, {}]]"
+                     : field.is_list ? "Optional[Iterable[{}]]"
+                                     : "Optional[{}]";
+  return fmt::format("                 {}: {} = None", field.name,
+                     fmt::format(fmt::runtime(form), field.type));
+}
+
+std::string assignment(const PythonField& field) {
+  const std::string& name = field.name;
+  if (field.is_map) return fmt::format("dict({0}) if {0} is not None else {{}}", name);
+  if (field.is_list) return fmt::format("list({0}) if {0} is not None else []", name);
+  return name;
+}
+
+std::string docstring(const PythonClass& made) {
+  std::string text =
+      wrap(made.doc.empty() ? fmt::format("A {}, part of a scene.", made.name) : made.doc, "    ");
+  std::string body = "    \"\"\"" + text.substr(4);
+  if (!made.own.empty() || !made.common.empty()) body += "\n    Attributes:\n";
+  for (const auto* fields : {&made.own, &made.common}) {
+    for (const PythonField& field : *fields) {
+      body += wrap(fmt::format("{}: {}", field.name, field.doc.empty() ? "see above." : field.doc),
+                   "        ");
+    }
+  }
+  return body + "    \"\"\"\n\n";
+}
+
+std::string constructor(const PythonClass& made) {
+  std::string arguments = "self", body = "        self._place = here()\n";
+  for (const PythonField& field : made.own) arguments += ",\n" + argument(field);
+  if (!made.common.empty()) arguments += ",\n                 *";
+  for (const PythonField& field : made.common) arguments += ",\n" + argument(field);
+  const bool is_shape = made.message == "tessera.v1.Shape";
+  if (is_shape) arguments += ",\n                 material: Optional[Union[str, Material]] = None";
+  arguments += ",\n                 **unknown: NoReturn";
+  body += "        if unknown:\n            refuse_keywords(self, unknown)\n";
+  for (const auto* fields : {&made.own, &made.common}) {
+    for (const PythonField& field : *fields) {
+      body += fmt::format("        self.{} = {}\n", field.name, assignment(field));
+    }
+  }
+  if (is_shape) {
+    body += "        if material is not None:\n            self.materials = [material]\n";
+  }
+  return "    def __init__(" + arguments + ") -> None:\n" + body;
+}
+
+std::string quoted(const std::vector<PythonField>& fields) {
+  std::string names;
+  for (const PythonField& field : fields) names += fmt::format("\"{}\", ", field.name);
+  return names;
+}
+
+}  // namespace
+
+bool is_union(const pb::Descriptor& message) {
+  const pb::OneofDescriptor* kinds = kinds_of(message);
+  return kinds && kinds->name() == "kind" && message.FindFieldByName("name") != nullptr;
+}
+
+std::vector<PythonClass> python_classes(const pb::FileDescriptor& file) {
+  std::set<std::string> kinds;  // messages that are a kind of a union, and no class besides
+  for (int i = 0; i < file.message_type_count(); ++i) {
+    const pb::Descriptor& message = *file.message_type(i);
+    if (!is_union(message)) continue;
+    for (int k = 0; k < kinds_of(message)->field_count(); ++k) {
+      kinds.insert(kinds_of(message)->field(k)->message_type()->full_name());
+    }
+  }
+  std::vector<PythonClass> classes;
+  for (int i = 0; i < file.message_type_count(); ++i) {
+    add_classes(*file.message_type(i), kinds, classes);
+  }
+  return classes;
+}
+
+std::string to_python(const PythonClass& made) {
+  const bool is_base = made.kind.empty() && !made.common.empty();
+  const std::vector<PythonField>& slots = is_base ? made.common : made.own;
+  std::string text = fmt::format("\n\nclass {}({}):\n", made.name, made.base);
+  text += docstring(made);
+  text += fmt::format("    __slots__ = ({})\n", quoted(slots));
+  text += fmt::format("    _MESSAGE = \"{}\"\n    _KIND = \"{}\"\n", made.message, made.kind);
+  text += fmt::format("    _FIELDS = ({})\n", quoted(made.own) + quoted(made.common));
+  for (const PythonField& field : slots) {
+    text += fmt::format("    {}: {}\n", field.name, attribute_type(field));
+  }
+  return text + "\n" + constructor(made);
+}
+
+}  // namespace tessera

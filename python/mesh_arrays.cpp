@@ -1,0 +1,241 @@
+#include "python/mesh_arrays.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "python/array_source.h"
+#include "python/bindings.h"
+
+namespace py = pybind11;
+
+namespace tessera {
+namespace {
+
+/// "expected (8, 3), one a vertex", or "(any, 3)" where the number of rows is not known.
+void check_shape(const ArraySource& source, const std::string& field, py::ssize_t columns,
+                 py::ssize_t rows) {
+  const Array::Shape& shape = source.shape;
+  const bool is_empty = shape.size() == 1 && shape[0] == 0;
+  const bool has_columns =
+      columns == 0
+          ? shape.size() == 1
+          : shape.size() == 2 && (shape[1] == columns || (field == "colors" && shape[1] == 3));
+  const bool has_rows = rows < 0 || (!shape.empty() && shape[0] == rows);
+  if ((has_columns || is_empty) && has_rows) return;
+  const std::string count = rows < 0 ? "any" : std::to_string(rows);
+  const char* meaning = field == "triangles"        ? ""
+                        : field == "face_materials" ? ", one a triangle"
+                        : field == "positions"      ? ""
+                                                    : ", one a vertex";
+  wrong_shape(field, shape,
+              columns == 0 ? fmt::format("({},){}", count, meaning)
+                           : fmt::format("({}, {}){}", count, columns, meaning));
+}
+
+Array::Shape blob_shape(const ArraySource& source, py::ssize_t columns) {
+  const py::ssize_t rows = source.shape.empty() ? 0 : source.shape[0];
+  return columns == 0 ? Array::Shape{rows} : Array::Shape{rows, columns};
+}
+
+/// Indices as uint32, each held against `limit` before it is made narrow.
+std::vector<uint32_t> to_indices(const ArraySource& source, const std::string& field,
+                                 uint64_t limit, const char* of_what) {
+  if (source.kind != 'i' && source.kind != 'u' && source.count() > 0) {
+    throw py::type_error(fmt::format("{}: {}; expected an integer type", field,
+                                     source.kind == 'f' ? "floats" : "booleans"));
+  }
+  std::vector<uint32_t> indices(static_cast<size_t>(source.count()));
+  uint64_t worst = 0;  // a negative number is a huge one here
+  {
+    const py::gil_scoped_release unlocked;
+    if (source.is_plain(kElementOf<uint32_t>)) {
+      std::memcpy(indices.data(), source.data, indices.size() * sizeof(uint32_t));
+      uint32_t largest = 0;
+      for (const uint32_t index : indices) largest = std::max(largest, index);
+      worst = largest;
+    } else {
+      uint32_t* out = indices.data();
+      for_each_element<uint64_t>(source, 0, source.count(), [&](uint64_t index) {
+        worst = std::max(worst, index);
+        *out++ = static_cast<uint32_t>(index);
+      });
+    }
+  }
+  if (indices.empty() || worst < limit) return indices;
+  py::ssize_t at = 0, bad = -1;
+  for_each_element<uint64_t>(source, 0, source.count(), [&](uint64_t index) {
+    if (index >= limit && bad < 0) bad = at;
+    ++at;
+  });
+  std::string found;
+  for_each_element<int64_t>(source, bad, 1, [&](int64_t index) {
+    found =
+        source.kind == 'i' ? std::to_string(index) : std::to_string(static_cast<uint64_t>(index));
+  });
+  const py::ssize_t columns = source.shape.size() > 1 ? source.shape[1] : 1;
+  throw py::value_error(fmt::format("{}: index {} in row {}; expected 0 to {}{}", field, found,
+                                    bad / std::max<py::ssize_t>(columns, 1),
+                                    static_cast<int64_t>(limit) - 1, of_what));
+}
+
+std::vector<float> to_floats(const ArraySource& source, bool with_alpha) {
+  std::vector<float> floats;
+  const py::gil_scoped_release unlocked;
+  if (source.is_plain(kElementOf<float>) && !with_alpha) {
+    floats.resize(static_cast<size_t>(source.count()));
+    if (!floats.empty()) std::memcpy(floats.data(), source.data, floats.size() * sizeof(float));
+    return floats;
+  }
+  floats.reserve(static_cast<size_t>(source.count() + (with_alpha ? source.shape[0] : 0)));
+  int column = 0;
+  for_each_element<float>(source, 0, source.count(), [&](float number) {
+    floats.push_back(number);
+    if (with_alpha && ++column == 3) floats.push_back(1), column = 0;
+  });
+  return floats;
+}
+
+/// What keeps an array's memory from being used as it is; empty: nothing.
+std::string what_prevents_sharing(const ArraySource& source, ElementType type) {
+  if (source.is_plain(type)) return source.read_only ? "" : "it can be written to";
+  if (source.swapped) return "it has another byte order";
+  return source.is_contiguous() ? "its elements are of another type" : "it is not contiguous";
+}
+
+/// Texels keep their type where textures have it.
+ElementType texel_type(const ArraySource& source) {
+  if (source.kind == 'u' && source.item_size == 1) return kElementOf<uint8_t>;
+  if (source.kind == 'f' && source.item_size == 2) return {'e', 2};
+  if (source.kind == 'f') return kElementOf<float>;
+  throw py::type_error("texels: integers of more than 8 bits; expected uint8, float16 or float32");
+}
+
+Array share(const ArraySource& source, ElementType type, Array::Shape shape) {
+  return {source.owner, source.data, type, std::move(shape)};
+}
+
+Array copy_texels(const ArraySource& source, ElementType type) {
+  if (type.code == 'f') return {to_floats(source, false), source.shape};
+  std::vector<uint8_t> bytes(static_cast<size_t>(source.count() * type.size));
+  ArraySource raw = source;  // the same elements as integers, which keep their bits
+  raw.kind = 'u';
+  std::byte* out = reinterpret_cast<std::byte*>(bytes.data());
+  for_each_element<uint16_t>(raw, 0, source.count(), [&](uint16_t texel) {
+    std::memcpy(out, &texel, static_cast<size_t>(type.size));
+    out += type.size;
+  });
+  auto kept = std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
+  return {kept, kept->data(), type, source.shape};
+}
+
+/// Positions as single precision with the middle of their bounds taken off, if that is wanted:
+/// (array, middle or None, largest move by rounding, extent).
+py::tuple take_positions(py::handle given, py::handle copy, bool recenter) {
+  const ArraySource source = array_source(given, "positions");
+  check_shape(source, "positions", 3, -1);
+  if (source.kind == 'f' && source.item_size <= 4 && !recenter) {
+    return py::make_tuple(take_blob_array(given, "positions", copy), py::none(), 0.0, 0.0);
+  }
+  std::vector<double> exact;
+  double least[3], most[3], middle[3] = {}, extent = 0, worst = 0;
+  std::fill(least, least + 3, std::numeric_limits<double>::infinity());
+  std::fill(most, most + 3, -std::numeric_limits<double>::infinity());
+  std::vector<float> rounded(static_cast<size_t>(source.count()));
+  const auto each = [&](auto use) {
+    size_t i = 0;
+    for_each_element<double>(source, 0, source.count(), [&](double x) { use(i, i % 3, x), ++i; });
+  };
+  {
+    const py::gil_scoped_release unlocked;
+    each([&](size_t, size_t axis, double x) {
+      least[axis] = std::min(least[axis], x);
+      most[axis] = std::max(most[axis], x);
+    });
+    for (int axis = 0; axis < 3; ++axis) {
+      if (recenter && !rounded.empty()) middle[axis] = least[axis] + (most[axis] - least[axis]) / 2;
+      extent = std::max(extent, most[axis] - least[axis]);
+    }
+    each([&](size_t i, size_t axis, double x) {
+      const double moved = x - middle[axis];
+      rounded[i] = static_cast<float>(moved);
+      worst = std::max(worst, std::abs(static_cast<double>(rounded[i]) - moved));
+    });
+  }
+  const Array array(std::move(rounded), blob_shape(source, 3));
+  return py::make_tuple(array,
+                        recenter ? py::object(py::make_tuple(middle[0], middle[1], middle[2]))
+                                 : py::object(py::none()),
+                        worst, extent);
+}
+
+}  // namespace
+
+std::pair<ElementType, py::ssize_t> blob_layout(const std::string& field) {
+  static const std::map<std::string, std::pair<ElementType, py::ssize_t>> layouts = {
+      {"positions", {kElementOf<float>, 3}},    {"normals", {kElementOf<float>, 3}},
+      {"uvs", {kElementOf<float>, 2}},          {"colors", {kElementOf<float>, 4}},
+      {"triangles", {kElementOf<uint32_t>, 3}}, {"face_materials", {kElementOf<uint32_t>, 0}},
+      {"texels", {kElementOf<uint8_t>, 0}}};
+  return layouts.at(field);
+}
+
+py::object take_blob_array(py::handle given, const std::string& field, py::handle copy,
+                           py::ssize_t rows) {
+  auto [type, columns] = blob_layout(field);
+  const ArraySource source = array_source(given, field);
+  const bool is_texels = field == "texels";
+  if (is_texels) {
+    type = texel_type(source);
+  } else {
+    // The number of triangles is free; `rows` bounds what they refer to.
+    check_shape(source, field, columns, field == "triangles" ? -1 : rows);
+  }
+  const Array::Shape shape = is_texels ? source.shape : blob_shape(source, columns);
+  const bool is_index = type.code == 'I';
+  const std::string obstacle =
+      is_index ? "indices are checked and kept apart" : what_prevents_sharing(source, type);
+  const bool refuses = !copy.is_none() && !copy.cast<bool>();
+  if (py::isinstance<Array>(given) && obstacle.empty() && shape == source.shape) {
+    return py::reinterpret_borrow<py::object>(given);
+  }
+  if (obstacle.empty() && (copy.is_none() || refuses)) return py::cast(share(source, type, shape));
+  if (refuses && !is_index)
+    throw py::value_error(fmt::format("{}: copy=False, but {}", field, obstacle));
+  if (is_texels) return py::cast(copy_texels(source, type));
+  if (is_index) {
+    const uint64_t limit =
+        field == "triangles" && rows >= 0 ? static_cast<uint64_t>(rows) : uint64_t{1} << 32;
+    return py::cast(Array(to_indices(source, field, limit, rows >= 0 ? ", a vertex" : ""), shape));
+  }
+  const bool with_alpha = field == "colors" && source.shape.size() == 2 && source.shape[1] == 3;
+  return py::cast(Array(to_floats(source, with_alpha), shape));
+}
+
+std::pair<Digest, BlobData> blob_of(const Array& array) {
+  if (!array.blob().second) {
+    const std::span<const std::byte> bytes = array.bytes();
+    const py::gil_scoped_release unlocked;
+    array.blob() = {Digest::of(bytes), Blob::share(array.owner(), bytes)};
+  }
+  return array.blob();
+}
+
+Array array_of_blob(BlobData blob, ElementType type, Array::Shape shape) {
+  const void* data = blob->data();
+  return {std::move(blob), data, type, std::move(shape)};
+}
+
+void bind_mesh_arrays(py::module_& module) {
+  module.def("take_array", &take_blob_array, py::arg("given"), py::arg("field"),
+             py::arg("copy") = py::none(), py::arg("rows") = -1,
+             "The array of a mesh or texture as the renderer wants it.");
+  module.def("take_positions", &take_positions, py::arg("given"), py::arg("copy"),
+             py::arg("recenter"),
+             "Positions in single precision: (array, middle, largest move, extent).");
+}
+
+}  // namespace tessera

@@ -1,0 +1,47 @@
+"""Colours: linear RGB, as numbers or from text."""
+from __future__ import annotations
+
+import colorsys
+from typing import NamedTuple
+
+from ._types import ColorLike
+from ._value import _nearest
+
+
+class Color(NamedTuple):
+    """A colour in linear RGB; 1 is full reflectance or unit radiance."""
+
+    r: float
+    g: float
+    b: float
+
+
+def color(given: ColorLike) -> Color:
+    """The colour of a name ("red"), of "#c33" or "#cc3333" (sRGB, decoded), or of three numbers."""
+    if isinstance(given, str):
+        return _from_text(given)
+    r, g, b = (float(c) for c in given)
+    return Color(r, g, b)
+
+
+def hsl(hue: float, saturation: float, lightness: float) -> Color:
+    """The colour of a hue in degrees, a saturation and a lightness from 0 to 1, decoded from sRGB."""
+    return Color(*map(_decoded, colorsys.hls_to_rgb(hue / 360 % 1, lightness, saturation)))
+
+
+def _decoded(value: float) -> float:
+    """From sRGB to linear, IEC 61966-2-1."""
+    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+
+
+def _from_text(text: str) -> Color:
+    from ._color_names import COLORS
+    word = text.strip().lower()
+    digits = word[1:] if word.startswith("#") else COLORS.get(word.replace(" ", ""), "")
+    if len(digits) == 3:
+        digits = "".join(2 * digit for digit in digits)
+    if len(digits) != 6 or not set(digits) <= set("0123456789abcdef"):
+        hint = _nearest(word, list(COLORS))
+        raise ValueError(f"'{text}': no colour; expected a name or '#rrggbb'{hint}")
+    r, g, b = (_decoded(int(digits[i:i + 2], 16) / 255) for i in (0, 2, 4))
+    return Color(r, g, b)

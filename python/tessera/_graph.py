@@ -1,0 +1,71 @@
+"""The graph of a scene beyond what its messages have: many instances in one value."""
+from __future__ import annotations
+
+from typing import Any, List, Optional, Sequence, Tuple, Union
+
+from . import _core, _messages
+from ._messages import Object
+from ._types import ArrayLike
+from ._value import Value, here
+
+
+class Instances(Value):
+    """Many instances of one object, stored as one array; a node each in the scene.
+
+    Attributes:
+        object: The object, or its name.
+        transforms: An array (n, 3, 4) of float64, parent from instance.
+        names: The names of the nodes, if they have any.
+    """
+
+    __slots__ = ("object", "transforms", "names")
+    _FIELDS = ("object", "transforms", "names")
+    object: Union[str, Object]
+    transforms: Any
+    names: Optional[List[str]]
+
+    def __init__(self, object: Union[str, Object, _messages.Shape, Sequence[Any]],
+                 transforms: ArrayLike, names: Optional[Sequence[str]] = None, *,
+                 material: Optional[Union[str, _messages.Material]] = None) -> None:
+        self._place = here()
+        self.object = object if isinstance(object, (str, Object)) else to_object(object, material)
+        if isinstance(transforms, (list, tuple)) and transforms and all(
+                isinstance(each, _messages.Transform) for each in transforms):
+            transforms = [_core.transform_matrix(each) for each in transforms]
+        self.transforms = _core.take_matrices(transforms, "transforms")
+        self.names = None if names is None else [str(name) for name in names]
+        if self.names is not None and len(self.names) != len(self):
+            raise ValueError(f"names: {len(self.names)}; expected {len(self)}, one an instance")
+
+    def __len__(self) -> int:
+        return len(self.transforms)
+
+    def __eq__(self, other: Any) -> bool:
+        if not isinstance(other, Instances):
+            return NotImplemented
+        return bool((self.object, self.transforms, self.names) ==
+                    (other.object, other.transforms, other.names))
+
+
+def to_object(things: Any, material: Any = None) -> Object:
+    """An object without a name, which gets one by its digest, of shapes and nodes."""
+    return Object(nodes=[with_material(thing, material) for thing in flat(things)])
+
+
+def flat(things: Any) -> List[Any]:
+    """The shapes, lights, nodes and the like in sequences inside sequences."""
+    if isinstance(things, Value):
+        return [things]
+    if isinstance(things, str) or not hasattr(things, "__iter__"):
+        raise TypeError(f"a {type(things).__name__}; expected a Shape, Light, Node, Object, Scene or a "
+                        "sequence of them")
+    return [leaf for thing in things for leaf in flat(thing)]
+
+
+def with_material(thing: Any, material: Any) -> Any:
+    """The thing; a copy of it with that material where one is given and it is a shape."""
+    if material is None or not isinstance(thing, _messages.Shape):
+        return thing
+    copy = thing.__copy__()
+    copy.material = material
+    return copy

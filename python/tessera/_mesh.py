@@ -1,0 +1,117 @@
+"""Triangle meshes from arrays."""
+from __future__ import annotations
+
+import warnings
+from typing import Any, Iterable, Optional, Union
+
+from . import _core, _messages
+from ._transforms import Transform, as_ndarray
+from ._types import ArrayLike
+from ._value import here
+from .errors import PrecisionWarning
+
+_LARGEST_SHARE = 2.0 ** -24  # of a mesh's extent that rounding may move a vertex by
+
+
+class _ArrayField:
+    """A field that takes any array, checks it at once and hands out a read-only view."""
+
+    def __init__(self, name: str, doc: str) -> None:
+        self._name = name
+        self._slot: Any = _messages.Mesh.__dict__[name]
+        self.__doc__ = doc
+
+    def __get__(self, mesh: Optional[Mesh], _: Any = None) -> Any:
+        if mesh is None:
+            return self
+        held = self._slot.__get__(mesh)
+        return None if held is None else as_ndarray(held)
+
+    def __set__(self, mesh: Mesh, given: Optional[ArrayLike]) -> None:
+        self.put(mesh, given, None)
+
+    def put(self, mesh: Mesh, given: Optional[ArrayLike], copy: Optional[bool]) -> None:
+        """Takes an array; see `Mesh` about `copy`."""
+        taken = None if given is None else _core.take_array(given, self._name, copy,
+                                                            self._rows(mesh))
+        self._slot.__set__(mesh, taken)
+
+    def _rows(self, mesh: Mesh) -> int:
+        if self._name == "positions":
+            return -1
+        counted = "triangles" if self._name == "face_materials" else "positions"
+        held = _messages.Mesh.__dict__[counted].__get__(mesh)
+        return -1 if held is None else len(held)
+
+
+class Mesh(_messages.Mesh):
+    """Triangles by index into shared vertices, counter-clockwise seen from the front.
+
+    :param positions: of the vertices, (v, 3).
+    :param triangles: of vertices, (t, 3); without it each three vertices are one.
+    :param normals: (v, 3); without them triangles are flat.
+    :param uvs: texture coordinates, (v, 2).
+    :param colors: (v, 3) or (v, 4), linear RGB and alpha.
+    :param face_materials: (t,), which of `materials` each triangle has.
+    :param closed: bounds a solid, so that it can be part of a Csg.
+    :param recenter: puts the middle of the vertices into `transform`, in double precision.
+    :param copy: None shares read-only arrays of the right type and copies others; False refuses to
+        copy; True copies always.
+    """
+
+    __slots__ = ()
+
+    positions: Any = _ArrayField("positions", "Of the vertices, (v, 3) float32.")
+    triangles: Any = _ArrayField("triangles", "Of vertices, (t, 3) uint32.")
+    normals: Any = _ArrayField("normals", "Of the vertices, (v, 3) float32.")
+    uvs: Any = _ArrayField("uvs", "Texture coordinates of the vertices, (v, 2) float32.")
+    colors: Any = _ArrayField("colors", "Of the vertices, (v, 4) float32.")
+    face_materials: Any = _ArrayField("face_materials", "Of the triangles, (t,) uint32.")
+
+    def __init__(self, positions: Optional[ArrayLike] = None, triangles: Optional[ArrayLike] = None, *,
+                 normals: Optional[ArrayLike] = None, uvs: Optional[ArrayLike] = None,
+                 colors: Optional[ArrayLike] = None, face_materials: Optional[ArrayLike] = None,
+                 materials: Iterable[Union[str, _messages.Material]] = (), closed: bool = False,
+                 recenter: bool = False, copy: Optional[bool] = None, name: Optional[str] = None,
+                 material: Optional[Union[str, _messages.Material]] = None, **fields: Any) -> None:
+        super().__init__(materials=materials, closed=closed or None, name=name, material=material,
+                         **fields)
+        self._place = here()
+        if positions is not None:
+            self._take_positions(positions, copy, recenter)
+            if triangles is None:
+                count = len(self.positions)
+                if count % 3:
+                    raise ValueError(f"positions: {count} without triangles; expected a multiple of 3")
+                triangles = [(i, i + 1, i + 2) for i in range(0, count, 3)]
+        for field, given in (("triangles", triangles), ("normals", normals), ("uvs", uvs),
+                             ("colors", colors), ("face_materials", face_materials)):
+            Mesh.__dict__[field].put(self, given, copy)
+
+    def _take_positions(self, given: Any, copy: Optional[bool], recenter: bool) -> None:
+        taken, middle, moved, extent = _core.take_positions(given, copy, recenter)
+        if copy is False and moved > 0:
+            raise ValueError("positions: copy=False, but its elements are of another type")
+        Mesh.__dict__["positions"].put(self, taken, None)
+        if moved > extent * _LARGEST_SHARE:
+            warnings.warn(f"positions: rounded by up to {moved:.3g} m; expected a mesh nearer to its "
+                          "origin, as with recenter=True", PrecisionWarning, stacklevel=3)
+        if middle is not None:
+            step = _messages.TransformStep(translate=middle)
+            self.transform = Transform([*(self.transform.steps if self.transform else []), step])
+
+    @classmethod
+    def from_(cls, source: Any, **options: Any) -> Mesh:
+        """The mesh of an object that has `vertices` or `points`, and `faces`, `triangles` or `cells`:
+        those of trimesh, Open3D and meshio.
+        """
+        positions = next((getattr(source, name) for name in ("vertices", "points")
+                          if getattr(source, name, None) is not None), None)
+        triangles = next((getattr(source, name) for name in ("faces", "triangles")
+                          if getattr(source, name, None) is not None), None)
+        if triangles is None and hasattr(source, "cells_dict"):
+            triangles = source.cells_dict.get("triangle")
+        if positions is None or triangles is None:
+            raise TypeError(f"a {type(source).__name__}; expected vertices or points, and faces, "
+                            "triangles or cells")
+        return cls(positions, triangles, **options)

@@ -1,0 +1,82 @@
+"""Transforms, written as on paper: `translate(...) @ rotate(...) @ scale(...)`."""
+from __future__ import annotations
+
+from typing import Any, Iterable, List, Optional, Tuple, Union, overload
+
+from . import _core, _messages
+from ._messages import AxisAngle, LookAt, Matrix, TransformKey, TransformStep
+from ._types import ArrayLike, VectorLike
+
+
+class Transform(_messages.Transform):
+    """A chain of steps, the first of which acts last. Transforms compose by `@`."""
+
+    __slots__ = ()
+
+    def __matmul__(self, other: Transform) -> Transform:
+        if not isinstance(other, _messages.Transform):
+            return NotImplemented
+        return Transform([*self.steps, *other.steps])
+
+    @property
+    def array(self) -> Any:
+        """The three upper rows of the matrix: a (3, 4) array of float64."""
+        return as_ndarray(_core.transform_matrix(self))
+
+
+def as_ndarray(array: Any) -> Any:
+    """A view of the array as numpy has it, where numpy is there; else the array."""
+    try:
+        import numpy
+    except ImportError:
+        return array
+    return numpy.asarray(array)
+
+
+@overload
+def translate(x: VectorLike) -> Transform: ...
+@overload
+def translate(x: float, y: float, z: float) -> Transform: ...
+def translate(x: Any, y: Any = None, z: Any = None) -> Transform:
+    """Moves by (x, y, z), in metres."""
+    return Transform([TransformStep(translate=x if y is None else (x, y, z))])
+
+
+def rotate(axis: Union[str, VectorLike], degrees: float) -> Transform:
+    """Turns about an axis through the origin ("x", "y", "z" or a vector), by the right-hand rule."""
+    axes = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
+    if isinstance(axis, str) and axis not in axes:
+        raise ValueError(f"axis: '{axis}'; expected 'x', 'y', 'z' or a vector")
+    about = axes[axis] if isinstance(axis, str) else axis
+    return Transform([TransformStep(rotate=AxisAngle(about, degrees))])
+
+
+@overload
+def scale(x: Union[float, VectorLike]) -> Transform: ...
+@overload
+def scale(x: float, y: float, z: float) -> Transform: ...
+def scale(x: Any, y: Any = None, z: Any = None) -> Transform:
+    """Scales by one factor, or by one for each axis."""
+    if y is None:
+        factors = x if hasattr(x, "__len__") and len(x) else (x, x, x)
+    else:
+        factors = (x, y, z)
+    return Transform([TransformStep(scale=factors)])
+
+
+def matrix(rows: ArrayLike) -> Transform:
+    """The transform of a (3, 4) or (4, 4) matrix that acts on columns; a fourth row is 0 0 0 1."""
+    array = _core.take_matrices([rows] if isinstance(rows, (list, tuple)) else rows, "matrix")
+    if array.shape[0] != 1:
+        raise ValueError(f"matrix: {array.shape[0]} matrices; expected one")
+    return Transform([TransformStep(matrix=Matrix(memoryview(array).cast("B").cast("d").tolist()))])
+
+
+def look_at(eye: VectorLike, target: VectorLike, up: Optional[VectorLike] = None) -> Transform:
+    """Places a frame at `eye` whose -z axis points at `target`."""
+    return Transform([TransformStep(look_at=LookAt(eye, target, up))])
+
+
+def keys(pairs: Iterable[Tuple[float, Transform]]) -> List[TransformKey]:
+    """The keys of a motion, from pairs of time and transform."""
+    return [TransformKey(time, transform) for time, transform in pairs]

@@ -1,0 +1,130 @@
+"""What all values of a scene have in common."""
+from __future__ import annotations
+
+import sys
+from types import CodeType
+from typing import Any, Dict, List, Mapping, NoReturn, Optional, Tuple, Type, Union
+
+from . import _core
+from .errors import SceneError
+
+Place = Tuple[Union[CodeType, str], int]
+
+# The class that users see, by message and kind.
+CLASSES: Dict[Tuple[str, str], Type[Value]] = {}
+
+
+class Value(_core.ValueBase):
+    """A part of a scene: compares, copies, pickles and prints by what it holds."""
+
+    __slots__ = ("_place",)
+    _MESSAGE = ""
+    _KIND = ""
+    _FIELDS: Tuple[str, ...] = ()
+    _place: Optional[Place]
+
+    def __init_subclass__(cls) -> None:
+        if cls._MESSAGE and cls.__module__.startswith(__package__ + "."):
+            CLASSES[cls._MESSAGE, cls._KIND] = cls
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Value) or self._MESSAGE != other._MESSAGE:
+            return NotImplemented
+        if self is other:
+            return True
+        try:
+            return _core.describe(self) == _core.describe(other)
+        except SceneError:
+            return False  # what is no part of a scene equals nothing but itself
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(self._arguments())})"
+
+    def _arguments(self) -> List[str]:
+        held = ((name, getattr(self, name)) for name in self._FIELDS)
+        return [f"{name}={_shown(value)}" for name, value in held
+                if value is not None and not (isinstance(value, (list, dict)) and not value)]
+
+    def __copy__(self: Any) -> Any:
+        return _rebuild(type(self), {name: _copied(value) for name, value in _slots(self).items()},
+                        self._place)
+
+    def __reduce__(self) -> Any:
+        return _rebuild, (type(self), _slots(self), where(self))
+
+
+def _slots(value: Value) -> Dict[str, Any]:
+    """What the slots hold, whatever properties hide them."""
+    names = (name for base in type(value).__mro__ for name in base.__dict__.get("__slots__", ()))
+    return {name: _slot(type(value), name).__get__(value) for name in names if name != "_place"}
+
+
+def _slot(made: type, name: str) -> Any:
+    for base in made.__mro__:
+        if name in base.__dict__.get("__slots__", ()):
+            # A property of a derived class may hide the slot, never that of the class itself.
+            return base.__dict__[name]
+    raise AttributeError(name)
+
+
+def _copied(value: Any) -> Any:
+    return value.copy() if isinstance(value, (list, dict)) else value
+
+
+def _rebuild(made: type, slots: Mapping[str, Any], place: Optional[Place]) -> Any:
+    value = made.__new__(made)
+    for name, held in slots.items():
+        _slot(made, name).__set__(value, held)
+    value._place = place
+    return value
+
+
+def _shown(value: Any) -> str:
+    """`repr`, with numpy's arrays as lists that evaluate back."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_shown, value))}]"
+    if isinstance(value, Value) or not hasattr(value, "__array_interface__"):
+        return repr(value)
+    return repr(_core.Array.from_bytes(value.tobytes(), value.dtype.char, list(value.shape)))
+
+
+def here() -> Optional[Place]:
+    """Where in the user's script a value is being made."""
+    frame: Any = sys._getframe(2)
+    while frame is not None and frame.f_globals.get("__package__") == __package__:
+        frame = frame.f_back
+    return None if frame is None else (frame.f_code, frame.f_lasti)
+
+
+def where(value: Any) -> Optional[Tuple[str, int]]:
+    """The file and line that made a value."""
+    place = getattr(value, "_place", None)
+    if place is None or isinstance(place[0], str):
+        return place
+    code, at = place
+    lines = (line for begin, end, line in code.co_lines() if begin <= at < end and line)
+    return code.co_filename, next(lines, code.co_firstlineno)
+
+
+def refuse_name(value: Value, name: str) -> NoReturn:
+    """Says that a class has no such attribute, and which is nearest."""
+    hint = _nearest(name, [n for n in dir(type(value)) if not n.startswith("_")])
+    raise AttributeError(f"{type(value).__name__} has no attribute '{name}'{hint}")
+
+
+def refuse_keywords(value: Value, unknown: Mapping[str, Any]) -> NoReturn:
+    """Says that a constructor has no such keyword, and which is nearest."""
+    refuse_unknown(type(value).__name__, unknown, list(value._FIELDS))
+
+
+def refuse_unknown(function: str, unknown: Mapping[str, Any], known: List[str]) -> NoReturn:
+    """Says that a function has no such keyword, and which is nearest."""
+    name = next(iter(unknown))
+    raise TypeError(f"{function}() has no keyword '{name}'{_nearest(name, known)}")
+
+
+def _nearest(name: str, known: List[str]) -> str:
+    nearest = _core.nearest_name(name, known)
+    return f"; did you mean '{nearest}'?" if nearest else ""

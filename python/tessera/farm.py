@@ -1,0 +1,191 @@
+"""Farms elsewhere: a coordinator that `tessera serve` runs, and its jobs."""
+from __future__ import annotations
+
+import json
+import os
+import time
+import warnings
+from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Sequence, Tuple, Union
+
+from . import _core
+from .errors import SceneWarning, UsageError
+from .picture import Image, Path
+from .rendering import _Farm, _options, checked_scene
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+
+class Farm(_Farm):
+    """A farm that `tessera serve` coordinates; needs no worker here.
+
+    :param endpoint: of the coordinator: tcp://HOST:PORT or ipc://PATH.
+    :param key: the file of our secret key, where the farm asks for one. Only its path is kept.
+    :param server_key: the coordinator's public key: its .pub file, or the 64 digits.
+    :param timeout: seconds of silence after which the farm counts as gone.
+
+    Raises UsageError for keys that cannot be read. Whether the farm is there shows at the first
+    question: FarmError where nobody answers, Refused where it does not let us in.
+    """
+
+    __slots__ = ("endpoint", "key", "server_key", "timeout", "_access")
+
+    def __init__(self, endpoint: str = "tcp://127.0.0.1:7117", key: Optional[Path] = None,
+                 server_key: Optional[Path] = None, timeout: float = 15) -> None:
+        self._thread = None
+        if not timeout > 0:
+            raise UsageError(f"timeout: {timeout}; expected seconds above 0")
+        self.endpoint = endpoint
+        self.key = "" if key is None else os.fspath(key)
+        self.server_key = "" if server_key is None else os.fspath(server_key)
+        self.timeout = float(timeout)
+        arguments = (endpoint, self.key, self.server_key, self.timeout)
+        self._access = _core.FarmAccess(*arguments)
+        super().__init__(_core.remote_farm(*arguments))
+
+    def _ask(self) -> Any:
+        self._check_process()
+        if self.closed:
+            raise RuntimeError("Farm: it is closed; expected one that is open")
+        return self._access
+
+    def close(self) -> None:
+        """Ends the connection; jobs go on. May be called again."""
+        super().close()
+        self._access = None
+
+    def submit(self, scene: Union["Scene", Path], *,
+               frames: Union[None, str, int, Tuple[int, int]] = None, name: str = "",
+               priority: int = 0, weight: int = 1, **options: Any) -> "Job":
+        """Leaves a scene, or the frames A to B of its animation, to the farm: returns once it has
+        all of it. The options are those of `render` that say what to render."""
+        access = self._ask()
+        if not -1000 <= priority <= 1000:
+            raise UsageError(f"priority: {priority}; expected a whole number from -1000 to 1000")
+        if not 1 <= weight <= 1000:
+            raise UsageError(f"weight: {weight}; expected a whole number from 1 to 1000")
+        unknown = set(options) & {"workers", "threads", "verify", "farm", "progress", "wait"}
+        if unknown:
+            raise UsageError(f"{min(unknown)}: cannot be chosen for a farm, which has its own")
+        scene = checked_scene(scene)
+        texts = _options({"frames": frames, **options})
+        number, told = access.submit(texts, scene, name, priority, weight)
+        for warning in told:
+            warnings.warn(warning, SceneWarning, stacklevel=2)
+        return Job(self, number)
+
+    def jobs(self) -> List["Job"]:
+        """All jobs that the farm knows, by their numbers."""
+        return [Job(self, job["job"]) for job in json.loads(self._ask().list())["jobs"]]
+
+    def job(self, job: Union[int, str]) -> "Job":
+        """The job of that number, or the latest of that name."""
+        return Job(self, self._ask().find(str(job)))
+
+    def workers(self) -> int:
+        """How many workers are connected."""
+        return int(json.loads(self._ask().list())["workers"])
+
+    def __repr__(self) -> str:
+        return f"Farm({self.endpoint!r})"
+
+
+class Job:
+    """A job of a farm: it goes on whether or not anybody watches."""
+
+    __slots__ = ("farm", "number")
+
+    def __init__(self, farm: Farm, number: int) -> None:
+        self.farm = farm
+        self.number = number
+
+    def status(self) -> dict[str, Any]:
+        """What it is at: the object of `tessera status JOB --json`."""
+        status: dict[str, Any] = json.loads(self.farm._ask().status(self.number))
+        return status
+
+    def watch(self, interval: float = .5) -> Iterator[dict[str, Any]]:
+        """Yields its status every `interval` seconds, and at its end."""
+        while True:
+            status = self.status()
+            yield status
+            if status["state"] in ("done", "failed", "cancelled"):
+                return
+            time.sleep(interval)
+
+    def wait(self, timeout: Optional[float] = None) -> dict[str, Any]:
+        """Waits until it has ended. Raises TimeoutError after `timeout` seconds."""
+        end = None if timeout is None else time.monotonic() + timeout
+        for status in self.watch(.1):
+            if status["state"] in ("done", "failed", "cancelled"):
+                return status
+            if end is not None and time.monotonic() >= end:
+                raise TimeoutError(f"job {self.number} is {status['state']} after {timeout} s")
+        raise AssertionError("watch() ends with an end")
+
+    def frames(self) -> Sequence[int]:
+        """The numbers of its frames; one that is no animation has frame 0."""
+        frames: List[int] = self.farm._ask().frames(self.number)
+        return frames
+
+    def fetch(self, frame: Optional[int] = None) -> Image:
+        """The picture of a frame, of the first if left out.
+
+        Raises RenderError with what the frame failed with, and TimeoutError while it is not done:
+        `wait()` before."""
+        at = 0
+        if frame is not None:
+            numbers = list(self.frames())
+            if frame not in numbers:
+                raise UsageError(f"frame: {frame}; expected one from {numbers[0]} to {numbers[-1]}")
+            at = numbers.index(frame)
+        picture = self.farm._ask().fetch(self.number, at)
+        if picture is None:
+            raise TimeoutError(f"job {self.number} is not done yet; expected wait() before fetch()")
+        return Image._of(picture)
+
+    def _order(self, order: str, priority: Optional[int] = None) -> None:
+        self.farm._ask().order(self.number, getattr(_core.Order, order), priority)
+
+    def pause(self) -> None:
+        """Its tiles wait until `resume()`."""
+        self._order("pause")
+
+    def resume(self) -> None:
+        """It goes on."""
+        self._order("resume")
+
+    def cancel(self) -> None:
+        """It ends, with what is done of it."""
+        self._order("cancel")
+
+    def retry(self) -> None:
+        """What failed is rendered again; what is held is tried now."""
+        self._order("retry")
+
+    def forget(self) -> None:
+        """The farm deletes the job, its tiles and its scene."""
+        self._order("forget")
+
+    def __eq__(self, other: object) -> bool:
+        return (isinstance(other, Job) and other.number == self.number
+                and other.farm.endpoint == self.farm.endpoint)
+
+    def __hash__(self) -> int:
+        return hash((self.farm.endpoint, self.number))
+
+    def __repr__(self) -> str:
+        return f"<Job {self.number} of {self.farm.endpoint}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>"
+                       for name, value in self.status().items())
+        return f"<table>{rows}</table>"
+
+    def __reduce__(self) -> Any:
+        farm = self.farm
+        return _unpickled, (farm.endpoint, farm.key, farm.server_key, farm.timeout, self.number)
+
+
+def _unpickled(endpoint: str, key: str, server_key: str, timeout: float, number: int) -> Job:
+    return Job(Farm(endpoint, key or None, server_key or None, timeout), number)

@@ -1,0 +1,206 @@
+"""Pictures: what a render gives, as arrays, files and bytes to show."""
+from __future__ import annotations
+
+import functools
+import json
+import os
+from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Union
+
+from . import _core
+from .errors import UsageError
+
+Path = Union[str, "os.PathLike[str]"]
+_MOST_SHOWN = 2048  # columns of a picture in a notebook
+
+
+class Rect(NamedTuple):
+    """Pixels x0 <= x < x1 and y0 <= y < y1 of a frame, from its top left."""
+
+    x0: int
+    y0: int
+    x1: int
+    y1: int
+
+
+class Metrics(NamedTuple):
+    """How far a picture is from another, over all channels, as `tessera compare` tells."""
+
+    max: float
+    """The greatest difference."""
+    mean: float
+    """The mean difference."""
+    rmse: float
+    """The root of the mean square difference."""
+    rel_mse: float
+    """The mean of d^2 / (reference^2 + .01)."""
+    flip: float
+    """The mean of FLIP (Andersson et al. 2020), 0 to 1."""
+
+
+def as_numpy(array: Any) -> Any:
+    """The array as numpy sees it, without a copy; itself where numpy is not installed."""
+    try:
+        import numpy
+    except ImportError:
+        return array
+    return numpy.asarray(array)
+
+
+def _texts(output: dict[str, Any]) -> list[tuple[str, str]]:
+    """Options of a picture's numbers as the command line writes them."""
+    return [(name.replace("_", "-"), value if isinstance(value, str) else repr(value))
+            for name, value in output.items() if value is not None]
+
+
+class Image:
+    """A linear picture, and what was asked for beside light. Immutable; rows from the top.
+
+    `stats` is what `tessera render --stats` writes; `holes` are tiles that nobody could trace.
+    Keywords called `output` are those of `tessera render`: exposure, tone_map, transfer, gamma and
+    the ocio_ ones.
+    """
+
+    __slots__ = ("_picture", "__dict__")
+
+    def __init__(self) -> None:
+        raise TypeError("Image: made by render(), read_image() or Image.from_array()")
+
+    @classmethod
+    def _of(cls, picture: Any) -> "Image":
+        image = cls.__new__(cls)
+        image._picture = picture
+        return image
+
+    @classmethod
+    def from_array(cls, array: Any, linear: bool = True) -> "Image":
+        """A picture of (h, w, 3) numbers, or (h, w) grey ones: linear light, or with linear=False
+        what sRGB files hold, from 0 to 1 (integers: to their largest value)."""
+        import numpy
+        values = numpy.asarray(array)
+        if values.ndim == 2:
+            values = numpy.repeat(values[:, :, None], 3, axis=2)
+        if values.ndim != 3 or values.shape[2] != 3 or 0 in values.shape:
+            raise UsageError(f"array: shape {values.shape}; expected (h, w, 3) or (h, w)")
+        if values.dtype.kind in "ui":
+            values = values / numpy.iinfo(values.dtype).max
+        if values.dtype.kind != "f":
+            raise TypeError(f"array: numbers of type {values.dtype}; expected floats or integers")
+        if not linear:
+            values = _linear_of_srgb(values)
+        height, width = values.shape[:2]
+        data = numpy.ascontiguousarray(values, dtype=numpy.float32)
+        return cls._of(_core.picture_from_values(width, height, data))
+
+    @property
+    def width(self) -> int:
+        """Pixels a row, of the crop if there was one."""
+        return int(self._picture.width)
+
+    @property
+    def height(self) -> int:
+        """Rows."""
+        return int(self._picture.height)
+
+    @functools.cached_property
+    def linear(self) -> Any:
+        """Radiance as (h, w, 3) float32: a read-only view of the film."""
+        return as_numpy(self._picture.channels("light"))
+
+    @property
+    def aovs(self) -> List[str]:
+        """The names of what there is beside light."""
+        return list(self._picture.aovs)
+
+    def aov(self, name: str) -> Any:
+        """What was asked for by `aovs`: albedo, normal, position and variance are (h, w, 3) float32,
+        depth and samples (h, w) float32, id (h, w) uint32."""
+        return as_numpy(self._picture.channels(name))
+
+    def to_srgb(self, **output: Any) -> Any:
+        """The bytes of the PNG as (h, w, 3) uint8."""
+        return as_numpy(self._picture.to_srgb(_texts(output)))
+
+    def save(self, *paths: Path, **output: Any) -> None:
+        """Writes files whose endings name their formats. Each appears whole or not at all."""
+        if not paths:
+            raise TypeError("save: no path; expected at least one")
+        for path in paths:
+            self._picture.save(os.fspath(path), _texts(output))
+
+    def apply(self, f: Callable[[Any], Any]) -> "Image":
+        """The picture with each channel's numbers replaced by f of them, which gets an array."""
+        return Image.from_array(f(self.linear))
+
+    @functools.cached_property
+    def stats(self) -> dict[str, Any]:
+        """What was done, counted and timed; empty where the picture was not rendered."""
+        text = self._picture.statistics
+        return json.loads(text) if text else {}
+
+    @property
+    def holes(self) -> List[Rect]:
+        """Tiles that could not be traced, marked in the picture."""
+        return [Rect(*hole) for hole in self._picture.holes]
+
+    @functools.cached_property
+    def sha256(self) -> str:
+        """SHA-256 of the linear pixels, as `pixels_sha256` of the statistics."""
+        return str(self._picture.sha256())
+
+    def __array__(self, dtype: Any = None) -> Any:
+        return self.linear if dtype is None else self.linear.astype(dtype)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Image) and (self.width, self.height, self.sha256) == (
+            other.width, other.height, other.sha256)
+
+    def __hash__(self) -> int:
+        return hash(self.sha256)
+
+    def __repr__(self) -> str:
+        beside = f" with {', '.join(self.aovs)}" if self.aovs else ""
+        return f"<Image {self.width}x{self.height}{beside}>"
+
+    def _repr_png_(self) -> bytes:
+        step = -(-self.width // _MOST_SHOWN)
+        shown = self if step == 1 else Image.from_array(self.linear[::step, ::step])
+        return bytes(shown._picture.encode("shown.png", []))
+
+    def __reduce__(self) -> Any:
+        if self.aovs:
+            raise TypeError("an Image with aovs cannot be pickled; expected image.save('x.exr')")
+        return _unpickled, (self.linear,)
+
+
+def _unpickled(linear: Any) -> Image:
+    return Image.from_array(linear)
+
+
+def _linear_of_srgb(values: Any) -> Any:
+    import numpy
+    return numpy.where(values <= .04045, values / 12.92, ((values + .055) / 1.055) ** 2.4)
+
+
+def read_image(path: Path) -> Image:
+    """The picture in a file as linear light: whole numbers are taken for sRGB, as most files are.
+
+    Raises SceneError for a file that holds none."""
+    import numpy
+    path = os.fspath(path)
+    names, array = _core.read_picture(path)
+    values = numpy.asarray(array)
+    if {"R", "G", "B"} <= set(names):
+        values = values[:, :, [names.index(name) for name in "RGB"]]
+    else:
+        values = values[:, :, :1].repeat(3, axis=2)
+    linear = path.lower().endswith((".exr", ".hdr", ".pfm"))
+    return Image.from_array(values, linear=linear)
+
+
+def compare(a: Union[Image, Path], b: Union[Image, Path]) -> Metrics:
+    """How far picture a is from picture b, the reference, in linear light."""
+    first, second = (p if isinstance(p, Image) else read_image(p) for p in (a, b))
+    if (first.width, first.height) != (second.width, second.height):
+        raise UsageError(f"b: size {second.width}x{second.height}; expected {first.width}x"
+                         f"{first.height}, that of a")
+    return Metrics(*_core.compare(first.linear, second.linear))

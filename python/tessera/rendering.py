@@ -1,0 +1,540 @@
+"""Rendering: `render`, tasks, and who traces.
+
+A task belongs to a farm. The farm has a thread of its own in the extension module, which runs tasks
+one after the other and never needs Python: a script may compute, sleep or be interrupted meanwhile.
+"""
+from __future__ import annotations
+
+import atexit
+import os
+import sys
+import time
+import warnings as _warnings
+import weakref
+from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterable, Iterator, Literal, NamedTuple,
+                    Optional, Sequence, Tuple, Union, overload)
+
+from . import _core
+from .errors import Cancelled, Error, MissingFile, RenderError, SceneWarning, UsageError
+from .picture import Image, Rect
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+_LOOK_SECONDS = .02  # how often a waiting thread looks for signals
+_PROGRESS_SECONDS = .1
+
+
+class Progress(NamedTuple):
+    """How far a render is."""
+
+    done: int
+    """Tiles that are finished."""
+    total: int
+    """Tiles in all; 0 before they are known."""
+    workers: int
+    """Workers that are connected."""
+    elapsed: float
+    """Seconds since it began."""
+    remaining: float
+    """Seconds until it is done, by an estimate; negative: not known yet."""
+    waiting_for: str
+    """What it waits for, such as "workers"; empty while tiles are traced."""
+
+
+def _pass_on_log() -> None:
+    """Gives what C++ logged to the logger "tessera"."""
+    told = _core.take_log()
+    if not told:
+        return
+    import logging
+    for level, message in told:
+        logging.getLogger("tessera").log(max(level, 1) * 10, message)
+
+
+class _OfThisProcess:
+    """What a forked child must not use: its thread stayed in the parent."""
+
+    __slots__ = ("_process",)
+
+    def __init__(self) -> None:
+        self._process = os.getpid()
+
+    def _check_process(self) -> None:
+        if os.getpid() != self._process:
+            raise RuntimeError(f"{type(self).__name__}: made in process {self._process}, used in its "
+                               f"child {os.getpid()}; expected one that the child made")
+
+
+_open_farms: "weakref.WeakSet[_Farm]" = weakref.WeakSet()
+
+
+def _close_farms() -> None:
+    for farm in list(_open_farms):
+        if farm._process == os.getpid():
+            farm.close()
+
+
+atexit.register(_close_farms)
+
+
+class _Farm(_OfThisProcess):
+    """Who traces. A context manager; may be used by several threads."""
+
+    __slots__ = ("_thread", "__weakref__")
+
+    def __init__(self, thread: Any) -> None:
+        super().__init__()
+        self._thread: Any = thread
+        _open_farms.add(self)
+
+    def _submit(self, task: Any) -> None:
+        self._check_process()
+        if self._thread is None:
+            raise RuntimeError(f"{type(self).__name__}: it is closed; expected one that is open")
+        self._thread.submit(task)
+
+    def close(self) -> None:
+        """Cancels what still runs, and ends workers, sockets and folders. May be called again."""
+        thread, self._thread = self._thread, None
+        if thread is not None and os.getpid() == self._process:
+            thread.close()
+        _open_farms.discard(self)
+
+    @property
+    def closed(self) -> bool:
+        """Whether close() was called."""
+        return self._thread is None
+
+    def __enter__(self) -> Any:
+        self._check_process()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if getattr(self, "_thread", None) is not None and os.getpid() == self._process:
+            _warnings.warn(f"{self!r} was not closed", ResourceWarning, source=self)
+            self.close()
+
+    def __reduce__(self) -> Any:
+        raise TypeError(f"{type(self).__name__} cannot be pickled: it has threads and processes")
+
+
+class LocalFarm(_Farm):
+    """Worker processes on this machine, kept between renders.
+
+    :param workers: how many processes; one a core if left out.
+    :param threads: of each worker.
+    :param verify: the share of tiles, from 0 to 1, that a second worker traces too.
+    """
+
+    __slots__ = ("workers", "threads")
+
+    def __init__(self, workers: Optional[int] = None, threads: int = 1, verify: float = 0) -> None:
+        self._thread = None
+        self.workers = _count("workers", workers, 1)
+        self.threads = _count("threads", threads, 1)
+        if not 0 <= verify <= 1:
+            raise UsageError(f"verify: {verify}; expected a share from 0 to 1")
+        if verify > 0 and (self.workers or os.cpu_count() or 1) < 2:
+            raise UsageError("verify: needs a second worker; expected workers=2 or more")
+        super().__init__(_core.local_farm(self.workers, self.threads, float(verify)))
+
+    def __repr__(self) -> str:
+        return f"LocalFarm(workers={self.workers}, threads={self.threads})"
+
+
+class Threads(_Farm):
+    """Threads of this process, kept between renders: for small pictures, which start at once.
+
+    :param count: how many; one a core if left out.
+    """
+
+    __slots__ = ("count",)
+
+    def __init__(self, count: Optional[int] = None) -> None:
+        self._thread = None
+        self.count = _count("count", count, 1)
+        super().__init__(_core.threads_here(self.count))
+
+    def __repr__(self) -> str:
+        return f"Threads({self.count or ''})"
+
+
+def _count(name: str, value: Optional[int], least: int, most: int = 1024) -> Any:
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise TypeError(f"{name}: {value!r}; expected a whole number")
+    if not least <= value <= most:
+        raise UsageError(f"{name}: {value}; expected a whole number from {least} to {most}")
+    return value
+
+
+ProgressOption = Union[None, bool, Callable[[Progress], object], Any]
+TileCallback = Callable[[Rect, Image], object]
+
+
+class Task(_OfThisProcess):
+    """A render that goes on by itself: `await` it, iterate over its progress, or ask `result()`.
+
+    As a context manager it is cancelled at the end of the block, if it is not done by then.
+    """
+
+    __slots__ = ("_task", "_farm", "_owns_farm", "_show")
+
+    def __init__(self, task: Any, farm: _Farm, owns_farm: bool) -> None:
+        super().__init__()
+        self._task = task
+        self._farm = farm
+        self._owns_farm = owns_farm
+        self._show: Any = None
+
+    def done(self) -> bool:
+        """Whether it has ended, in whatever way."""
+        self._check_process()
+        return bool(self._task.is_done())
+
+    def cancel(self) -> None:
+        """Ends it soon, if it is not done. Returns at once."""
+        self._check_process()
+        self._task.cancel()
+
+    @property
+    def progress(self) -> Progress:
+        """How far it is now."""
+        self._check_process()
+        return Progress(*self._task.progress())
+
+    def snapshot(self) -> Optional[Image]:
+        """What is done of the picture so far, the rest black; None before the first tile."""
+        self._check_process()
+        picture = self._task.snapshot()
+        return None if picture is None else Image._of(picture)
+
+    def result(self, timeout: Optional[float] = None) -> Image:
+        """Waits for the picture.
+
+        Raises TimeoutError after `timeout` seconds (the render goes on), Cancelled after `cancel()`,
+        and what the render failed with. KeyboardInterrupt cancels it, and is raised once all of ours
+        has ended.
+        """
+        self._check_process()
+        end = None if timeout is None else time.monotonic() + timeout
+        try:
+            while not self._task.wait(_LOOK_SECONDS):
+                if end is not None and time.monotonic() >= end:
+                    raise TimeoutError(f"the picture is not done after {timeout} s")
+        except TimeoutError:
+            raise
+        except BaseException:
+            self._end()
+            raise
+        return self._finish()
+
+    def _end(self) -> None:
+        """Cancels, and waits until nothing of it runs."""
+        self._task.cancel()
+        while not self._task.wait(1):
+            pass
+        if self._owns_farm:
+            self._farm.close()
+
+    def _finish(self) -> Image:
+        if self._owns_farm:
+            self._farm.close()
+        _pass_on_log()
+        picture = self._task.picture()
+        image = None if picture is None else Image._of(picture)
+        try:
+            self._task.throw_failure()
+        except Error as error:
+            raise _of_render(error, image) from None
+        assert image is not None
+        return image
+
+    def __iter__(self) -> Iterator[Progress]:
+        """Yields the progress at least every .2 s while it changes, and at the end."""
+        self._check_process()
+        last = None
+        while not self._task.wait(_PROGRESS_SECONDS):
+            now = self.progress
+            if now != last:
+                yield now
+            last = now
+        yield self.progress
+
+    def __await__(self) -> Generator[Any, None, Image]:
+        return self._wait_async().__await__()
+
+    async def _wait_async(self) -> Image:
+        import asyncio  # here: it takes longer to import than all of ours
+        try:
+            while not self.done():
+                await asyncio.sleep(_LOOK_SECONDS)
+        except asyncio.CancelledError:
+            self.cancel()
+            if self._owns_farm:
+                await asyncio.get_running_loop().run_in_executor(None, self._end)
+            raise
+        return self._finish()
+
+    def show(self) -> Image:
+        """Waits for the picture; in a notebook one output is updated while it fills in."""
+        try:
+            from IPython.display import display
+        except ImportError:
+            return self.result()
+        shown = None
+        for _ in self:
+            picture = self.snapshot()
+            if picture is None:
+                continue
+            if shown is None:
+                shown = display(picture, display_id=True)
+            else:
+                shown.update(picture)
+        return self.result()
+
+    def __enter__(self) -> "Task":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._end()
+
+    def __del__(self) -> None:
+        if getattr(self, "_owns_farm", False) and os.getpid() == self._process:
+            self._task.cancel()
+            self._farm.close()
+
+    def __repr__(self) -> str:
+        state = "done" if self._task.is_done() else "running"
+        return f"<Task {state}, {self.progress.done} of {self.progress.total} tiles>"
+
+
+def _of_render(error: Error, image: Optional[Image]) -> Error:
+    """The error with what was done of the picture."""
+    if isinstance(error, (RenderError, Cancelled)):
+        error.image = image
+        error.stats = None if image is None else image.stats
+    return error
+
+
+def _as_text(name: str, value: Any) -> str:
+    """A keyword's value as the command line writes it."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, (bool, bytes)):
+        raise TypeError(f"{name}: {value!r}; expected a number, text or several of them")
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)  # type: ignore[no-any-return]
+    if hasattr(value, "__iter__"):
+        separator = "x" if name == "size" else "-" if name == "frames" else ","
+        return separator.join(_as_text(name, part) for part in value)
+    if hasattr(value, "item"):  # a number of numpy
+        value = value.item()
+    if isinstance(value, (int, float)):
+        return repr(value)
+    raise TypeError(f"{name}: {value!r}; expected a number, text or several of them")
+
+
+def _options(keywords: dict[str, Any]) -> Any:
+    options = _core.Options()
+    for name, value in keywords.items():
+        if value is None or value is False:
+            continue
+        option = name.replace("_", "-")
+        if value is True:
+            options.assign(option, "")
+        elif name == "place":
+            for text in [value] if isinstance(value, str) else value:
+                options.assign(option, text)
+        elif name == "aovs" and not isinstance(value, str) and len(value) == 0:
+            continue
+        else:
+            options.assign(option, _as_text(name, value))
+    return options
+
+
+def checked_scene(scene: Any) -> Any:
+    """A Scene, or the path of a file that is there."""
+    if isinstance(scene, os.PathLike):
+        scene = os.fspath(scene)
+    if isinstance(scene, str) and not os.path.exists(scene):
+        missing = MissingFile(f"{scene}: there is no such file; expected a scene", place=scene)
+        missing.filename = scene
+        raise missing
+    if not isinstance(scene, str) and type(scene).__name__ != "Scene":
+        raise TypeError(f"scene: {scene!r:.100}; expected a Scene or the path of a file")
+    return scene
+
+
+def _local_farm(workers: Optional[int], threads: Optional[int], verify: Optional[float]) -> _Farm:
+    if workers == 0:
+        if verify:
+            raise UsageError("verify: needs a second worker; expected workers=2 or more")
+        return Threads(threads)
+    return LocalFarm(workers, 1 if threads is None else threads, verify or 0)
+
+
+@overload
+def render(scene: Union["Scene", str, "os.PathLike[str]"], *, wait: Literal[True] = True,
+           **options: Any) -> Image: ...
+@overload
+def render(scene: Union["Scene", str, "os.PathLike[str]"], *, wait: Literal[False],
+           **options: Any) -> Task: ...
+def render(scene: Any, *,
+           size: Union[None, str, Tuple[int, int]] = None,
+           crop: Union[None, str, Tuple[int, int, int, int]] = None,
+           camera: Optional[str] = None, pinhole: bool = False, frame_all: bool = False,
+           spp: Optional[int] = None, target_error: Optional[float] = None,
+           min_spp: Optional[int] = None, filter: Optional[str] = None,
+           pattern: Optional[str] = None, seed: Optional[int] = None,
+           integrator: Optional[str] = None, accel: Optional[str] = None,
+           aovs: Union[str, Sequence[str]] = (), denoise: bool = False,
+           time: Optional[float] = None, frame: Optional[int] = None,
+           place: Union[str, Sequence[str]] = (), assets: Union[None, str, "os.PathLike[str]"] = None,
+           x3d_color: Optional[str] = None, x3d_shadows: Optional[str] = None,
+           x3d_texture: Optional[str] = None, x3d_weld: Optional[float] = None,
+           x3d_strict: bool = False, x3d_two_sided: bool = False,
+           tile: Optional[int] = None, workers: Optional[int] = None,
+           threads: Optional[int] = None, verify: Optional[float] = None,
+           farm: Optional[_Farm] = None,
+           progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
+           wait: bool = True) -> Union[Image, Task]:
+    """Renders a scene, or the scene in a file, to a picture: the bits of `tessera render`.
+
+    The keywords are the long options of `tessera render`, with _ for -; `tessera help render` says
+    what each does. Beside them:
+
+    :param frame: the number of an animation's frame; `time` is the instant by itself.
+    :param farm: who traces: a LocalFarm, Threads or Farm that is kept. Left out: worker processes on
+        this machine, for this render alone; with workers=0 threads of this process.
+    :param progress: True for a bar (tqdm where it is installed, else text on a terminal), a function
+        that takes a Progress, or an object like tqdm's.
+    :param on_tile: called with the Rect of each tile that becomes done, and the picture so far.
+    :param wait: False returns a Task at once.
+
+    Raises SceneError, UsageError, RenderError or FarmError. Callbacks are called on this thread; an
+    exception in one cancels the render and is raised from here.
+    """
+    keywords = {name: value for name, value in locals().items() if name not in _OF_PYTHON}
+    if farm is not None and not isinstance(farm, _Farm):
+        raise TypeError(f"farm: {farm!r}; expected a LocalFarm, Threads or Farm")
+    if farm is not None and (workers is not None or threads is not None or verify is not None):
+        raise UsageError("workers, threads, verify: cannot be chosen with farm, which has its own")
+    if frame is not None and time is not None:
+        raise UsageError("time: a frame has its own instant; expected one of the two")
+    scene = checked_scene(scene)
+    options = _options(keywords)
+    if farm is not None:
+        farm._check_process()
+    owns_farm = farm is None
+    who = _local_farm(workers, threads, verify) if farm is None else farm
+    try:
+        core, told = _core.make_task(options, scene, frame)
+        for warning in told:
+            _warnings.warn(warning, SceneWarning, stacklevel=2)
+        if on_tile is not None or not wait:
+            core.keep_tiles()
+        who._submit(core)
+    except BaseException:
+        if owns_farm:
+            who.close()
+        raise
+    task = Task(core, who, owns_farm)
+    if not wait:
+        return task
+    if progress is None and on_tile is None:
+        return task.result()
+    return _watched(task, progress, on_tile)
+
+
+_OF_PYTHON = {"scene", "frame", "farm", "progress", "on_tile", "wait", "workers", "threads", "verify"}
+
+
+def _watched(task: Task, progress: ProgressOption, on_tile: Optional[TileCallback]) -> Image:
+    """Waits for the task, telling how far it is."""
+    show = _progress_display(progress)
+
+    def tell_tiles() -> None:
+        tiles = task._task.take_tiles() if on_tile is not None else ()
+        if tiles and on_tile is not None:
+            so_far = task.snapshot()
+            assert so_far is not None
+            for tile in tiles:
+                on_tile(Rect(*tile), so_far)
+
+    try:
+        while not task._task.wait(_LOOK_SECONDS):
+            show(task.progress)
+            tell_tiles()
+        show(task.progress)
+        tell_tiles()
+    except BaseException:
+        task._end()
+        raise
+    finally:
+        show(None)
+    return task.result()
+
+
+def _progress_display(progress: ProgressOption) -> Callable[[Optional[Progress]], None]:
+    """What shows progress; called with None at the end."""
+    if progress is None or progress is False:
+        return lambda _: None
+    if progress is True:
+        try:
+            from tqdm.auto import tqdm
+        except ImportError:
+            return _text_display()
+        return _bar_display(tqdm(unit="tile"), closes=True)
+    if hasattr(progress, "update") and hasattr(progress, "refresh"):
+        return _bar_display(progress, closes=False)
+    if not callable(progress):
+        raise TypeError(f"progress: {progress!r}; expected True, a function or a bar like tqdm's")
+
+    last: Optional[Progress] = None
+
+    def call(now: Optional[Progress]) -> None:
+        nonlocal last
+        if now is not None and now != last:
+            progress(now)
+        last = now
+
+    return call
+
+
+def _bar_display(bar: Any, closes: bool) -> Callable[[Optional[Progress]], None]:
+    def show(now: Optional[Progress]) -> None:
+        if now is None:
+            if closes:
+                bar.close()
+            return
+        if now.total and bar.total != now.total:
+            bar.total = now.total
+            bar.refresh()
+        if now.done > bar.n:
+            bar.update(now.done - bar.n)
+
+    return show
+
+
+def _text_display() -> Callable[[Optional[Progress]], None]:
+    last = 0.
+
+    def show(now: Optional[Progress]) -> None:
+        nonlocal last
+        if not sys.stderr.isatty():
+            return
+        if now is None:
+            sys.stderr.write("\r\x1b[K")
+        elif time.monotonic() - last > _PROGRESS_SECONDS and now.total:
+            last = time.monotonic()
+            left = f", {now.remaining:.1f} s left" if now.remaining > 0 else ""
+            sys.stderr.write(f"\r\x1b[K{now.done} of {now.total} tiles{left}")
+        sys.stderr.flush()
+
+    return show

@@ -1,0 +1,68 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "proto/tessera/v1/scene.pb.h"
+#include "python/array_source.h"
+#include "python/bindings.h"
+#include "python/value_reader.h"
+#include "renderer/math/transform.h"
+#include "scenes/import/to_affine.h"
+
+namespace py = pybind11;
+
+namespace tessera {
+namespace {
+
+/// The three upper rows of a transform's matrix.
+Array transform_matrix(py::handle transform) {
+  v1::Scene scene;
+  BlobStore blobs;
+  v1::Transform message;
+  ValueReader(scene, blobs).read(transform, message);
+  const Affine affine = to_affine(message);
+  std::vector<double> numbers;
+  for (const auto& row : affine.m) numbers.insert(numbers.end(), row.begin(), row.end());
+  return {std::move(numbers), {3, 4}};
+}
+
+/// Matrices of three or four rows as (n, 3, 4) in double precision.
+Array take_matrices(py::handle given, const std::string& name) {
+  const ArraySource source = array_source(given, name);
+  Array::Shape shape = source.shape;
+  if (shape.size() == 2) shape.insert(shape.begin(), 1);
+  if (shape == Array::Shape{1, 0} || shape == Array::Shape{0})
+    return {std::vector<double>(), {0, 3, 4}};
+  if (shape.size() != 3 || (shape[1] != 3 && shape[1] != 4) || shape[2] != 4) {
+    wrong_shape(name, source.shape, "(any, 3, 4) or (any, 4, 4)");
+  }
+  std::vector<double> numbers;
+  numbers.reserve(static_cast<size_t>(shape[0] * 12));
+  const py::ssize_t of_one = shape[1] * 4;
+  constexpr double kLastRow[] = {0, 0, 0, 1};
+  py::ssize_t at = 0, bad = -1;
+  for_each_element<double>(source, 0, source.count(), [&](double number) {
+    const py::ssize_t place = at % of_one;
+    const bool is_right = place < 12 ? std::isfinite(number) : number == kLastRow[place - 12];
+    if (!is_right && bad < 0) bad = at / of_one;
+    if (place < 12) numbers.push_back(number);
+    ++at;
+  });
+  if (bad >= 0) {
+    throw py::value_error(fmt::format(
+        "{}: matrix {} has a number that is not finite, or a fourth row; expected finite numbers "
+        "and, if there is a fourth row, 0 0 0 1",
+        name, bad));
+  }
+  return {std::move(numbers), {shape[0], 3, 4}};
+}
+
+}  // namespace
+
+void bind_transforms(py::module_& module) {
+  module.def("transform_matrix", &transform_matrix,
+             "The upper three rows of a transform's matrix.");
+  module.def("take_matrices", &take_matrices, "Matrices as an array (n, 3, 4).");
+}
+
+}  // namespace tessera

@@ -1,0 +1,472 @@
+#include "python/value_reader.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/digest.h"
+#include "proto/wire/scene_codec.h"
+#include "python/array_source.h"
+#include "python/generate/enum_names.h"
+#include "python/mesh_arrays.h"
+
+namespace py = pybind11;
+namespace pb = google::protobuf;
+
+namespace tessera {
+
+/// One step of the way to what is being read, for as long as it lives.
+class ValueReader::Within {
+ public:
+  Within(ValueReader& reader, const std::string* name, py::ssize_t index) : reader_(reader) {
+    reader_.path_.push_back({name, index});
+  }
+  ~Within() { reader_.path_.pop_back(); }
+  Within(const Within&) = delete;
+  Within& operator=(const Within&) = delete;
+
+ private:
+  ValueReader& reader_;
+};
+
+namespace {
+
+/// Looked up once for all values.
+struct Parts {
+  py::object errors = py::module_::import("tessera.errors");
+  py::object color = py::module_::import("tessera._colors").attr("color");
+  py::object texture_from = py::module_::import("tessera._textures").attr("texture_from");
+  py::object instances = py::module_::import("tessera._graph").attr("Instances");
+};
+
+const Parts& parts() {
+  static const auto* const found = new Parts;
+  return *found;
+}
+
+/// The scene's list of materials, of textures or of objects; null for any other type.
+const pb::FieldDescriptor* list_of(const pb::Descriptor* type) {
+  for (const char* name : {"materials", "textures", "objects"}) {
+    const pb::FieldDescriptor* list = v1::Scene::descriptor()->FindFieldByName(name);
+    if (list->message_type() == type) return list;
+  }
+  return nullptr;
+}
+
+/// The type that a string field may be given instead of its name; null: none.
+const pb::Descriptor* named_type(const pb::FieldDescriptor& field) {
+  const std::string& name = field.name();
+  const pb::Descriptor* owner = field.containing_type();
+  if (owner == v1::Background::Cube::descriptor() || name == "texture" || name == "normal_map") {
+    return v1::Texture::descriptor();
+  }
+  const bool is_material = name == "materials" ||
+                           (name == "back" && owner == v1::Material::descriptor()) ||
+                           (name == "material" && owner == v1::Include::descriptor());
+  if (is_material) return v1::Material::descriptor();
+  return name == "instance_of" ? v1::Object::descriptor() : nullptr;
+}
+
+/// An array of at least two axes, which stands for a texture of its own.
+bool is_picture(py::handle value) {
+  if (!PyObject_CheckBuffer(value.ptr())) return false;
+  const auto view = py::reinterpret_steal<py::object>(PyMemoryView_FromObject(value.ptr()));
+  if (!view) PyErr_Clear();
+  return view && PyMemoryView_GET_BUFFER(view.ptr())->ndim >= 2;
+}
+
+std::string describe_found(py::handle value) {
+  constexpr size_t kLongest = 60;
+  std::string text = py::isinstance<py::str>(value) || py::isinstance<py::float_>(value) ||
+                             py::isinstance<py::int_>(value) || value.is_none()
+                         ? py::repr(value).cast<std::string>()
+                         : std::string("a ") + Py_TYPE(value.ptr())->tp_name;
+  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
+}
+
+std::string bytes_of(const pb::Message& message) {
+  std::string bytes;
+  pb::io::StringOutputStream stream(&bytes);
+  pb::io::CodedOutputStream coded(&stream);
+  coded.SetSerializationDeterministic(true);
+  message.SerializeToCodedStream(&coded);
+  coded.Trim();
+  return bytes;
+}
+
+}  // namespace
+
+void ValueReader::fail(const std::string& found, const std::string& expected) const {
+  std::string path;
+  for (const Step& step : path_) {
+    if (step.name) path += (path.empty() ? "" : ".") + *step.name;
+    if (step.index >= 0) path += fmt::format("[{}]", step.index);
+  }
+  PyErr_Clear();
+  const py::object error = parts().errors.attr("scene_error")(
+      found, expected, path,
+      values_.empty() ? py::none() : py::reinterpret_borrow<py::object>(values_.back()));
+  PyErr_SetObject(py::type::of(error).ptr(), error.ptr());
+  throw py::error_already_set();
+}
+
+void ValueReader::read(py::handle value, Message& message) {
+  const ValueClass* made = find_value_class(value);
+  if (!made || made->message != message.GetDescriptor()) {
+    fail(describe_found(value), fmt::format("a {}", message.GetDescriptor()->name()));
+  }
+  if (values_.size() >= size_t{kMaxSceneDepth}) {
+    fail("something inside itself, or nested too deep",
+         fmt::format("at most {} levels", kMaxSceneDepth));
+  }
+  values_.push_back(value);
+  read_fields(value, *made, message);
+  values_.pop_back();
+}
+
+void ValueReader::read_fields(py::handle value, const ValueClass& made, Message& message) {
+  Message* kind =
+      made.kind ? message.GetReflection()->MutableMessage(&message, made.kind) : nullptr;
+  for (const ValueField& field : made.fields) {
+    if (!field.field) continue;
+    const py::object held = get_slot(field, value);
+    if (held.is_none()) continue;
+    const Within within(*this, &field.name, -1);
+    Message& target = field.of_kind ? *kind : message;
+    const pb::OneofDescriptor* choice = field.field->real_containing_oneof();
+    if (choice && target.GetReflection()->HasOneof(target, choice)) {
+      fail("set besides " + target.GetReflection()->GetOneofFieldDescriptor(target, choice)->name(),
+           "one of them");
+    }
+    read_field(held, *field.field, target);
+  }
+  if (message.GetDescriptor() == v1::Node::descriptor()) {
+    const py::object shape = get_slot(made.field("shape"), value);
+    if (!shape.is_none()) add_shape_transform(shape, static_cast<v1::Node&>(message));
+  }
+}
+
+void ValueReader::read_field(py::handle held, const Field& field, Message& message) {
+  if (field.is_map()) {
+    read_map(held, field, message);
+  } else if (field.is_repeated()) {
+    read_list(held, field, message);
+  } else {
+    read_one(held, field, message);
+  }
+}
+
+void ValueReader::read_list(py::handle held, const Field& field, Message& message) {
+  PyObject* fast = py::isinstance<py::str>(held) ? nullptr : PySequence_Fast(held.ptr(), "");
+  if (!fast) fail(describe_found(held), "a sequence");
+  const auto items = py::reinterpret_steal<py::object>(fast);
+  const bool is_named = field.message_type() && &field == list_of(field.message_type());
+  // The list may change its length while a property of the user's is read.
+  for (py::ssize_t i = 0; i < PySequence_Fast_GET_SIZE(fast); ++i) {
+    const auto item = py::reinterpret_borrow<py::object>(PySequence_Fast_GET_ITEM(fast, i));
+    const Within within(*this, nullptr, i);
+    if (is_named) {
+      read_member(item, field);
+    } else if (field.message_type() == v1::Node::descriptor() &&
+               py::isinstance(item, parts().instances)) {
+      read_instances(item, field, message);
+    } else {
+      read_one(item, field, message);
+    }
+  }
+}
+
+void ValueReader::read_map(py::handle held, const Field& field, Message& message) {
+  if (!py::isinstance<py::dict>(held)) fail(describe_found(held), "a dict of text");
+  auto& map = *static_cast<v1::Metadata&>(message).mutable_properties();
+  if (field.containing_type() != v1::Metadata::descriptor()) return;
+  for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(held)) {
+    map[to_text(key)] = to_text(value);
+  }
+}
+
+void ValueReader::read_one(py::handle held, const Field& field, Message& message) {
+  const pb::Reflection& of = *message.GetReflection();
+  const auto put = [&](auto set, auto add, auto value) {
+    if (field.is_repeated()) {
+      (of.*add)(&message, &field, value);
+    } else {
+      (of.*set)(&message, &field, value);
+    }
+  };
+  using R = pb::Reflection;
+  switch (field.cpp_type()) {
+    case Field::CPPTYPE_DOUBLE:
+      return put(&R::SetDouble, &R::AddDouble, to_number(held));
+    case Field::CPPTYPE_FLOAT: {
+      const auto number = static_cast<float>(to_number(held));
+      if (!std::isfinite(number))
+        fail(describe_found(held), "a number that single precision holds");
+      return put(&R::SetFloat, &R::AddFloat, number);
+    }
+    case Field::CPPTYPE_BOOL:
+      return put(&R::SetBool, &R::AddBool, to_integer(held, 0, 1) != 0);
+    case Field::CPPTYPE_INT32:
+      return put(&R::SetInt32, &R::AddInt32,
+                 static_cast<int32_t>(to_integer(held, std::numeric_limits<int32_t>::min(),
+                                                 std::numeric_limits<int32_t>::max())));
+    case Field::CPPTYPE_UINT32:
+      return put(&R::SetUInt32, &R::AddUInt32,
+                 static_cast<uint32_t>(to_integer(held, 0, std::numeric_limits<uint32_t>::max())));
+    case Field::CPPTYPE_ENUM: {
+      std::string name = lower_case(to_text(held)), names;
+      std::replace(name.begin(), name.end(), '-', '_');
+      for (int i = 0; i < field.enum_type()->value_count(); ++i) {
+        const pb::EnumValueDescriptor& value = *field.enum_type()->value(i);
+        if (python_name(value) == name)
+          return put(&R::SetEnumValue, &R::AddEnumValue, value.number());
+      }
+      std::vector<std::string> known;
+      for (int i = 0; i < field.enum_type()->value_count(); ++i) {
+        known.push_back(python_name(*field.enum_type()->value(i)));
+      }
+      fail(describe_found(held),
+           fmt::format("one of {}{}", fmt::join(known, ", "), suggestion(name, known)));
+    }
+    case Field::CPPTYPE_STRING:
+      return put(&R::SetString, &R::AddString,
+                 named_type(field) ? name_of(held, field) : to_text(held));
+    default:
+      read_message(held, field,
+                   field.is_repeated() ? *of.AddMessage(&message, &field)
+                                       : *of.MutableMessage(&message, &field));
+  }
+}
+
+void ValueReader::read_message(py::handle held, const Field& field, Message& message) {
+  const pb::Descriptor* type = field.message_type();
+  if (type == v1::Vec3::descriptor() || type == v1::Vec2::descriptor()) {
+    read_numbers(held, message);
+  } else if (type == v1::Color::descriptor()) {
+    read_numbers(py::isinstance<py::str>(held) ? parts().color(held)
+                                               : py::reinterpret_borrow<py::object>(held),
+                 message);
+  } else if (type == v1::ColorInput::descriptor() || type == v1::FloatInput::descriptor()) {
+    read_input(held, message);
+  } else if (type == v1::BlobRef::descriptor()) {
+    read_array(held, field, static_cast<v1::BlobRef&>(message));
+  } else if (type == v1::Node::descriptor()) {
+    read_node(held, static_cast<v1::Node&>(message));
+  } else {
+    read(held, message);
+  }
+}
+
+/// A colour, a number, a texture; or the value that says all of it.
+void ValueReader::read_input(py::handle held, Message& message) {
+  const ValueClass* made = find_value_class(held);
+  if (made && made->message == message.GetDescriptor()) return read(held, message);
+  const bool is_color = message.GetDescriptor() == v1::ColorInput::descriptor();
+  py::object texture = py::reinterpret_borrow<py::object>(held);
+  if (!made && is_picture(held)) {
+    texture = parts().texture_from(held);
+    made_here_.push_back(texture);
+    made = find_value_class(texture);
+  }
+  const pb::Descriptor* type = message.GetDescriptor();
+  if (made && made->message == v1::Texture::descriptor()) {
+    message.GetReflection()->SetString(&message, type->FindFieldByName("texture"),
+                                       collect(texture, *made));
+  } else if (made) {
+    fail(describe_found(held), is_color ? "a colour or a Texture" : "a number or a Texture");
+  } else {
+    read_one(held, *type->FindFieldByName("value"), message);
+  }
+}
+
+void ValueReader::read_numbers(py::handle held, Message& message) {
+  const pb::Descriptor& type = *message.GetDescriptor();
+  PyObject* fast = py::isinstance<py::str>(held) ? nullptr : PySequence_Fast(held.ptr(), "");
+  if (!fast) fail(describe_found(held), fmt::format("{} numbers", type.field_count()));
+  const auto items = py::reinterpret_steal<py::object>(fast);
+  if (PySequence_Fast_GET_SIZE(fast) != type.field_count()) {
+    fail(fmt::format("{} numbers", PySequence_Fast_GET_SIZE(fast)),
+         fmt::format("{}", type.field_count()));
+  }
+  double numbers[3] = {};
+  for (int i = 0; i < type.field_count(); ++i) {
+    if (i >= PySequence_Fast_GET_SIZE(fast)) fail("a sequence that changes", "numbers");
+    const auto item = py::reinterpret_borrow<py::object>(PySequence_Fast_GET_ITEM(fast, i));
+    numbers[i] = to_number(item);
+  }
+  if (&type == v1::Vec3::descriptor()) {
+    auto& vector = static_cast<v1::Vec3&>(message);
+    vector.set_x(numbers[0]), vector.set_y(numbers[1]), vector.set_z(numbers[2]);
+  } else if (&type == v1::Color::descriptor()) {
+    auto& color = static_cast<v1::Color&>(message);
+    color.set_r(numbers[0]), color.set_g(numbers[1]), color.set_b(numbers[2]);
+  } else {
+    auto& vector = static_cast<v1::Vec2&>(message);
+    vector.set_x(numbers[0]), vector.set_y(numbers[1]);
+  }
+}
+
+void ValueReader::read_array(py::handle held, const Field& field, v1::BlobRef& message) {
+  py::object array;
+  try {
+    array = take_blob_array(held, field.name());
+  } catch (const std::exception& error) {
+    fail(error.what(), "");
+  }
+  const auto [digest, bytes] = blob_of(array.cast<const Array&>());
+  blobs_.put(digest, bytes);
+  message.set_digest(digest.hex());
+  message.set_size(bytes->size());
+}
+
+void ValueReader::read_node(py::handle held, v1::Node& node) {
+  const ValueClass* made = find_value_class(held);
+  if (made && made->message == v1::Shape::descriptor()) {
+    read(held, *node.mutable_shape());
+    add_shape_transform(held, node);
+  } else if (made && made->message == v1::Light::descriptor()) {
+    read(held, *node.mutable_light());
+  } else if (made && made->message == v1::Object::descriptor()) {
+    node.set_instance_of(collect(held, *made));
+  } else {
+    read(held, node);
+  }
+}
+
+/// A shape's own transform acts first, then that of its node. A billboard turns between them.
+void ValueReader::add_shape_transform(py::handle shape, v1::Node& node) {
+  const ValueClass& made = *find_value_class(shape);
+  const py::object held = get_slot(made.field("transform"), shape);
+  if (held.is_none()) return;
+  v1::Transform transform;
+  read(held, transform);
+  if (transform.steps().empty()) return;
+  if (node.has_billboard_axis()) {
+    v1::Node& child = *node.add_children();
+    child.mutable_shape()->Swap(node.mutable_shape());
+    node.clear_shape();
+    *child.mutable_transform() = transform;
+    return;
+  }
+  for (v1::TransformKey& key : *node.mutable_keys()) {
+    key.mutable_transform()->MergeFrom(transform);
+  }
+  if (node.keys().empty()) node.mutable_transform()->MergeFrom(transform);
+}
+
+void ValueReader::read_instances(py::handle instances, const Field& field, Message& message) {
+  const py::object object = instances.attr("object"), names = instances.attr("names");
+  const ValueClass* made = find_value_class(object);
+  const std::string name = made ? collect(object, *made) : to_text(object);
+  const py::object transforms = instances.attr("transforms");
+  const Array& matrices = transforms.cast<const Array&>();
+  const auto* numbers = static_cast<const double*>(matrices.data());
+  for (py::ssize_t i = 0; i < matrices.shape()[0]; ++i, numbers += 12) {
+    auto& node = static_cast<v1::Node&>(*message.GetReflection()->AddMessage(&message, &field));
+    node.set_instance_of(name);
+    if (!names.is_none()) node.set_name(to_text(names[py::int_(i)]));
+    auto& rows = *node.mutable_transform()->add_steps()->mutable_matrix()->mutable_rows();
+    rows.Reserve(12);
+    rows.Add(numbers, numbers + 12);
+  }
+}
+
+/// A material, texture or object of the scene's own lists.
+void ValueReader::read_member(py::handle held, const Field& field) {
+  const ValueClass* made = find_value_class(held);
+  if (!made || made->message != field.message_type()) {
+    fail(describe_found(held), fmt::format("a {}", field.message_type()->name()));
+  }
+  collect(held, *made);
+}
+
+double ValueReader::to_number(py::handle held) const {
+  if (PyFloat_CheckExact(held.ptr())) {
+    const double number = PyFloat_AS_DOUBLE(held.ptr());
+    if (!std::isfinite(number)) fail(describe_found(held), "a finite number");
+    return number;
+  }
+  const double number = PyFloat_AsDouble(held.ptr());
+  if (number == -1 && PyErr_Occurred()) fail(describe_found(held), "a number");
+  if (!std::isfinite(number)) fail(describe_found(held), "a finite number");
+  return number;
+}
+
+int64_t ValueReader::to_integer(py::handle held, int64_t least, int64_t most) const {
+  const bool is_truth = least == 0 && most == 1;
+  const std::string expected =
+      is_truth ? "True or False" : fmt::format("a whole number from {} to {}", least, most);
+  py::object whole;
+  if (is_truth && std::string(Py_TYPE(held.ptr())->tp_name) == "numpy.bool_") {
+    whole = py::int_(PyObject_IsTrue(held.ptr()));
+  } else {
+    whole = py::reinterpret_steal<py::object>(PyNumber_Index(held.ptr()));
+  }
+  if (!whole) fail(describe_found(held), expected);
+  int overflow = 0;
+  const long long number = PyLong_AsLongLongAndOverflow(whole.ptr(), &overflow);
+  if (overflow || number < least || number > most) fail(describe_found(held), expected);
+  return number;
+}
+
+std::string ValueReader::to_text(py::handle held) const {
+  py::ssize_t size = 0;
+  const char* text =
+      PyUnicode_Check(held.ptr()) ? PyUnicode_AsUTF8AndSize(held.ptr(), &size) : nullptr;
+  if (!text) fail(describe_found(held), "text");
+  return {text, static_cast<size_t>(size)};
+}
+
+std::string ValueReader::name_of(py::handle held, const Field& field) {
+  const pb::Descriptor* type = named_type(field);
+  const ValueClass* made = find_value_class(held);
+  if (made && made->message == type) return collect(held, *made);
+  if (!PyUnicode_Check(held.ptr())) {
+    fail(describe_found(held), fmt::format("a {} or the name of one", type->name()));
+  }
+  return to_text(held);
+}
+
+std::string ValueReader::collect(py::handle thing, const ValueClass& made) {
+  Collection& collection = collections_[made.message];
+  const auto known = collection.name_of.find(thing.ptr());
+  const py::object own_name = get_slot(made.field("name"), thing);
+  if (known != collection.name_of.end()) {
+    if (known->second.empty() && own_name.is_none())
+      fail("it refers to itself", "a name, to do so");
+    return known->second.empty() ? to_text(own_name) : known->second;
+  }
+  collection.name_of[thing.ptr()] = "";
+  // The list's element is made at last, since what is read may add others.
+  const std::unique_ptr<Message> message(
+      pb::MessageFactory::generated_factory()->GetPrototype(made.message)->New());
+  read(thing, *message);
+  const pb::Reflection& of = *message->GetReflection();
+  const Field* name_field = made.message->FindFieldByName("name");
+  std::string name = of.GetString(*message, name_field);
+  if (name.empty()) {
+    constexpr size_t kDigits = 12;
+    name = fmt::format("{} {}", lower_case(made.message->name()),
+                       Digest::of(bytes_of(*message)).hex().substr(0, kDigits));
+    of.SetString(message.get(), name_field, name);
+  }
+  std::string bytes = bytes_of(*message);
+  collection.name_of[thing.ptr()] = name;
+  const auto [named, is_new] = collection.by_name.try_emplace(name, bytes);
+  if (!is_new && named->second != bytes) {
+    fail(fmt::format("two {}s named '{}' that are not equal", lower_case(made.message->name()),
+                     name),
+         "each name once");
+  }
+  if (is_new) {
+    const Field* list = list_of(made.message);
+    scene_.GetReflection()->AddMessage(&scene_, list)->CopyFrom(*message);
+  }
+  return name;
+}
+
+}  // namespace tessera

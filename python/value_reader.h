@@ -1,0 +1,73 @@
+#pragma once
+
+#include <google/protobuf/message.h>
+#include <pybind11/pybind11.h>
+
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "proto/tessera/v1/scene.pb.h"
+#include "proto/wire/blob_store.h"
+#include "python/value_classes.h"
+
+namespace tessera {
+
+/// Makes the description of a scene from Python values. Whatever does not fit is told as a
+/// SceneError with the way to it ("nodes[3].shape.radius") and where the value was made. Needs the
+/// GIL.
+///
+/// Materials, textures and objects may stand where their names are wanted. Each is put into the
+/// scene's list when first met; equal ones once; one without a name is named by its digest, so that
+/// the same script makes the same scene.
+class ValueReader {
+ public:
+  ValueReader(v1::Scene& scene, BlobStore& blobs) : scene_(scene), blobs_(blobs) {}
+
+  /// Fills `message` from a value of its class.
+  void read(pybind11::handle value, google::protobuf::Message& message);
+
+ private:
+  using Field = google::protobuf::FieldDescriptor;
+  using Message = google::protobuf::Message;
+  struct Step {
+    const std::string* name;
+    pybind11::ssize_t index;  ///< -1: none
+  };
+  /// Materials, textures or objects that were met.
+  struct Collection {
+    std::unordered_map<PyObject*, std::string> name_of;    ///< empty while it is being read
+    std::unordered_map<std::string, std::string> by_name;  ///< the message in bytes
+  };
+  class Within;
+
+  [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
+  void read_fields(pybind11::handle value, const ValueClass& made, Message& message);
+  void read_field(pybind11::handle held, const Field& field, Message& message);
+  void read_list(pybind11::handle held, const Field& field, Message& message);
+  void read_map(pybind11::handle held, const Field& field, Message& message);
+  void read_one(pybind11::handle held, const Field& field, Message& message);
+  void read_message(pybind11::handle held, const Field& field, Message& message);
+  void read_input(pybind11::handle held, Message& message);
+  void read_numbers(pybind11::handle held, Message& message);
+  void read_array(pybind11::handle held, const Field& field, v1::BlobRef& message);
+  void read_node(pybind11::handle held, v1::Node& node);
+  void add_shape_transform(pybind11::handle shape, v1::Node& node);
+  void read_instances(pybind11::handle instances, const Field& field, Message& message);
+  void read_member(pybind11::handle held, const Field& field);
+  double to_number(pybind11::handle held) const;
+  int64_t to_integer(pybind11::handle held, int64_t least, int64_t most) const;
+  std::string to_text(pybind11::handle held) const;
+  /// The name of a material, texture or object that stands where `field` wants one.
+  std::string name_of(pybind11::handle held, const Field& field);
+  std::string collect(pybind11::handle thing, const ValueClass& made);
+
+  v1::Scene& scene_;
+  BlobStore& blobs_;
+  std::vector<Step> path_;
+  std::vector<pybind11::handle> values_;  ///< those being read, the outermost first
+  std::unordered_map<const google::protobuf::Descriptor*, Collection> collections_;
+  std::vector<pybind11::object> made_here_;  ///< keeps alive what name_of has addresses of
+};
+
+}  // namespace tessera
