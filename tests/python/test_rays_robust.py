@@ -249,6 +249,26 @@ except KeyboardInterrupt:
 """
 
 
+def test_a_scene_gives_its_tracer():
+    scene = ts.Scene()
+    scene.add(ts.Sphere(radius=2.0), name="ball")
+    hits = scene.tracer().intersect([[0, 0, 9], [0, 3, 9]], [0, 0, -1])
+    assert hits.t.tolist() == [7, float("inf")] and hits.name(0) == "ball"
+    with pytest.raises(ts.UsageError, match="geometry_only"):
+        scene.tracer(geometry_only=False)
+
+
+def test_memory_is_that_of_inputs_and_results():
+    code = ("import resource, numpy as np\nfrom tessera.rays import tracer_from_scene\n"
+            "t = tracer_from_scene('nodes { shape { sphere { } } }')\n"
+            "o = np.ones((10_000_000, 3)); t.intersect(o[:9000], [0, 0, 1])\n"
+            "peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024\n"
+            "before = peak(); hits = t.intersect(o, [0, 0, 1], fields=('t', 'primitive'))\n"
+            "print(peak() - before - hits.t.nbytes - hits.primitive.nbytes)")
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    assert int(shown.stdout) <= 32 * 2**20, shown
+
+
 def test_ctrl_c_ends_a_query():
     shown = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True,
                            timeout=60)
