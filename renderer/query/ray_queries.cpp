@@ -109,7 +109,12 @@ bool RayQueries::closest_hits(const RayBatch& rays, const HitArrays& out,
     TraversalCounters counters;
     for (; begin < end; begin += kTogether) {
       const size_t count = std::min(kTogether, end - begin);
-      for (size_t k = 0; k < count; ++k) some[k] = checked_ray(rays, begin + k), hits[k] = {};
+      for (size_t k = 0; k < count; ++k) {
+        some[k] = checked_ray(rays, begin + k);
+        hits[k] = {};
+        rays.origins.prefetch(begin + kTogether + k);
+        rays.directions.prefetch(begin + kTogether + k);
+      }
       if (surfaces && go_together({some, count}, reach_))
         surfaces->closest_hits({some, count}, {hits, count}, counters);
       else if (surfaces)

@@ -232,11 +232,13 @@ def test_names_materials_and_attributes_are_those_of_the_scene():
     assert tracer.statistics["instances"] == 2
 
 
+#: A query that would take minutes.
 INTERRUPTED = """
 import numpy as np, os, signal, threading, time
 from tessera.rays import tracer_from_mesh
 random = np.random.default_rng(0)
-tracer = tracer_from_mesh(random.normal(size=(3000, 3)), np.arange(3000).reshape(-1, 3), accel="linear")
+points = random.normal(size=(60_000, 3))
+tracer = tracer_from_mesh(points, np.arange(60_000).reshape(-1, 3), accel="linear")
 o = random.normal(size=(3_000_000, 3))
 threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
 try:
@@ -245,6 +247,26 @@ try:
 except KeyboardInterrupt:
     print("interrupted", tracer.intersect(o[:9], -o[:9]).t.shape)
 """
+
+
+def test_a_scene_gives_its_tracer():
+    scene = ts.Scene()
+    scene.add(ts.Sphere(radius=2.0), name="ball")
+    hits = scene.tracer().intersect([[0, 0, 9], [0, 3, 9]], [0, 0, -1])
+    assert hits.t.tolist() == [7, float("inf")] and hits.name(0) == "ball"
+    with pytest.raises(ts.UsageError, match="geometry_only"):
+        scene.tracer(geometry_only=False)
+
+
+def test_memory_is_that_of_inputs_and_results():
+    code = ("import resource, numpy as np\nfrom tessera.rays import tracer_from_scene\n"
+            "t = tracer_from_scene('nodes { shape { sphere { } } }')\n"
+            "o = np.ones((10_000_000, 3)); t.intersect(o[:9000], [0, 0, 1])\n"
+            "peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024\n"
+            "before = peak(); hits = t.intersect(o, [0, 0, 1], fields=('t', 'primitive'))\n"
+            "print(peak() - before - hits.t.nbytes - hits.primitive.nbytes)")
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    assert int(shown.stdout) <= 32 * 2**20, shown
 
 
 def test_ctrl_c_ends_a_query():
