@@ -14,7 +14,7 @@ red = ts.Classic(diffuse="red", sides="front_only")
 node = scene.add(ts.Sphere((0, 0, 0), 1.0, material=red), transform=ts.translate(1, 2, 3), name="ball")
 scene.add(ts.PointLight((3, 4, 5), intensity=2), ts.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)]))
 scene.camera = ts.Camera.look_at((0, 0, 5), (0, 0, 0), fov=40, lens=ts.Lens(radius=.1, focus=5))
-scene.background = ts.Background.solid("skyblue")
+scene.background = ts.Background(glow=.5)
 solid: ts.Csg = ts.Sphere() - ts.Box()
 digest: str = scene.digest
 '''
