@@ -88,13 +88,24 @@ class Package(TesseraTest):
         self.assertEqual(0, worker.wait(60))
 
     def test_2_with_openimageio_it_writes_exr(self):
-        self.assertEqual(2, len(self.debs))
+        self.assertEqual(3, len(self.debs))
         self.install(self.debs[1])
         self.inside("tessera", "render", SCENE, "--quiet", "-o", "/srv/knot.exr")
         self.assertGreater((self.root / "srv/knot.exr").stat().st_size, 10000)
 
-    def test_3_removed_it_leaves_nothing(self):
-        self.inside("apt-get", "purge", "-q", "-y", "tessera", "tessera-openimageio")
+    def test_3_python_uses_the_installed_program(self):
+        self.install(self.debs[2])
+        package = self.root / "usr/lib/python3/dist-packages/tessera"
+        self.assertTrue(list(package.glob("__pycache__/__init__.*.pyc")), "postinst compiles to byte code")
+        core, = package.glob("_core.*.so")
+        self.assertLessEqual(core.stat().st_size, 12 * 2**20)
+        shown = self.inside("python3", "-c", "import sys, tessera as ts; print(ts.program(), ts.__version__)")
+        version = self.inside("tessera", "--version")
+        self.assertEqual(["/usr/lib/tessera/tessera", version.split()[1]], shown.split())
+        self.assertEqual(version, self.inside("python3", "-m", "tessera", "--version"))
+
+    def test_4_removed_it_leaves_nothing(self):
+        self.inside("apt-get", "purge", "-q", "-y", "tessera", "tessera-openimageio", "python3-tessera")
         left = [path for folder in ("usr", "etc", "lib") for path in (self.root / folder).rglob("*tessera*")]
         self.assertEqual([], left)
 
@@ -103,6 +114,7 @@ class Package(TesseraTest):
             print("SKIPPED: lintian is not installed", flush=True)
             self.skipTest("no lintian")
         print(self.run_step("lintian", "--fail-on", "error", *self.debs), flush=True)
+        self.run_step("lintian", "--fail-on", "error,warning", self.debs[2])
 
 
 if not PACKAGES:

@@ -1,0 +1,208 @@
+"""Renders that go on by themselves, and who traces them."""
+import asyncio
+import io
+import pathlib
+import threading
+import warnings
+
+import numpy as np
+import pytest
+
+import tessera as ts
+
+SAMPLES = pathlib.Path(__file__).parents[2] / "scenes" / "samples"
+KNOT = SAMPLES / "knot.tessera"
+SMALL = {"size": (60, 40)}
+
+
+@pytest.fixture(scope="module")
+def threads():
+    with ts.Threads(2) as farm:
+        yield farm
+
+
+@pytest.fixture(scope="module")
+def expected(threads):
+    return ts.render(KNOT, farm=threads, **SMALL)
+
+
+def endless(threads):
+    """A render that nobody waits for."""
+    return ts.render(KNOT, farm=threads, spp=1 << 20, size=(600, 400), wait=False)
+
+
+def test_a_task_has_the_picture_of_a_render(threads, expected):
+    task = ts.render(KNOT, farm=threads, wait=False, **SMALL)
+    assert task.result() == expected
+    assert task.done() and task.progress.done == task.progress.total > 0
+
+
+def test_a_task_can_be_awaited_and_gathered(threads, expected):
+    async def both():
+        tasks = [ts.render(KNOT, farm=threads, wait=False, **SMALL) for _ in range(2)]
+        return await asyncio.gather(*tasks)
+
+    assert asyncio.run(both()) == [expected, expected]
+
+
+def test_cancelling_what_awaits_it_cancels_the_job(threads):
+    async def cancelled():
+        task = endless(threads)
+        waiting = asyncio.ensure_future(task._wait_async())
+        await asyncio.sleep(.1)
+        waiting.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await waiting
+        with pytest.raises(ts.Cancelled):
+            task.result(10)
+
+    asyncio.run(cancelled())
+
+
+def test_cancel_keeps_what_was_done(threads):
+    task = ts.render(KNOT, farm=threads, size=(800, 600), spp=64, wait=False)
+    for progress in task:
+        if progress.done > 3:
+            task.cancel()
+    with pytest.raises(ts.Cancelled) as caught:
+        task.result(10)
+    assert caught.value.code == 4 and caught.value.image.linear.any()
+
+
+def test_a_block_that_is_left_cancels_it(threads):
+    with endless(threads) as task:
+        assert not task.done()
+    assert task.done()
+
+
+def test_a_timeout_leaves_it_running(threads, expected):
+    with endless(threads) as task:
+        with pytest.raises(TimeoutError, match="not done after 0.05 s"):
+            task.result(.05)
+        assert not task.done()
+    assert ts.render(KNOT, farm=threads, **SMALL) == expected
+
+
+def test_a_snapshot_has_the_pixels_that_are_done(threads):
+    tiles = []
+    task = ts.render(KNOT, farm=threads, size=(200, 200), spp=16, wait=False)
+    for _ in task:
+        picture = task.snapshot()
+        if picture is not None:
+            tiles.append(np.count_nonzero(picture.linear.any(axis=2)))
+    whole = task.result()
+    assert tiles and tiles == sorted(tiles)
+    assert task.snapshot() == whole
+
+
+def test_on_tile_is_told_each_tile_once(threads):
+    seen = np.zeros((90, 130), int)
+
+    def on_tile(rect, so_far):
+        seen[rect.y0:rect.y1, rect.x0:rect.x1] += 1
+        assert so_far.width == 130
+
+    ts.render(KNOT, farm=threads, size=(130, 90), on_tile=on_tile)
+    assert (seen == 1).all()
+
+
+@pytest.mark.parametrize("which", ["progress", "on_tile"])
+def test_an_exception_in_a_callback_cancels_the_render(threads, expected, which):
+    def fails(*_):
+        raise ZeroDivisionError("mine")
+
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        ts.render(KNOT, farm=threads, size=(600, 400), spp=1 << 20, **{which: fails})
+    assert ts.render(KNOT, farm=threads, **SMALL) == expected
+
+
+def test_progress_is_told_to_a_function_and_to_a_bar(threads):
+    told = []
+    ts.render(KNOT, farm=threads, progress=told.append, **SMALL)
+    assert told[-1].done == told[-1].total > 0
+    from tqdm import tqdm
+    with tqdm(file=io.StringIO()) as bar:
+        ts.render(KNOT, farm=threads, progress=bar, **SMALL)
+        assert bar.n == bar.total == told[-1].total
+    ts.render(KNOT, farm=threads, progress=True, **SMALL)
+    with pytest.raises(TypeError, match="expected True, a function or a bar"):
+        ts.render(KNOT, farm=threads, progress=3, **SMALL)
+
+
+def test_a_closed_farm_is_told(expected):
+    farm = ts.Threads(1)
+    assert ts.render(KNOT, farm=farm, **SMALL) == expected
+    farm.close()
+    farm.close()
+    with pytest.raises(RuntimeError, match="closed"):
+        ts.render(KNOT, farm=farm, **SMALL)
+
+
+def test_closing_a_farm_cancels_its_tasks():
+    farm = ts.Threads(1)
+    task = endless(farm)
+    farm.close()
+    with pytest.raises(ts.Cancelled):
+        task.result(10)
+
+
+def test_a_farm_that_is_forgotten_warns():
+    farm = ts.Threads(1)
+    with pytest.warns(ResourceWarning, match="not closed"):
+        del farm
+
+
+def test_several_threads_share_a_farm(threads, expected):
+    got = []
+    callers = [threading.Thread(target=lambda: got.append(ts.render(KNOT, farm=threads, **SMALL)))
+               for _ in range(6)]
+    for caller in callers:
+        caller.start()
+    for caller in callers:
+        caller.join()
+    assert got == [expected] * 6
+
+
+def test_worker_processes_are_kept(expected):
+    with ts.LocalFarm(2) as farm:
+        first = ts.render(KNOT, farm=farm, **SMALL)
+        second = ts.render(KNOT, farm=farm, **SMALL)
+    assert first == second == expected
+    assert first.stats["bytes"]["scene"] > 10_000 > second.stats["bytes"]["scene"]
+
+
+@pytest.mark.parametrize("wrong, message", [
+    ({"spp": 0}, "spp: '0'; expected a whole number"),
+    ({"min_spp": 4}, "min_spp: is for target_error"),
+    ({"accel": "bvj"}, "did you mean 'bvh'"),
+    ({"crop": (0, 0, 2000, 1)}, "crop: reaches beyond"),
+    ({"frame": 1, "time": 2.}, "time: a frame has its own instant"),
+    ({"workers": -1}, "workers: -1; expected a whole number from 1 to 1024"),
+    ({"threads": 0}, "threads: 0; expected a whole number from 1 to 1024"),
+    ({"verify": 2.}, "verify: 2.0; expected a share"),
+    ({"camera": "nobody"}, "camera: 'nobody' is not in the scene"),
+    ({"size": (0, 1)}, "size: 0x1; expected sides from 1"),
+])
+def test_wrong_keywords_are_named_as_python_has_them(wrong, message):
+    with pytest.raises(ts.UsageError) as caught:
+        ts.render(KNOT, **wrong)
+    assert message in str(caught.value) and "--" not in str(caught.value)
+    assert isinstance(caught.value, ValueError) and caught.value.code == 2
+
+
+def test_an_unknown_keyword_is_a_type_error():
+    with pytest.raises(TypeError, match="samples"):
+        ts.render(KNOT, samples=3)
+
+
+def test_a_missing_file_is_told():
+    with pytest.raises(FileNotFoundError) as caught:
+        ts.render("nowhere.tessera", workers=0)
+    assert isinstance(caught.value, ts.SceneError) and "nowhere.tessera" in str(caught.value)
+
+
+def test_nothing_is_printed_or_warned(capfd, expected):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert ts.render(KNOT, workers=0, **SMALL) == expected
+    assert capfd.readouterr() == ("", "")
