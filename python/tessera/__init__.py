@@ -2,8 +2,16 @@
 from . import _loading
 
 _loading.check()  # Before anything else loads the extension module.
-from . import _messages, compat
-from ._messages import *  # Before what stands over some of its classes.
+from . import compat
+from ._messages import (Attenuation, AxisAngle, BackgroundCube, BackgroundGradient,
+                        BackgroundPanorama, BackgroundRings, BackgroundSunAndSky, BeamLight,
+                        Box, CheckerTexture, Classic, ColorInput, Conductor, Cone, Csg,
+                        Cylinder, Dielectric, DirectionalLight, Disc, FloatInput, Fog, Frames,
+                        GradientTexture, HalfPlane, Include, IntegratorSettings, Light, LookAt,
+                        Material, Matrix, Metadata, Node, NoiseTexture, Object, Orthographic,
+                        Output, Panoramic, Perspective, Physical, PointLight, Polygon,
+                        Rectangle, Sampling, Settings, Shape, Sphere, SpotLight, Texture, Torus,
+                        TransformKey, TransformStep, Unlit)
 from ._colors import Color, color, hsl
 from ._core import Array, Vec, version as __version__
 from ._graph import Instances
@@ -24,7 +32,58 @@ from .rendering import LocalFarm, Progress, Task, Threads, render
 from .scene import Scene, Summary
 
 __all__ = [
-    *_messages.__all__,
+    "Attenuation",
+    "AxisAngle",
+    "BackgroundCube",
+    "BackgroundGradient",
+    "BackgroundPanorama",
+    "BackgroundRings",
+    "BackgroundSunAndSky",
+    "BeamLight",
+    "Box",
+    "CheckerTexture",
+    "Classic",
+    "ColorInput",
+    "Conductor",
+    "Cone",
+    "Csg",
+    "Cylinder",
+    "Dielectric",
+    "DirectionalLight",
+    "Disc",
+    "FloatInput",
+    "Fog",
+    "Frames",
+    "GradientTexture",
+    "HalfPlane",
+    "Include",
+    "IntegratorSettings",
+    "Light",
+    "LookAt",
+    "Material",
+    "Matrix",
+    "Metadata",
+    "Node",
+    "NoiseTexture",
+    "Object",
+    "Orthographic",
+    "Output",
+    "Panoramic",
+    "Perspective",
+    "Physical",
+    "PointLight",
+    "Polygon",
+    "Rectangle",
+    "Sampling",
+    "Settings",
+    "Shape",
+    "Sphere",
+    "SpotLight",
+    "Texture",
+    "Torus",
+    "TransformKey",
+    "TransformStep",
+    "Unlit",
     "AllHits",
     "Array",
     "Background",
