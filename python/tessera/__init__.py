@@ -5,13 +5,15 @@ _loading.check()  # Before anything else loads the extension module.
 from . import _messages, compat
 from ._messages import *  # first: some of its classes have others of the same name over them
 from ._colors import Color, color, hsl
-from ._core import Array, Vec, version as __version__
+from ._core import Array, Vec, solve_quadratic, version as __version__
 from ._graph import Instances
 from ._load import load, load_dict
 from ._mesh import Mesh
+from ._nodes import Node
 from ._program import program
-from ._shapes import Plane
+from ._shapes import Box, Plane, Rectangle, Triangle
 from ._textures import ImageTexture
+from ._toolbox import LIGHT_1, LIGHT_2, Classic, reflect
 from ._transforms import Transform, keys, look_at, matrix, rotate, scale, translate
 from ._value import Value
 from ._view import Background, Camera, Lens
@@ -26,8 +28,9 @@ from .scene import Scene, Summary
 __all__ = [
     *_messages.__all__,
     "AllHits", "Array", "Background", "Camera", "Cancelled", "Color", "Error", "Farm", "FarmError",
-    "Hits", "Image", "ImageTexture", "Instances", "Job", "Lens", "LocalFarm", "Mesh", "Metrics",
-    "MissingFile", "Plane", "PrecisionWarning", "Progress", "Rect", "Refused", "RenderError",
-    "Scene", "SceneError", "SceneWarning", "Summary", "Task", "Threads", "Tracer", "Transform",
-    "UsageError", "Value", "Vec", "color", "compare", "compat", "hsl", "keys", "load", "load_dict",
-    "look_at", "matrix", "program", "read_image", "render", "rotate", "scale", "translate"]
+    "Hits", "Image", "ImageTexture", "Instances", "Job", "LIGHT_1", "LIGHT_2", "Lens", "LocalFarm",
+    "Mesh", "Metrics", "MissingFile", "Plane", "PrecisionWarning", "Progress", "Rect", "Refused",
+    "RenderError", "Scene", "SceneError", "SceneWarning", "Summary", "Task", "Threads", "Tracer",
+    "Transform", "Triangle", "UsageError", "Value", "Vec", "color", "compare", "compat", "hsl",
+    "keys", "load", "load_dict", "look_at", "matrix", "program", "read_image", "reflect", "render",
+    "rotate", "scale", "solve_quadratic", "translate"]
