@@ -10,6 +10,7 @@ void bind_errors(pybind11::module_& module);
 void bind_mesh_arrays(pybind11::module_& module);
 void bind_value_base(pybind11::module_& module);
 void bind_vec(pybind11::module_& module);
+void bind_quadratic(pybind11::module_& module);
 void bind_arrays(pybind11::module_& module);
 void bind_scene(pybind11::module_& module);
 void bind_load(pybind11::module_& module);

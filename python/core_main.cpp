@@ -18,6 +18,7 @@ void fill(py::module_& module) {
   tessera::bind_mesh_arrays(module);
   tessera::bind_value_base(module);
   tessera::bind_vec(module);
+  tessera::bind_quadratic(module);
   tessera::bind_scene(module);
   tessera::bind_load(module);
   tessera::bind_transforms(module);

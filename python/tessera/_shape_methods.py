@@ -1,14 +1,16 @@
 """What all shapes can do."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, List, Optional, Union
+from typing import TYPE_CHECKING, List, Optional, Union
+
+from ._placing import Placed
 
 if TYPE_CHECKING:
-    from ._messages import Csg, Material, Shape
+    from ._messages import Material
 
 
-class ShapeMethods:
-    """Operators and properties of every Shape."""
+class ShapeMethods(Placed):
+    """Properties of every Shape; what Nodes have too is in `Placed`."""
 
     __slots__ = ()
     if TYPE_CHECKING:
@@ -22,17 +24,3 @@ class ShapeMethods:
     @material.setter
     def material(self, material: Optional[Union[str, Material]]) -> None:
         self.materials = [] if material is None else [material]
-
-    def __or__(self, other: Shape) -> Csg:
-        return _combined("union", self, other)
-
-    def __and__(self, other: Shape) -> Csg:
-        return _combined("intersection", self, other)
-
-    def __sub__(self, other: Shape) -> Csg:
-        return _combined("difference", self, other)
-
-
-def _combined(operation: Any, a: Any, b: Any) -> Any:
-    from ._messages import Csg, Shape
-    return Csg(operation, [a, b]) if isinstance(b, Shape) else NotImplemented

@@ -1,11 +1,15 @@
 """Shapes by other means than their fields."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Sequence, Union
 
 from . import _messages
 from ._core import Vec
+from ._mesh import Mesh
+from ._transforms import matrix
 from ._types import VectorLike
+from ._value import here
+from .errors import SceneError
 
 
 class Plane(_messages.Plane):
@@ -19,3 +23,100 @@ class Plane(_messages.Plane):
         corner = Vec(a)
         normal = (Vec(b) - corner).cross(Vec(c) - corner).normalized()
         return cls(normal, normal.dot(corner), **fields)
+
+
+class Rectangle(_messages.Rectangle):
+    """A parallelogram: corner + u edge_u + v edge_v, u and v in [0, 1].
+
+    The fields are those of the message; see `tessera._messages.Rectangle`. Lengths are metres.
+    """
+
+    __slots__ = ()
+
+    @classmethod
+    def from_corners(cls, a: VectorLike, b: VectorLike, c: VectorLike, d: VectorLike,
+                     **fields: Any) -> Union[Rectangle, _messages.Polygon]:
+        """The flat convex shape with four corners, which go round counter-clockwise seen from its
+        front: a Rectangle if they make a parallelogram, or else a Polygon.
+        """
+        corners = [Vec(corner) for corner in (a, b, c, d)]
+        _check_flat(corners)
+        a, b, c, d = corners
+        if (a + c - b - d).length <= _ROUNDING * max(p.length for p in corners):
+            made: Any = cls(a, b - a, d - a, **fields)
+        else:
+            made = _messages.Polygon(corners, **fields)
+        made._place = here()
+        return made
+
+
+class Box(_messages.Box):
+    """All points between the corners `min` and `max`.
+
+    The fields are those of the message; see `tessera._messages.Box`. Lengths are metres.
+    """
+
+    __slots__ = ()
+
+    @classmethod
+    def from_corners(cls, corners: Sequence[VectorLike], **fields: Any) -> Union[Box, Mesh]:
+        """The solid with eight corners: four that go round one face, and opposite to each, in the
+        same order, those of the other face. A Box if they make a parallelepiped, or else a closed
+        Mesh in which each face is two triangles.
+        """
+        points = [Vec(corner) for corner in corners]
+        if len(points) != 8:
+            raise SceneError(f"corners: {len(points)}; expected 8")
+        a, b, c, d, e, f, g, h = points
+        u, v, w = b - a, d - a, e - a
+        size = max(p.length for p in points)
+        off = max((found - a - expected).length for found, expected in
+                  ((c, u + v), (f, u + w), (h, v + w), (g, u + v + w)))
+        # Six times the volume, of the pyramids over all faces to a.
+        volume = sum((points[i] - a).dot((points[j] - a).cross(points[k] - a))
+                     for i, j, k in _FACES)
+        extent = max((p - a).length for p in points)
+        if not abs(volume) > _ROUNDING * extent ** 3:
+            raise SceneError("corners: a body of no volume; expected two faces, one over the other")
+        if off > _ROUNDING * size:
+            faces = _FACES if volume > 0 else [(i, k, j) for i, j, k in _FACES]
+            made: Any = Mesh([tuple(p) for p in points], faces, closed=True, **fields)
+        elif all(sum(x != 0 for x in edge) == 1 for edge in (u, v, w)):
+            made = cls([min(xs) for xs in zip(a, g)], [max(xs) for xs in zip(a, g)], **fields)
+        else:
+            rows = [[u[i], v[i], w[i], a[i]] for i in range(3)]
+            made = cls((0, 0, 0), (1, 1, 1), **fields)
+            made.transform = matrix(rows) if made.transform is None else made.transform @ matrix(rows)
+        made._place = here()
+        return made
+
+
+def Triangle(a: VectorLike, b: VectorLike, c: VectorLike, **fields: Any) -> _messages.Polygon:
+    """The triangle with these corners, in metres, which go round counter-clockwise seen from its
+    front. Its edges belong to it. Many triangles are better one `Mesh`.
+    """
+    made = _messages.Polygon([Vec(a), Vec(b), Vec(c)], **fields)
+    made._place = here()
+    return made
+
+
+# Of a coordinate: what sums and differences of a few coordinates may be off by rounding.
+_ROUNDING = 2.0 ** -48
+# How far off its plane a polygon's corner may lie, of its extent: as the renderer has it.
+_FLATNESS = 1e-6
+# The faces of a box of eight corners, each as two triangles, counter-clockwise from outside where
+# (b - a, d - a, e - a) is right-handed.
+_FACES = [triangle for i, j, k, l in ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5),
+                                      (2, 3, 7, 6), (3, 0, 4, 7))
+          for triangle in ((i, j, k), (i, k, l))]
+
+
+def _check_flat(corners: Sequence[Vec]) -> None:
+    """Raises SceneError where a corner lies off the plane of the others."""
+    a, b, c, d = corners
+    area = (c - a).cross(d - b)
+    if area.length == 0:
+        raise SceneError("corners: they enclose no area; expected four that go round a flat one")
+    distance = abs(area.normalized().dot(b - a))
+    if distance > _FLATNESS * max((c - a).length, (d - b).length):
+        raise SceneError(f"corners: {distance:.3g} m off their plane; expected four in one plane")

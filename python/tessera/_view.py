@@ -1,9 +1,11 @@
 """Cameras, lenses and backgrounds by the words that scripts have for them."""
 from __future__ import annotations
 
+import math
 from typing import Any, Callable, Iterable, Literal, Optional, Tuple, Union
 
 from . import _messages
+from ._core import Vec
 from ._messages import (BackgroundCube, BackgroundGradient, BackgroundPanorama, BackgroundRings,
                         BackgroundSunAndSky, Perspective, Texture)
 from ._transforms import look_at
@@ -20,6 +22,17 @@ class Camera(_messages.Camera):
     """
 
     __slots__ = ()
+
+    @classmethod
+    def screen(cls, eye: VectorLike, centre: VectorLike, width: float, **fields: Any) -> Camera:
+        """A camera at `eye` that looks at `centre` through a screen half-way between them, `width`
+        metres wide and as high as the picture's shape makes it; up is (0, 0, 1).
+        """
+        distance = (Vec(centre) - Vec(eye)).length
+        angle = 2 * math.degrees(math.atan2(width, distance))
+        camera = cls.look_at(eye, centre, (0, 0, 1), angle, "horizontal", **fields)
+        camera._place = here()
+        return camera
 
     @classmethod
     def look_at(cls, eye: VectorLike, target: VectorLike, up: VectorLike = (0, 1, 0),

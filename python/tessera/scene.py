@@ -7,8 +7,9 @@ from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Opt
 
 from . import _core, _messages
 from ._graph import Instances, flat, with_material
-from ._messages import (Frames, Include, IntegratorSettings, Light, Material, Metadata, Node, Object,
+from ._messages import (Frames, Include, IntegratorSettings, Light, Material, Metadata, Object,
                         Output, Sampling, Settings, Shape, Texture, Fog)
+from ._nodes import Node
 from ._transforms import Transform
 from ._types import ArrayLike, ColorLike
 from ._value import here

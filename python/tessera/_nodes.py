@@ -1,0 +1,31 @@
+"""Nodes of the scene graph, with what they can do."""
+from __future__ import annotations
+
+from typing import Any
+
+from . import _messages
+from ._placing import Placed, _behind
+from ._value import here
+
+
+class Node(Placed, _messages.Node):
+    """A place in the scene graph, with a shape, a light, an instance or other nodes in it.
+
+    The fields are those of the message; see `tessera._messages.Node`. Lengths are metres.
+    """
+
+    __slots__ = ()
+
+    def _place_by(self, outer: Any) -> Node:
+        if not self.keys:
+            return super()._place_by(outer)
+        self.keys = [_messages.TransformKey(key.time, _behind(outer, key.transform))
+                     for key in self.keys]
+        return self
+
+    def _instance(self) -> Node:
+        if not self.children:
+            return super()._instance()
+        made = Node(self.name, instance_of=_messages.Object(nodes=[self.__copy__()]))
+        made._place = here()
+        return made

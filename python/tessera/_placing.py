@@ -1,0 +1,150 @@
+"""What shapes and nodes can both do: be moved, copied, mirrored, turned inside out, combined and hit."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Iterator, Optional, TypeVar
+
+from ._core import Vec
+from ._types import VectorLike
+
+if TYPE_CHECKING:
+    from ._messages import Csg, Plane, Transform
+    from .rays import Hits
+
+T = TypeVar("T", bound="Placed")
+
+
+class Placed:
+    """Methods of every Shape and Node. Those that move it change it in place and return it."""
+
+    __slots__ = ()
+    if TYPE_CHECKING:
+        transform: Optional[Transform]
+
+    def shift(self: T, v: VectorLike) -> T:
+        """Moves it by the vector `v`, in metres."""
+        from ._transforms import translate
+        return self._place_by(translate(v))
+
+    def reflect(self: T, point: VectorLike) -> T:
+        """Mirrors it through a point: p goes to 2 point - p. Its front stays its front."""
+        from ._transforms import scale, translate
+        return self._place_by(translate(Vec(point) * 2) @ scale(-1))
+
+    def mirror(self: T, plane: Plane) -> T:
+        """Mirrors it in a Plane. Its front stays its front."""
+        from ._transforms import matrix
+        normal, offset = _in_parent(plane)
+        rows = [[float(i == j) - 2 * normal[i] * normal[j] for j in range(3)] + [2 * offset * normal[i]]
+                for i in range(3)]
+        return self._place_by(matrix(rows))
+
+    def copy(self: T, v: VectorLike = (0, 0, 0)) -> T:
+        """Another one, moved by the vector `v`, in metres. What takes memory is stored once for both."""
+        return self._instance().shift(v)
+
+    def flip(self: T) -> T:
+        """Turns its normals to the other side, so that its front becomes its back."""
+        for name, held in _turned(self).items():
+            setattr(self, name, held)
+        return self
+
+    def intersect(self, origin: Any, direction: Any, **options: Any) -> Hits:
+        """The closest hits of rays with this alone; t counts lengths of the direction.
+
+        Each call builds what it needs anew: many rays are better given at once, as arrays
+        (..., 3). The options are those of `Tracer.intersect`.
+        """
+        from . import _messages
+        from .scene import Scene
+        names = {material for shape in _shapes(self) for material in shape.materials
+                 if isinstance(material, str)}
+        scene = Scene(nodes=[self], materials=[_messages.Classic(name=name) for name in sorted(names)])
+        hits: Hits = scene.tracer(threads=1).intersect(origin, direction, **options)
+        return hits
+
+    def __or__(self, other: Placed) -> Csg:
+        return _combined("union", self, other)
+
+    def __and__(self, other: Placed) -> Csg:
+        return _combined("intersection", self, other)
+
+    def __sub__(self, other: Placed) -> Csg:
+        return _combined("difference", self, other)
+
+    def _instance(self: T) -> T:
+        made: T = self.__copy__()  # type: ignore[attr-defined]
+        return made
+
+    def _place_by(self: T, outer: Transform) -> T:
+        """Puts `outer` behind its transforms."""
+        self.transform = _behind(outer, self.transform)
+        return self
+
+
+def _behind(outer: Any, inner: Any) -> Any:
+    return outer if inner is None else outer @ inner
+
+
+def _combined(operation: Any, a: Any, b: Any) -> Any:
+    from ._messages import Csg
+    return Csg(operation, [a, b]) if isinstance(b, Placed) else NotImplemented
+
+
+def _in_parent(plane: Any) -> Any:
+    """The unit normal of a plane and its distance from the origin, with its own transform."""
+    normal = Vec((0, 1, 0) if plane.normal is None else plane.normal).normalized()
+    offset = plane.offset or 0.0
+    if plane.transform is not None:
+        from ._core import transform_matrix
+        numbers = memoryview(transform_matrix(plane.transform)).cast("B").cast("d").tolist()
+        x, y, z = (Vec(numbers[i:i + 3]) for i in (0, 4, 8))
+        foot = normal * offset
+        moved = Vec(x.dot(foot), y.dot(foot), z.dot(foot)) + numbers[3::4]
+        # Normals go by the inverse transposed, which is the matrix of cofactors but for a factor.
+        columns = zip(y.cross(z), z.cross(x), x.cross(y))
+        normal = Vec(*(Vec(column).dot(normal) for column in zip(*columns))).normalized()
+        offset = normal.dot(moved)
+    return normal, offset
+
+
+def _parts(thing: Any) -> Iterator[Any]:
+    """What a node, an object or a Csg holds: shapes, nodes, objects and instances."""
+    for name in ("shape", "children", "nodes", "operands", "instance_of", "object"):
+        held = getattr(thing, name, None)
+        yield from held if isinstance(held, list) else [] if held is None else [held]
+
+
+def _shapes(thing: Any) -> Iterator[Any]:
+    """All shapes in it."""
+    from ._messages import Shape
+    if isinstance(thing, Shape):
+        yield thing
+    for part in _parts(thing):
+        yield from _shapes(part)
+
+
+def _turned(thing: Any) -> Any:
+    """The fields that are others once its normals are turned. What other things share is copied."""
+    from ._messages import Node, Object, Shape
+    from ._graph import Instances
+    if isinstance(thing, Shape):
+        return {"flip_normals": not thing.flip_normals}
+    if isinstance(thing, Node):
+        fields = {"shape": thing.shape, "children": thing.children, "instance_of": thing.instance_of}
+    elif isinstance(thing, Object):
+        fields = {"nodes": thing.nodes, "name": None}
+    else:
+        fields = {"object": thing.object} if isinstance(thing, Instances) else {}
+    return {name: [_flipped(part) for part in held] if isinstance(held, list) else _flipped(held)
+            for name, held in fields.items()}
+
+
+def _flipped(thing: Any) -> Any:
+    if thing is None:
+        return None
+    if isinstance(thing, str):
+        raise ValueError(f"flip: an instance of '{thing}'; expected one of an Object, not of a name")
+    made = thing.__copy__()
+    for name, held in _turned(thing).items():
+        setattr(made, name, held)
+    return made
