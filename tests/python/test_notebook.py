@@ -26,6 +26,10 @@ def cells(tmp_path_factory):
     return [cell["outputs"] for cell in done["cells"] if cell["cell_type"] == "code"]
 
 
+def tables(outputs):
+    return [output["data"]["text/html"] for output in outputs if "text/html" in output.get("data", {})]
+
+
 def pictures(outputs):
     found = [output["data"]["image/png"] for output in outputs if "image/png" in output.get("data", {})]
     return [decoded_png(base64.b64decode(text)) for text in found]
@@ -52,3 +56,21 @@ def test_arrays_are_shown_as_pictures(cells):
     for outputs in cells[2:4]:
         shown, = pictures(outputs)
         assert shown.shape == (180, 320, 3) and shown.any()
+
+
+def test_a_scene_is_shown_as_a_table_of_what_it_holds(cells):
+    shown, = tables(cells[4])
+    assert "<tr><th>shapes, sphere</th><td>1</td></tr>" in "".join(shown)
+
+
+def test_names_in_tables_are_text():
+    scene = ts.Scene(materials=[ts.Classic(name="<b>")])
+    assert "<td>material &#x27;&lt;b&gt;&#x27;</td>" in scene._repr_html_()
+
+
+def test_a_table_of_hits():
+    tracer = ts.Scene(nodes=[ts.Sphere()]).tracer()
+    hits = tracer.intersect([(0, 0, 5), (0, 5, 5)], (0, 0, -1))
+    assert hits._repr_html_() == ("<table><tr><th>rays</th><td>2</td></tr><tr><th>hit</th><td>1</td></tr>"
+                                  "<tr><th>nearest</th><td>4.0</td></tr><tr><th>farthest</th><td>4.0</td></tr></table>")
+    assert "nearest" not in tracer.intersect((0, 5, 5), (0, 0, -1))._repr_html_()
