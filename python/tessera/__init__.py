@@ -3,7 +3,7 @@ from . import _loading
 
 _loading.check()  # Before anything else loads the extension module.
 from . import _messages, compat
-from ._messages import *  # first: some of its classes have others of the same name over them
+from ._messages import *  # Before what stands over some of its classes.
 from ._colors import Color, color, hsl
 from ._core import Array, Vec, version as __version__
 from ._graph import Instances
@@ -25,9 +25,55 @@ from .scene import Scene, Summary
 
 __all__ = [
     *_messages.__all__,
-    "AllHits", "Array", "Background", "Camera", "Cancelled", "Color", "Error", "Farm", "FarmError",
-    "Hits", "Image", "ImageTexture", "Instances", "Job", "Lens", "LocalFarm", "Mesh", "Metrics",
-    "MissingFile", "Plane", "PrecisionWarning", "Progress", "Rect", "Refused", "RenderError",
-    "Scene", "SceneError", "SceneWarning", "Summary", "Task", "Threads", "Tracer", "Transform",
-    "UsageError", "Value", "Vec", "color", "compare", "compat", "hsl", "keys", "load", "load_dict",
-    "look_at", "matrix", "program", "read_image", "render", "rotate", "scale", "translate"]
+    "AllHits",
+    "Array",
+    "Background",
+    "Camera",
+    "Cancelled",
+    "Color",
+    "Error",
+    "Farm",
+    "FarmError",
+    "Hits",
+    "Image",
+    "ImageTexture",
+    "Instances",
+    "Job",
+    "Lens",
+    "LocalFarm",
+    "Mesh",
+    "Metrics",
+    "MissingFile",
+    "Plane",
+    "PrecisionWarning",
+    "Progress",
+    "Rect",
+    "Refused",
+    "RenderError",
+    "Scene",
+    "SceneError",
+    "SceneWarning",
+    "Summary",
+    "Task",
+    "Threads",
+    "Tracer",
+    "Transform",
+    "UsageError",
+    "Value",
+    "Vec",
+    "color",
+    "compare",
+    "compat",
+    "hsl",
+    "keys",
+    "load",
+    "load_dict",
+    "look_at",
+    "matrix",
+    "program",
+    "read_image",
+    "render",
+    "rotate",
+    "scale",
+    "translate",
+]

@@ -11,7 +11,7 @@ from . import _core
 from ._html import table
 from .errors import SceneWarning, UsageError
 from .picture import Image, Path
-from .rendering import _Farm, _options
+from .rendering import _Farm, _options, checked_scene
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -68,8 +68,7 @@ class Farm(_Farm):
         unknown = set(options) & {"workers", "threads", "verify", "farm", "progress", "wait"}
         if unknown:
             raise UsageError(f"{min(unknown)}: cannot be chosen for a farm, which has its own")
-        if isinstance(scene, os.PathLike):
-            scene = os.fspath(scene)
+        scene = checked_scene(scene)
         texts = _options({"frames": frames, **options})
         number, told = access.submit(texts, scene, name, priority, weight)
         for warning in told:
