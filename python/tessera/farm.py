@@ -8,6 +8,7 @@ import warnings
 from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Sequence, Tuple, Union
 
 from . import _core
+from ._html import table
 from .errors import SceneWarning, UsageError
 from .picture import Image, Path
 from .rendering import _Farm, _options, checked_scene
@@ -178,9 +179,7 @@ class Job:
         return f"<Job {self.number} of {self.farm.endpoint}>"
 
     def _repr_html_(self) -> str:
-        rows = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>"
-                       for name, value in self.status().items())
-        return f"<table>{rows}</table>"
+        return table(self.status())
 
     def __reduce__(self) -> Any:
         farm = self.farm

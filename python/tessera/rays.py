@@ -6,6 +6,7 @@ import os
 from typing import TYPE_CHECKING, Any, Iterable, List, Optional, Sequence, Tuple, Union
 
 from . import _core
+from ._html import table
 from .errors import UsageError
 
 if TYPE_CHECKING:
@@ -188,6 +189,12 @@ class Hits(_Found):
 
     def __repr__(self) -> str:
         return f"<Hits {self._shape}: {int(self.hit.sum())} hit>"
+
+    def _repr_html_(self) -> str:
+        rows = {"rays": self.hit.size, "hit": int(self.hit.sum())}
+        if "t" in self._arrays and rows["hit"]:
+            rows["nearest"], rows["farthest"] = self.t.min(), self.t[self.hit].max()
+        return table(rows)
 
 
 class AllHits(_Found):

@@ -285,10 +285,10 @@ class Task(_OfThisProcess):
 
     def show(self) -> Image:
         """Waits for the picture; in a notebook one output is updated while it fills in."""
-        try:
-            from IPython.display import display
-        except ImportError:
-            return self.result()
+        ipython = sys.modules.get("IPython")
+        if ipython is None or ipython.get_ipython() is None:
+            return self.result()  # a plain script, which has nothing to update
+        from IPython.display import display
         shown = None
         for _ in self:
             picture = self.snapshot()

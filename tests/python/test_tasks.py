@@ -75,6 +75,12 @@ def test_a_block_that_is_left_cancels_it(threads):
     assert task.done()
 
 
+def test_a_script_that_shows_a_task_gets_its_picture_alone(threads, expected, capsys):
+    pytest.importorskip("IPython")  # installed and imported, but not running
+    assert ts.render(KNOT, farm=threads, wait=False, **SMALL).show() == expected
+    assert capsys.readouterr().out == ""
+
+
 def test_a_timeout_leaves_it_running(threads, expected):
     with endless(threads) as task:
         with pytest.raises(TimeoutError, match="not done after 0.05 s"):
