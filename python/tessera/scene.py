@@ -7,12 +7,8 @@ from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Opt
 
 from . import _core, _messages
 from ._graph import Instances, flat, with_material
-<<<<<<< HEAD
-from ._messages import (Frames, Include, IntegratorSettings, Light, Material, Metadata, Object,
-=======
 from ._html import table
-from ._messages import (Frames, Include, IntegratorSettings, Light, Material, Metadata, Node, Object,
->>>>>>> h-pydocs
+from ._messages import (Frames, Include, IntegratorSettings, Light, Material, Metadata, Object,
                         Output, Sampling, Settings, Shape, Texture, Fog)
 from ._nodes import Node
 from ._transforms import Transform
