@@ -48,54 +48,12 @@ const Parts& parts() {
   return *found;
 }
 
-/// The scene's list of materials, of textures or of objects; null for any other type.
-const pb::FieldDescriptor* list_of(const pb::Descriptor* type) {
-  for (const char* name : {"materials", "textures", "objects"}) {
-    const pb::FieldDescriptor* list = v1::Scene::descriptor()->FindFieldByName(name);
-    if (list->message_type() == type) return list;
-  }
-  return nullptr;
-}
-
-/// The type that a string field may be given instead of its name; null: none.
-const pb::Descriptor* named_type(const pb::FieldDescriptor& field) {
-  const std::string& name = field.name();
-  const pb::Descriptor* owner = field.containing_type();
-  if (owner == v1::Background::Cube::descriptor() || name == "texture" || name == "normal_map") {
-    return v1::Texture::descriptor();
-  }
-  const bool is_material = name == "materials" ||
-                           (name == "back" && owner == v1::Material::descriptor()) ||
-                           (name == "material" && owner == v1::Include::descriptor());
-  if (is_material) return v1::Material::descriptor();
-  return name == "instance_of" ? v1::Object::descriptor() : nullptr;
-}
-
 /// An array of at least two axes, which stands for a texture of its own.
 bool is_picture(py::handle value) {
   if (!PyObject_CheckBuffer(value.ptr())) return false;
   const auto view = py::reinterpret_steal<py::object>(PyMemoryView_FromObject(value.ptr()));
   if (!view) PyErr_Clear();
   return view && PyMemoryView_GET_BUFFER(view.ptr())->ndim >= 2;
-}
-
-std::string describe_found(py::handle value) {
-  constexpr size_t kLongest = 60;
-  std::string text = py::isinstance<py::str>(value) || py::isinstance<py::float_>(value) ||
-                             py::isinstance<py::int_>(value) || value.is_none()
-                         ? py::repr(value).cast<std::string>()
-                         : std::string("a ") + Py_TYPE(value.ptr())->tp_name;
-  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
-}
-
-std::string bytes_of(const pb::Message& message) {
-  std::string bytes;
-  pb::io::StringOutputStream stream(&bytes);
-  pb::io::CodedOutputStream coded(&stream);
-  coded.SetSerializationDeterministic(true);
-  message.SerializeToCodedStream(&coded);
-  coded.Trim();
-  return bytes;
 }
 
 }  // namespace
@@ -419,54 +377,6 @@ std::string ValueReader::to_text(py::handle held) const {
       PyUnicode_Check(held.ptr()) ? PyUnicode_AsUTF8AndSize(held.ptr(), &size) : nullptr;
   if (!text) fail(describe_found(held), "text");
   return {text, static_cast<size_t>(size)};
-}
-
-std::string ValueReader::name_of(py::handle held, const Field& field) {
-  const pb::Descriptor* type = named_type(field);
-  const ValueClass* made = find_value_class(held);
-  if (made && made->message == type) return collect(held, *made);
-  if (!PyUnicode_Check(held.ptr())) {
-    fail(describe_found(held), fmt::format("a {} or the name of one", type->name()));
-  }
-  return to_text(held);
-}
-
-std::string ValueReader::collect(py::handle thing, const ValueClass& made) {
-  Collection& collection = collections_[made.message];
-  const auto known = collection.name_of.find(thing.ptr());
-  const py::object own_name = get_slot(made.field("name"), thing);
-  if (known != collection.name_of.end()) {
-    if (known->second.empty() && own_name.is_none())
-      fail("it refers to itself", "a name, to do so");
-    return known->second.empty() ? to_text(own_name) : known->second;
-  }
-  collection.name_of[thing.ptr()] = "";
-  // The list's element is made at last, since what is read may add others.
-  const std::unique_ptr<Message> message(
-      pb::MessageFactory::generated_factory()->GetPrototype(made.message)->New());
-  read(thing, *message);
-  const pb::Reflection& of = *message->GetReflection();
-  const Field* name_field = made.message->FindFieldByName("name");
-  std::string name = of.GetString(*message, name_field);
-  if (name.empty()) {
-    constexpr size_t kDigits = 12;
-    name = fmt::format("{} {}", lower_case(made.message->name()),
-                       Digest::of(bytes_of(*message)).hex().substr(0, kDigits));
-    of.SetString(message.get(), name_field, name);
-  }
-  std::string bytes = bytes_of(*message);
-  collection.name_of[thing.ptr()] = name;
-  const auto [named, is_new] = collection.by_name.try_emplace(name, bytes);
-  if (!is_new && named->second != bytes) {
-    fail(fmt::format("two {}s named '{}' that are not equal", lower_case(made.message->name()),
-                     name),
-         "each name once");
-  }
-  if (is_new) {
-    const Field* list = list_of(made.message);
-    scene_.GetReflection()->AddMessage(&scene_, list)->CopyFrom(*message);
-  }
-  return name;
 }
 
 }  // namespace tessera

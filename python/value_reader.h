@@ -13,6 +13,13 @@
 
 namespace tessera {
 
+/// The scene's list of materials, of textures or of objects; null for any other type.
+const google::protobuf::FieldDescriptor* list_of(const google::protobuf::Descriptor* type);
+/// The type that a string field may be given instead of its name; null: none.
+const google::protobuf::Descriptor* named_type(const google::protobuf::FieldDescriptor& field);
+/// What a value is, for messages: a number or text itself, or "a Sphere".
+std::string describe_found(pybind11::handle value);
+
 /// Makes the description of a scene from Python values. Whatever does not fit is told as a
 /// SceneError with the way to it ("nodes[3].shape.radius") and where the value was made. Needs the
 /// GIL.
