@@ -22,6 +22,7 @@ void fill(py::module_& module) {
   tessera::bind_scene(module);
   tessera::bind_load(module);
   tessera::bind_transforms(module);
+  tessera::bind_textures(module);
   tessera::bind_picture(module);
   tessera::bind_render(module);
   tessera::bind_log(module);

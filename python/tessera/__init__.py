@@ -30,7 +30,9 @@ from .errors import (Cancelled, Error, FarmError, MissingFile, PrecisionWarning,
 from .farm import Farm, Job
 from .picture import Image, Metrics, Rect, compare, read_image
 from .rays import AllHits, Hits, Tracer
-from .rendering import LocalFarm, Progress, Task, Threads, render
+from ._local_farms import LocalFarm, Threads
+from ._progress import Progress
+from .rendering import Task, render
 from .scene import Scene, Summary
 
 __all__ = [

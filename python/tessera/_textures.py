@@ -5,6 +5,7 @@ import os
 from typing import Any, Literal, Optional, Tuple, Union
 
 from . import _core, _messages
+from .errors import MissingFile
 from ._transforms import as_ndarray
 from ._types import ArrayLike
 from ._value import _slot, here
@@ -16,7 +17,7 @@ _BITS = {"B": 8, "e": 16, "f": 32}
 
 class ImageTexture(_messages.ImageTexture):
     """A picture, from an array (h, w) or (h, w, channels) of uint8, float16 or float32, or from a
-    file, which is read when the scene is.
+    file, which is read here and now. Smaller levels for the trilinear filter are made of it.
 
     The fields are those of the message; see `tessera._messages.ImageTexture`.
     """
@@ -33,20 +34,31 @@ class ImageTexture(_messages.ImageTexture):
         self._place = here()
         if isinstance(picture, (str, os.PathLike)):
             self.file = os.fspath(picture)
+            if not os.path.exists(self.file):
+                missing = MissingFile(f"{self.file}: there is no such file; expected a picture",
+                                      place=self.file)
+                missing.filename = self.file
+                raise missing
+            self._take(_core.read_texture(self.file), encoding)
         elif picture is not None:
-            self._take(picture, encoding)
+            self._take(_core.take_array(picture, "texels"), encoding)
 
-    def _take(self, picture: Any, encoding: Optional[str]) -> None:
-        texels = _core.take_array(picture, "texels")
+    def _take(self, texels: Any, encoding: Optional[str]) -> None:
         shape = texels.shape
-        if len(shape) not in (2, 3) or 0 in shape or (len(shape) == 3 and shape[2] > 4):
+        if len(shape) not in (2, 3) or 0 in shape or (len(shape) == 3 and not 1 <= shape[2] <= 4):
             raise ValueError(f"texels: shape {shape}; expected (h, w) or (h, w, c) with 1 to 4 channels")
-        self.texels = texels
+        if texels.dtype not in _BITS:
+            raise TypeError(f"texels: numbers of type {texels.dtype!r}; expected uint8, float16 or "
+                            "float32")
         self.height, self.width = shape[:2]
         self.channels = shape[2] if len(shape) == 3 else 1
         self.bits = _BITS[texels.dtype]
         if encoding is None and self.bits > 8:
             self.encoding = "linear"
+        wants_levels = self.filter in (None, "trilinear") and not self.texels_at_corners
+        if wants_levels:
+            texels, self.levels = _core.with_mip_levels(texels, self.encoding != "linear")
+        self.texels = texels
 
 
 def texture_from(picture: Any) -> ImageTexture:

@@ -11,13 +11,14 @@ from . import _core
 from ._html import table
 from .errors import SceneWarning, UsageError
 from .picture import Image, Path
-from .rendering import _Farm, _options, checked_scene
+from ._local_farms import BaseFarm
+from .rendering import _options, checked_scene
 
 if TYPE_CHECKING:
     from .scene import Scene
 
 
-class Farm(_Farm):
+class Farm(BaseFarm):
     """A farm that `tessera serve` coordinates; needs no worker here.
 
     :param endpoint: of the coordinator: tcp://HOST:PORT or ipc://PATH.

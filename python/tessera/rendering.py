@@ -5,17 +5,15 @@ one after the other and never needs Python: a script may compute, sleep or be in
 """
 from __future__ import annotations
 
-import atexit
 import os
-import sys
 import time
 import warnings as _warnings
-import weakref
-from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterable, Iterator, Literal, NamedTuple,
-                    Optional, Sequence, Tuple, Union, overload)
+from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterator, Literal, Optional, Sequence,
+                    Tuple, Union, overload)
 
 from . import _core
-from ._program import program
+from ._local_farms import BaseFarm, LocalFarm, OfThisProcess, Threads
+from ._progress import SHOW_SECONDS, Progress, ProgressOption, progress_display
 from .errors import Cancelled, Error, MissingFile, RenderError, SceneWarning, UsageError
 from .picture import Image, Rect
 
@@ -23,24 +21,6 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 _LOOK_SECONDS = .02  # how often a waiting thread looks for signals
-_PROGRESS_SECONDS = .1
-
-
-class Progress(NamedTuple):
-    """How far a render is."""
-
-    done: int
-    """Tiles that are finished."""
-    total: int
-    """Tiles in all; 0 before they are known."""
-    workers: int
-    """Workers that are connected."""
-    elapsed: float
-    """Seconds since it began."""
-    remaining: float
-    """Seconds until it is done, by an estimate; negative: not known yet."""
-    waiting_for: str
-    """What it waits for, such as "workers"; empty while tiles are traced."""
 
 
 def _pass_on_log() -> None:
@@ -53,133 +33,10 @@ def _pass_on_log() -> None:
         logging.getLogger("tessera").log(max(level, 1) * 10, message)
 
 
-class _OfThisProcess:
-    """What a forked child must not use: its thread stayed in the parent."""
-
-    __slots__ = ("_process",)
-
-    def __init__(self) -> None:
-        self._process = os.getpid()
-
-    def _check_process(self) -> None:
-        if os.getpid() != self._process:
-            raise RuntimeError(f"{type(self).__name__}: made in process {self._process}, used in its "
-                               f"child {os.getpid()}; expected one that the child made")
-
-
-_open_farms: "weakref.WeakSet[_Farm]" = weakref.WeakSet()
-
-
-def _close_farms() -> None:
-    for farm in list(_open_farms):
-        if farm._process == os.getpid():
-            farm.close()
-
-
-atexit.register(_close_farms)
-
-
-class _Farm(_OfThisProcess):
-    """Who traces. A context manager; may be used by several threads."""
-
-    __slots__ = ("_thread", "__weakref__")
-
-    def __init__(self, thread: Any) -> None:
-        super().__init__()
-        self._thread: Any = thread
-        _open_farms.add(self)
-
-    def _submit(self, task: Any) -> None:
-        self._check_process()
-        if self._thread is None:
-            raise RuntimeError(f"{type(self).__name__}: it is closed; expected one that is open")
-        self._thread.submit(task)
-
-    def close(self) -> None:
-        """Cancels what still runs, and ends workers, sockets and folders. May be called again."""
-        thread, self._thread = self._thread, None
-        if thread is not None and os.getpid() == self._process:
-            thread.close()
-        _open_farms.discard(self)
-
-    @property
-    def closed(self) -> bool:
-        """Whether close() was called."""
-        return self._thread is None
-
-    def __enter__(self) -> Any:
-        self._check_process()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def __del__(self) -> None:
-        if getattr(self, "_thread", None) is not None and os.getpid() == self._process:
-            _warnings.warn(f"{self!r} was not closed", ResourceWarning, source=self)
-            self.close()
-
-    def __reduce__(self) -> Any:
-        raise TypeError(f"{type(self).__name__} cannot be pickled: it has threads and processes")
-
-
-class LocalFarm(_Farm):
-    """Worker processes on this machine, kept between renders.
-
-    :param workers: how many processes; one a core if left out.
-    :param threads: of each worker.
-    :param verify: the share of tiles, from 0 to 1, that a second worker traces too.
-    """
-
-    __slots__ = ("workers", "threads")
-
-    def __init__(self, workers: Optional[int] = None, threads: int = 1, verify: float = 0) -> None:
-        self._thread = None
-        self.workers = _count("workers", workers, 1)
-        self.threads = _count("threads", threads, 1)
-        if not 0 <= verify <= 1:
-            raise UsageError(f"verify: {verify}; expected a share from 0 to 1")
-        if verify > 0 and (self.workers or os.cpu_count() or 1) < 2:
-            raise UsageError("verify: needs a second worker; expected workers=2 or more")
-        program()  # Workers are its processes: ImportError tells where it is not of our version.
-        super().__init__(_core.local_farm(self.workers, self.threads, float(verify)))
-
-    def __repr__(self) -> str:
-        return f"LocalFarm(workers={self.workers}, threads={self.threads})"
-
-
-class Threads(_Farm):
-    """Threads of this process, kept between renders: for small pictures, which start at once.
-
-    :param count: how many; one a core if left out.
-    """
-
-    __slots__ = ("count",)
-
-    def __init__(self, count: Optional[int] = None) -> None:
-        self._thread = None
-        self.count = _count("count", count, 1)
-        super().__init__(_core.threads_here(self.count))
-
-    def __repr__(self) -> str:
-        return f"Threads({self.count or ''})"
-
-
-def _count(name: str, value: Optional[int], least: int, most: int = 1024) -> Any:
-    if value is None:
-        return None
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise TypeError(f"{name}: {value!r}; expected a whole number")
-    if not least <= value <= most:
-        raise UsageError(f"{name}: {value}; expected a whole number from {least} to {most}")
-    return value
-
-
-ProgressOption = Union[None, bool, Callable[[Progress], object], Any]
 TileCallback = Callable[[Rect, Image], object]
 
 
-class Task(_OfThisProcess):
+class Task(OfThisProcess):
     """A render that goes on by itself: `await` it, iterate over its progress, or ask `result()`.
 
     As a context manager it is cancelled at the end of the block, if it is not done by then.
@@ -187,7 +44,7 @@ class Task(_OfThisProcess):
 
     __slots__ = ("_task", "_farm", "_owns_farm", "_show")
 
-    def __init__(self, task: Any, farm: _Farm, owns_farm: bool) -> None:
+    def __init__(self, task: Any, farm: BaseFarm, owns_farm: bool) -> None:
         super().__init__()
         self._task = task
         self._farm = farm
@@ -261,7 +118,7 @@ class Task(_OfThisProcess):
         """Yields the progress at least every .2 s while it changes, and at the end."""
         self._check_process()
         last = None
-        while not self._task.wait(_PROGRESS_SECONDS):
+        while not self._task.wait(SHOW_SECONDS):
             now = self.progress
             if now != last:
                 yield now
@@ -373,7 +230,7 @@ def checked_scene(scene: Any) -> Any:
     return scene
 
 
-def _local_farm(workers: Optional[int], threads: Optional[int], verify: Optional[float]) -> _Farm:
+def _started_farm(workers: Optional[int], threads: Optional[int], verify: Optional[float]) -> BaseFarm:
     if workers == 0:
         if verify:
             raise UsageError("verify: needs a second worker; expected workers=2 or more")
@@ -403,7 +260,7 @@ def render(scene: Any, *,
            x3d_strict: bool = False, x3d_two_sided: bool = False,
            tile: Optional[int] = None, workers: Optional[int] = None,
            threads: Optional[int] = None, verify: Optional[float] = None,
-           farm: Optional[_Farm] = None,
+           farm: Optional[BaseFarm] = None,
            progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
            wait: bool = True) -> Union[Image, Task]:
     """Renders a scene, or the scene in a file, to a picture: the bits of `tessera render`.
@@ -423,7 +280,7 @@ def render(scene: Any, *,
     exception in one cancels the render and is raised from here.
     """
     keywords = {name: value for name, value in locals().items() if name not in _OF_PYTHON}
-    if farm is not None and not isinstance(farm, _Farm):
+    if farm is not None and not isinstance(farm, BaseFarm):
         raise TypeError(f"farm: {farm!r}; expected a LocalFarm, Threads or Farm")
     if farm is not None and (workers is not None or threads is not None or verify is not None):
         raise UsageError("workers, threads, verify: cannot be chosen with farm, which has its own")
@@ -434,7 +291,7 @@ def render(scene: Any, *,
     if farm is not None:
         farm._check_process()
     owns_farm = farm is None
-    who = _local_farm(workers, threads, verify) if farm is None else farm
+    who = _started_farm(workers, threads, verify) if farm is None else farm
     try:
         core, told = _core.make_task(options, scene, frame)
         for warning in told:
@@ -459,7 +316,7 @@ _OF_PYTHON = {"scene", "frame", "farm", "progress", "on_tile", "wait", "workers"
 
 def _watched(task: Task, progress: ProgressOption, on_tile: Optional[TileCallback]) -> Image:
     """Waits for the task, telling how far it is."""
-    show = _progress_display(progress)
+    show = progress_display(progress)
 
     def tell_tiles() -> None:
         tiles = task._task.take_tiles() if on_tile is not None else ()
@@ -481,62 +338,3 @@ def _watched(task: Task, progress: ProgressOption, on_tile: Optional[TileCallbac
     finally:
         show(None)
     return task.result()
-
-
-def _progress_display(progress: ProgressOption) -> Callable[[Optional[Progress]], None]:
-    """What shows progress; called with None at the end."""
-    if progress is None or progress is False:
-        return lambda _: None
-    if progress is True:
-        try:
-            from tqdm.auto import tqdm
-        except ImportError:
-            return _text_display()
-        return _bar_display(tqdm(unit="tile"), closes=True)
-    if hasattr(progress, "update") and hasattr(progress, "refresh"):
-        return _bar_display(progress, closes=False)
-    if not callable(progress):
-        raise TypeError(f"progress: {progress!r}; expected True, a function or a bar like tqdm's")
-
-    last: Optional[Progress] = None
-
-    def call(now: Optional[Progress]) -> None:
-        nonlocal last
-        if now is not None and now != last:
-            progress(now)
-        last = now
-
-    return call
-
-
-def _bar_display(bar: Any, closes: bool) -> Callable[[Optional[Progress]], None]:
-    def show(now: Optional[Progress]) -> None:
-        if now is None:
-            if closes:
-                bar.close()
-            return
-        if now.total and bar.total != now.total:
-            bar.total = now.total
-            bar.refresh()
-        if now.done > bar.n:
-            bar.update(now.done - bar.n)
-
-    return show
-
-
-def _text_display() -> Callable[[Optional[Progress]], None]:
-    last = 0.
-
-    def show(now: Optional[Progress]) -> None:
-        nonlocal last
-        if not sys.stderr.isatty():
-            return
-        if now is None:
-            sys.stderr.write("\r\x1b[K")
-        elif time.monotonic() - last > _PROGRESS_SECONDS and now.total:
-            last = time.monotonic()
-            left = f", {now.remaining:.1f} s left" if now.remaining > 0 else ""
-            sys.stderr.write(f"\r\x1b[K{now.done} of {now.total} tiles{left}")
-        sys.stderr.flush()
-
-    return show

@@ -14,7 +14,7 @@ import sys
 
 ENDINGS = {".h", ".cpp", ".cc", ".hpp", ".inl"}
 TOP_FOLDERS = ["base", "proto", "renderer", "scenes", "job", "client", "coordinator", "worker", "bench",
-               "cli", "python"]
+               "cli", "python", "front"]
 # A type that is named without being defined; and one that is, outside of any other.
 DECLARED = re.compile(r"\b(?:class|struct)\s+([A-Z]\w*)\s*[;*&>]")
 DEFINED = re.compile(r"^(?:template\s*<.*>\s*)?(?:class|struct)\s+([A-Z]\w*)\b(?!\s*[;*&>])")
@@ -40,8 +40,10 @@ WALLS = [
     (["renderer/film", "renderer/denoise", "renderer/image"],
      FARM + ["proto", "scenes", "bench", "renderer/scene", "renderer/accel"],
      "pictures know no scenes"),
-    (["renderer/scene", "renderer/integrator", "renderer/render", "renderer/query"],
+    (["renderer/scene", "renderer/integrator", "renderer/render"],
      FARM + ["scenes", "bench", "renderer/image"], "the renderer sees no sockets and no files"),
+    (["renderer/query"], FARM + ["scenes", "bench", "renderer/image"],
+     "ray queries see no sockets and no files"),
     (["scenes"], FARM + ["bench"] + [f"renderer/{room}" for room in (
         "shapes", "accel", "sampler", "camera", "shading", "film", "denoise", "image", "scene",
         "integrator", "render")], "scene files see neither sockets nor the renderer beyond math"),
@@ -72,6 +74,7 @@ WALLS = [
                            "renderer/scene", "renderer/render"], "the viewer is shown pixels"),
     (["worker"], ["client", "coordinator", "cli", "bench", "scenes", "renderer/image"],
      "the worker knows neither the coordinator's code nor files"),
+    (["front"], ["cli", "python"], "what front ends share knows none of them"),
     (["python"], ["cli"], "the Python package stands beside the program"),
 ]
 

@@ -111,3 +111,40 @@ def test_backgrounds_and_cameras():
     assert camera.perspective.field_of_view == 30 and camera.lens.radius_y == .1
     plane = ts.Plane.through((0, 1, 0), (1, 1, 0), (0, 1, -1))
     assert plane.normal == (0, 1, 0) and plane.offset == 1
+
+
+def test_a_texture_from_a_file_is_that_of_the_importer(tmp_path, tessera):
+    pixels = (np.arange(12 * 10 * 3) * 7 % 256).astype(np.uint8).reshape(10, 12, 3)
+    ts.Image.from_array(pixels, linear=False).save(tmp_path / "x.png")
+    (tmp_path / "x.tessera").write_text(
+        '# proto-file: proto/tessera/v1/scene.proto\n# proto-message: tessera.v1.Scene\n'
+        'textures { name: "t" image { file: "x.png" } }\n'
+        'materials { name: "m" unlit { color { texture: "t" } } }\n'
+        'nodes { shape { materials: "m" rectangle { corner { x: -1 y: -1 } edge_u { x: 2 } '
+        'edge_v { y: 2 } } } }\n')
+    loaded = ts.load(tmp_path / "x.tessera")
+    ours = ts.ImageTexture(tmp_path / "x.png")
+    theirs = loaded.textures[0]
+    assert (ours.width, ours.height, ours.channels, ours.levels) == (12, 10, 3, theirs.levels)
+    assert bytes(ours.texels) == bytes(theirs.texels) and ours.levels > 1
+    from_array = ts.ImageTexture(pixels)
+    assert bytes(from_array.texels) == bytes(ours.texels)
+    plain = ts.ImageTexture(pixels, filter="nearest")
+    assert plain.levels is None and bytes(plain.texels) == pixels.tobytes()
+
+    scene = ts.Scene()
+    scene.add(ts.Rectangle((-1, -1, 0), (2, 0, 0), (0, 2, 0)), material=ts.Unlit(color=ours))
+    assert scene.render(size=(20, 20), workers=0) == loaded.render(size=(20, 20), workers=0)
+
+
+def test_a_texture_that_is_not_there_is_told(tmp_path):
+    with pytest.raises(FileNotFoundError, match="nowhere.png: there is no such file"):
+        ts.ImageTexture("nowhere.png")
+    (tmp_path / "x.png").write_bytes(b"nothing")
+    with pytest.raises(ts.SceneError, match="x.png"):
+        ts.ImageTexture(tmp_path / "x.png")
+    for wrong in (np.zeros((2, 2, 5), np.uint8), np.zeros((0, 2), np.uint8), np.zeros(3, np.uint8)):
+        with pytest.raises(ValueError, match="texels: shape"):
+            ts.ImageTexture(wrong)
+    with pytest.raises(TypeError, match="texels: numbers of type"):
+        ts.ImageTexture(np.zeros((2, 2), np.int64))

@@ -1,0 +1,134 @@
+"""Who traces on this machine: worker processes, or threads of this one."""
+from __future__ import annotations
+
+import atexit
+import os
+import warnings
+import weakref
+from typing import Any, Optional
+
+from . import _core
+from ._program import program
+from .errors import UsageError
+
+
+class OfThisProcess:
+    """What a forked child must not use: its thread stayed in the parent."""
+
+    __slots__ = ("_process",)
+
+    def __init__(self) -> None:
+        self._process = os.getpid()
+
+    def _check_process(self) -> None:
+        if os.getpid() != self._process:
+            raise RuntimeError(f"{type(self).__name__}: made in process {self._process}, used in its "
+                               f"child {os.getpid()}; expected one that the child made")
+
+
+_open_farms: "weakref.WeakSet[BaseFarm]" = weakref.WeakSet()
+
+
+def _close_farms() -> None:
+    for farm in list(_open_farms):
+        if farm._process == os.getpid():
+            farm.close()
+
+
+atexit.register(_close_farms)
+
+
+class BaseFarm(OfThisProcess):
+    """Who traces. A context manager; may be used by several threads."""
+
+    __slots__ = ("_thread", "__weakref__")
+
+    def __init__(self, thread: Any) -> None:
+        super().__init__()
+        self._thread: Any = thread
+        _open_farms.add(self)
+
+    def _submit(self, task: Any) -> None:
+        self._check_process()
+        if self._thread is None:
+            raise RuntimeError(f"{type(self).__name__}: it is closed; expected one that is open")
+        self._thread.submit(task)
+
+    def close(self) -> None:
+        """Cancels what still runs, and ends workers, sockets and folders. May be called again."""
+        thread, self._thread = self._thread, None
+        if thread is not None and os.getpid() == self._process:
+            thread.close()
+        _open_farms.discard(self)
+
+    @property
+    def closed(self) -> bool:
+        """Whether close() was called."""
+        return self._thread is None
+
+    def __enter__(self) -> Any:
+        self._check_process()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if getattr(self, "_thread", None) is not None and os.getpid() == self._process:
+            warnings.warn(f"{self!r} was not closed", ResourceWarning, source=self)
+            self.close()
+
+    def __reduce__(self) -> Any:
+        raise TypeError(f"{type(self).__name__} cannot be pickled: it has threads and processes")
+
+
+class LocalFarm(BaseFarm):
+    """Worker processes on this machine, kept between renders.
+
+    :param workers: how many processes; one a core if left out.
+    :param threads: of each worker.
+    :param verify: the share of tiles, from 0 to 1, that a second worker traces too.
+    """
+
+    __slots__ = ("workers", "threads")
+
+    def __init__(self, workers: Optional[int] = None, threads: int = 1, verify: float = 0) -> None:
+        self._thread = None
+        self.workers = _count("workers", workers, 1)
+        self.threads = _count("threads", threads, 1)
+        if not 0 <= verify <= 1:
+            raise UsageError(f"verify: {verify}; expected a share from 0 to 1")
+        if verify > 0 and (self.workers or os.cpu_count() or 1) < 2:
+            raise UsageError("verify: needs a second worker; expected workers=2 or more")
+        program()  # Workers are its processes: ImportError tells where it is not of our version.
+        super().__init__(_core.local_farm(self.workers, self.threads, float(verify)))
+
+    def __repr__(self) -> str:
+        return f"LocalFarm(workers={self.workers}, threads={self.threads})"
+
+
+class Threads(BaseFarm):
+    """Threads of this process, kept between renders: for small pictures, which start at once.
+
+    :param count: how many; one a core if left out.
+    """
+
+    __slots__ = ("count",)
+
+    def __init__(self, count: Optional[int] = None) -> None:
+        self._thread = None
+        self.count = _count("count", count, 1)
+        super().__init__(_core.threads_here(self.count))
+
+    def __repr__(self) -> str:
+        return f"Threads({self.count or ''})"
+
+
+def _count(name: str, value: Optional[int], least: int, most: int = 1024) -> Any:
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise TypeError(f"{name}: {value!r}; expected a whole number")
+    if not least <= value <= most:
+        raise UsageError(f"{name}: {value}; expected a whole number from {least} to {most}")
+    return value

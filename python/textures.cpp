@@ -1,0 +1,59 @@
+#include <pybind11/stl.h>
+
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+#include "front/texture_decoder.h"
+#include "python/array.h"
+#include "python/bindings.h"
+#include "scenes/import/mip_levels.h"
+
+namespace py = pybind11;
+
+namespace tessera {
+namespace {
+
+ElementType element_of(uint32_t bits) {
+  switch (bits) {
+    case 8:
+      return kElementOf<uint8_t>;
+    case 16:
+      return {'e', 2};
+    default:
+      return kElementOf<float>;
+  }
+}
+
+/// The picture in a file: (h, w, c) uint8, half or float, as the file has them.
+Array read_texture(const std::string& path) {
+  const DecodedTexture decoded = decode_texture(path, false);
+  return Array(decoded.texels, decoded.texels->data(), element_of(decoded.bits),
+               {decoded.height, decoded.width, decoded.channels});
+}
+
+/// The texels (h, w) or (h, w, c) followed by all smaller levels, in a row, and how many there are.
+std::pair<Array, uint32_t> with_mip_levels(const Array& texels, bool is_srgb) {
+  const Array::Shape& shape = texels.shape();
+  const auto side = [&](size_t axis) { return static_cast<uint32_t>(shape[axis]); };
+  DecodedTexture texture{.width = side(1),
+                         .height = side(0),
+                         .channels = shape.size() == 3 ? side(2) : 1,
+                         .bits = static_cast<uint32_t>(8 * texels.type().size),
+                         .texels = nullptr};
+  texture.texels = copy_to_blob(texels.bytes());
+  const py::gil_scoped_release release;
+  const uint32_t levels = add_mip_levels(texture, is_srgb);
+  const auto size = static_cast<py::ssize_t>(texture.texels->size()) / texels.type().size;
+  return {Array(texture.texels, texture.texels->data(), texels.type(), {size}), levels};
+}
+
+}  // namespace
+
+void bind_textures(py::module_& module) {
+  module.def("read_texture", &read_texture, py::call_guard<py::gil_scoped_release>(),
+             "The picture in a file as an array.");
+  module.def("with_mip_levels", &with_mip_levels, "Texels with all smaller levels behind them.");
+}
+
+}  // namespace tessera
