@@ -6,6 +6,7 @@ one after the other and never needs Python: a script may compute, sleep or be in
 from __future__ import annotations
 
 import os
+import sys
 import time
 import warnings as _warnings
 from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterator, Literal, Optional, Sequence,
