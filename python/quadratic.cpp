@@ -15,10 +15,10 @@ int exponent_of(double x) {
   return exponent;
 }
 
-/// The roots of a x^2 + b x + c for coefficients of any size. Where b^2 is so large that 4 a c would
-/// vanish beside it, the roots are -b / a and -c / b. All others are solved for x = y 2^k, with
-/// powers of two that make the coefficients of y^2 and 1 about as large as 1, so that no product
-/// leaves the range.
+/// The roots of a x^2 + b x + c for coefficients of any size. Where b^2 is so large that 4 a c
+/// would vanish beside it, the roots are -b / a and -c / b. All others are solved for x = y 2^k,
+/// with powers of two that make the coefficients of y^2 and 1 about as large as 1, so that no
+/// product leaves the range.
 int solve_any_quadratic(double a, double b, double c, double (&roots)[2]) {
   if (a == 0) return solve_quadratic(a, b, c, roots);
   const int of_a = exponent_of(a), of_b = exponent_of(b), of_c = exponent_of(c);
@@ -55,10 +55,11 @@ py::tuple real_roots(double a, double b, double c) {
 }  // namespace
 
 void bind_quadratic(py::module_& module) {
-  module.def("solve_quadratic", real_roots, py::arg("a"), py::arg("b"), py::arg("c"),
-             "The real roots of a x^2 + b x + c = 0 as an ascending tuple, each at most 4 ulp off. A "
-             "double root is there once, one beyond the range of float is left out; with a = 0 the "
-             "equation is linear, and with b = 0 too it has no root that could be named.");
+  module.def(
+      "solve_quadratic", real_roots, py::arg("a"), py::arg("b"), py::arg("c"),
+      "The real roots of a x^2 + b x + c = 0 as an ascending tuple, each at most 4 ulp off. A "
+      "double root is there once, one beyond the range of float is left out; with a = 0 the "
+      "equation is linear, and with b = 0 too it has no root that could be named.");
 }
 
 }  // namespace tessera
