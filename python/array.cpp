@@ -128,7 +128,7 @@ py::tuple reduce(const py::object& self, int protocol) {
   } else {
     bytes = py::bytes(reinterpret_cast<const char*>(array.data()), array.bytes().size());
   }
-  return py::make_tuple(py::type::of(self).attr("from_bytes"),
+  return py::make_tuple(py::module_::import("tessera._value").attr("restore_array"),
                         py::make_tuple(bytes, std::string(1, array.type().code), shape_of(array)));
 }
 

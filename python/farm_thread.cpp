@@ -9,51 +9,52 @@
 
 namespace tessera {
 
-FarmThread::FarmThread(Start start)
-    : process_(getpid()), start_(std::move(start)), thread_([this] { run(); }) {}
+FarmThread::FarmThread(Start start) : process_(getpid()), state_(std::make_unique<State>()) {
+  state_->start = std::move(start);
+  state_->thread = std::thread([state = state_.get()] { state->run(); });
+}
 
 FarmThread::~FarmThread() {
   if (getpid() == process_) {
     close();
   } else {
-    // The thread stayed in the parent: there is nothing to join, and it must not be ended.
-    new std::thread(std::move(thread_));
+    static_cast<void>(state_.release());
   }
 }
 
 void FarmThread::submit(std::shared_ptr<FrameTask> task) {
-  const std::lock_guard lock(mutex_);
-  if (closed_) throw usage_error("farm: it is closed; expected one that is open");
-  waiting_.push_back(std::move(task));
-  changed_.notify_all();
+  const std::lock_guard lock(state_->mutex);
+  if (state_->closed) throw usage_error("farm: it is closed; expected one that is open");
+  state_->waiting.push_back(std::move(task));
+  state_->changed.notify_all();
 }
 
 void FarmThread::close() {
   {
-    const std::lock_guard lock(mutex_);
-    closed_ = true;
-    if (running_) running_->cancel();
-    for (const auto& task : waiting_) task->cancel();
-    changed_.notify_all();
+    const std::lock_guard lock(state_->mutex);
+    state_->closed = true;
+    if (state_->running) state_->running->cancel();
+    for (const auto& task : state_->waiting) task->cancel();
+    state_->changed.notify_all();
   }
-  if (thread_.joinable()) thread_.join();
+  if (state_->thread.joinable()) state_->thread.join();
 }
 
-std::shared_ptr<FrameTask> FarmThread::next_task() {
-  std::unique_lock lock(mutex_);
-  running_ = nullptr;
-  changed_.wait(lock, [this] { return closed_ || !waiting_.empty(); });
-  if (waiting_.empty()) return nullptr;
-  running_ = std::move(waiting_.front());
-  waiting_.pop_front();
-  return running_;
+std::shared_ptr<FrameTask> FarmThread::State::next_task() {
+  std::unique_lock lock(mutex);
+  running = nullptr;
+  changed.wait(lock, [this] { return closed || !waiting.empty(); });
+  if (waiting.empty()) return nullptr;
+  running = std::move(waiting.front());
+  waiting.pop_front();
+  return running;
 }
 
-void FarmThread::run() {
+void FarmThread::State::run() {
   std::unique_ptr<TracingFarm> farm;
   std::exception_ptr failure;
   try {
-    farm = start_();
+    farm = start();
   } catch (...) {
     failure = std::current_exception();
   }

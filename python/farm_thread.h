@@ -33,17 +33,23 @@ class FarmThread {
   void close();
 
  private:
-  void run();
-  std::shared_ptr<FrameTask> next_task();
+  struct State {
+    Start start;
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::deque<std::shared_ptr<FrameTask>> waiting;
+    std::shared_ptr<FrameTask> running;
+    bool closed = false;
+    std::thread thread;
+
+    void run();
+    std::shared_ptr<FrameTask> next_task();
+  };
 
   const int process_;  ///< that made it
-  Start start_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<std::shared_ptr<FrameTask>> waiting_;
-  std::shared_ptr<FrameTask> running_;
-  bool closed_ = false;
-  std::thread thread_;  ///< last: it uses all of the above
+  /// In a forked child it is never freed: a condition that the parent's thread waits for, and that
+  /// thread itself, cannot be destroyed there.
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace tessera

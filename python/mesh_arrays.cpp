@@ -137,7 +137,8 @@ Array copy_texels(const ArraySource& source, ElementType type) {
 py::tuple take_positions(py::handle given, py::handle copy, bool recenter) {
   const ArraySource source = array_source(given, "positions");
   check_shape(source, "positions", 3, -1);
-  if (source.kind == 'f' && source.item_size <= 4 && !recenter) {
+  const bool refuses_copy = !copy.is_none() && !copy.cast<bool>();
+  if (!recenter && (refuses_copy || (source.kind == 'f' && source.item_size <= 4))) {
     return py::make_tuple(take_blob_array(given, "positions", copy), py::none(), 0.0, 0.0);
   }
   std::vector<double> exact;

@@ -62,26 +62,43 @@ class PlainArray {
   T* data_ = nullptr;
 };
 
-/// What all calls take: rays, and who traces them.
+/// One number for each ray, or one for all.
+class NumberArray {
+ public:
+  NumberArray(const char* name, const py::object& object, size_t count) {
+    if (py::isinstance<py::float_>(object)) {
+      rows_.otherwise = py::cast<double>(object);
+      return;
+    }
+    array_.emplace(name, object, count, false);
+    rows_.data = array_->data();
+  }
+  const NumberRows& rows() const { return rows_; }
+
+ private:
+  std::optional<PlainArray<double>> array_;
+  NumberRows rows_;
+};
+
+/// Rays, as every call takes them.
 struct Rays {
   VectorArray origins, directions;
-  PlainArray<double> t_min, t_max;
+  NumberArray t_min, t_max;
   RayBatch batch;
 
   Rays(const py::object& o, const py::object& d, const py::object& from, const py::object& to,
        int cull)
       : origins("origins", o),
         directions("directions", d),
-        t_min("t_min", from, origins.count(), false),
-        t_max("t_max", to, origins.count(), false) {
+        t_min("t_min", from, origins.count()),
+        t_max("t_max", to, origins.count()) {
     if (directions.count() != origins.count()) fail_array("directions", "one for each origin");
-    batch.count = origins.count();
-    batch.origins = origins.rows();
-    batch.directions = directions.rows();
-    batch.t_min.data = t_min.data();
-    batch.t_max.data = t_max.data();
-    batch.cull = static_cast<Cull>(cull);
+    batch = {origins.count(), origins.rows(), directions.rows(),
+             t_min.rows(),    t_max.rows(),   static_cast<Cull>(cull)};
   }
+  /// Of hits that were found before: their stretch is of no matter.
+  Rays(const py::object& o, const py::object& d)
+      : Rays(o, d, py::float_(0.0), py::float_(0.0), 0) {}
 };
 
 /// The hits that `attributes` and `spawn` look up.
@@ -263,7 +280,7 @@ void bind_queries(py::class_<RayQueries>& tracer) {
       .def("attributes",
            [](const RayQueries& queries, const py::object& o, const py::object& d,
               const py::tuple& hits, int threads, const py::dict& out) {
-             const Rays rays(o, d, py::none(), py::none(), 0);
+             const Rays rays(o, d);
              const size_t n = rays.batch.count;
              const FoundHits found(hits, n);
              const auto wanted = [&](const char* name) -> py::object {
@@ -285,7 +302,7 @@ void bind_queries(py::class_<RayQueries>& tracer) {
       .def("spawn", [](const RayQueries& queries, const py::object& o, const py::object& d,
                        const py::tuple& hits, const py::object& directions, int threads,
                        const py::object& out) {
-        const Rays rays(o, d, py::none(), py::none(), 0);
+        const Rays rays(o, d);
         const FoundHits found(hits, rays.batch.count);
         const VectorArray away("directions", directions);
         if (away.count() != rays.batch.count) fail_array("directions", "one for each hit");

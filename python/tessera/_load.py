@@ -7,7 +7,8 @@ import warnings
 from typing import Any, Dict, List, Literal, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _core
-from .errors import MissingFile, SceneWarning, UsageError
+from .errors import SceneWarning, UsageError
+from .rendering import checked_scene
 from .scene import Scene
 
 
@@ -32,11 +33,7 @@ def load(path: Union[str, "os.PathLike[str]"], *,
     :param x3d_weld: points this near share the normals that are made.
     :param x3d_two_sided: shows back faces, which files that leave `solid` out hide.
     """
-    name = os.fspath(path)
-    if not os.path.exists(name):
-        missing = MissingFile(f"{name}: there is no such file; expected a scene", place=name)
-        missing.filename = name
-        raise missing
+    name = checked_scene(os.fspath(path))
     places = [place] if isinstance(place, str) else list(place)
     given: List[Tuple[str, Any]] = [("place", text) for text in places]
     given += [("assets", assets if assets is None else os.fspath(assets)), ("x3d-color", x3d_color),

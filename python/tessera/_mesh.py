@@ -90,8 +90,6 @@ class Mesh(_messages.Mesh):
 
     def _take_positions(self, given: Any, copy: Optional[bool], recenter: bool) -> None:
         taken, middle, moved, extent = _core.take_positions(given, copy, recenter)
-        if copy is False and moved > 0:
-            raise ValueError("positions: copy=False, but its elements are of another type")
         Mesh.__dict__["positions"].put(self, taken, None)
         if moved > extent * _LARGEST_SHARE:
             warnings.warn(f"positions: rounded by up to {moved:.3g} m; expected a mesh nearer to its "

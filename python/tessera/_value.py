@@ -90,6 +90,11 @@ def _shown(value: Any) -> str:
     return repr(_core.Array.from_bytes(value.tobytes(), value.dtype.char, list(value.shape)))
 
 
+def restore_array(data: Any, code: str, shape: Tuple[int, ...]) -> _core.Array:
+    """The array that was pickled."""
+    return _core.Array.from_bytes(data, code, list(shape))
+
+
 def here() -> Optional[Place]:
     """Where in the user's script a value is being made."""
     frame: Any = sys._getframe(2)

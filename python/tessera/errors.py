@@ -24,6 +24,9 @@ class Error(Exception):
         found = re.search(r"did you mean '([^']+)'", message)
         self.suggestion = suggestion or (found.group(1) if found else None)
 
+    def __str__(self) -> str:
+        return self.message  # an OSError would put its errno and file name here
+
 
 class SceneError(Error, ValueError):
     """The scene is wrong, or a file that it names."""

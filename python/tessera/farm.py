@@ -8,9 +8,10 @@ import warnings
 from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Sequence, Tuple, Union
 
 from . import _core
+from ._html import table
 from .errors import SceneWarning, UsageError
 from .picture import Image, Path
-from .rendering import _Farm, _options
+from .rendering import _Farm, _options, checked_scene
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -67,8 +68,7 @@ class Farm(_Farm):
         unknown = set(options) & {"workers", "threads", "verify", "farm", "progress", "wait"}
         if unknown:
             raise UsageError(f"{min(unknown)}: cannot be chosen for a farm, which has its own")
-        if isinstance(scene, os.PathLike):
-            scene = os.fspath(scene)
+        scene = checked_scene(scene)
         texts = _options({"frames": frames, **options})
         number, told = access.submit(texts, scene, name, priority, weight)
         for warning in told:
@@ -179,9 +179,7 @@ class Job:
         return f"<Job {self.number} of {self.farm.endpoint}>"
 
     def _repr_html_(self) -> str:
-        rows = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>"
-                       for name, value in self.status().items())
-        return f"<table>{rows}</table>"
+        return table(self.status())
 
     def __reduce__(self) -> Any:
         farm = self.farm

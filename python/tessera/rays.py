@@ -6,6 +6,7 @@ import os
 from typing import TYPE_CHECKING, Any, Iterable, List, Optional, Sequence, Tuple, Union
 
 from . import _core
+from ._html import table
 from .errors import UsageError
 
 if TYPE_CHECKING:
@@ -70,24 +71,20 @@ def _rows(array: "np.ndarray", shape: Tuple[int, ...]) -> "np.ndarray":
 class _Rays:
     """Rays of one call: their leading shape, and arrays as `_core` takes them."""
 
-    def __init__(self, origins: Any, directions: Any, t_min: Any = 0.0, t_max: Any = None):
-        np = _numpy()
+    def __init__(self, origins: Any, directions: Any, t_min: Any, t_max: Any):
         o, d = _vectors("origins", origins), _vectors("directions", directions)
-        ends = [None if value is None or (isinstance(value, (int, float)) and value == usual)
-                else _real(name, value).astype(np.float64, copy=False)
-                for name, value, usual in (("t_min", t_min, 0), ("t_max", t_max, float("inf")))]
-        named = [("origins", o.shape[:-1]), ("directions", d.shape[:-1])]
-        named += [(name, end.shape) for name, end in zip(("t_min", "t_max"), ends)
-                  if end is not None]
-        self.shape = _broadcast(named)
+        ends = {name: _real(name, value) for name, value in (("t_min", t_min), ("t_max", t_max))}
+        self.shape = _broadcast([("origins", o.shape[:-1]), ("directions", d.shape[:-1]),
+                                 *((name, end.shape) for name, end in ends.items())])
         self.origins, self.directions = _rows(o, self.shape), _rows(d, self.shape)
-        self.ends = [None if end is None else
-                     np.ascontiguousarray(np.broadcast_to(end, self.shape)).reshape(-1)
-                     for end in ends]
+        self.ends = [self._end(end) for end in ends.values()]
 
-    @property
-    def count(self) -> int:
-        return len(self.origins)
+    def _end(self, end: "np.ndarray") -> Any:
+        """One number, or one for each ray."""
+        np = _numpy()
+        if end.ndim == 0:
+            return float(end)
+        return np.ascontiguousarray(np.broadcast_to(end, self.shape), np.float64).reshape(-1)
 
 
 def _frozen(array: "np.ndarray") -> "np.ndarray":
@@ -192,6 +189,12 @@ class Hits(_Found):
 
     def __repr__(self) -> str:
         return f"<Hits {self._shape}: {int(self.hit.sum())} hit>"
+
+    def _repr_html_(self) -> str:
+        rows = {"rays": self.hit.size, "hit": int(self.hit.sum())}
+        if "t" in self._arrays and rows["hit"]:
+            rows["nearest"], rows["farthest"] = self.t.min(), self.t[self.hit].max()
+        return table(rows)
 
 
 class AllHits(_Found):

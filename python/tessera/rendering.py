@@ -5,9 +5,7 @@ one after the other and never needs Python: a script may compute, sleep or be in
 """
 from __future__ import annotations
 
-import asyncio
 import atexit
-import logging
 import os
 import sys
 import time
@@ -17,7 +15,8 @@ from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterable, Iterator,
                     Optional, Sequence, Tuple, Union, overload)
 
 from . import _core
-from .errors import Cancelled, Error, FarmError, Refused, RenderError, SceneWarning, UsageError
+from ._program import program
+from .errors import Cancelled, Error, MissingFile, RenderError, SceneWarning, UsageError
 from .picture import Image, Rect
 
 if TYPE_CHECKING:
@@ -46,7 +45,11 @@ class Progress(NamedTuple):
 
 def _pass_on_log() -> None:
     """Gives what C++ logged to the logger "tessera"."""
-    for level, message in _core.take_log():
+    told = _core.take_log()
+    if not told:
+        return
+    import logging
+    for level, message in told:
         logging.getLogger("tessera").log(max(level, 1) * 10, message)
 
 
@@ -138,6 +141,7 @@ class LocalFarm(_Farm):
             raise UsageError(f"verify: {verify}; expected a share from 0 to 1")
         if verify > 0 and (self.workers or os.cpu_count() or 1) < 2:
             raise UsageError("verify: needs a second worker; expected workers=2 or more")
+        program()  # Workers are its processes: ImportError tells where it is not of our version.
         super().__init__(_core.local_farm(self.workers, self.threads, float(verify)))
 
     def __repr__(self) -> str:
@@ -268,6 +272,7 @@ class Task(_OfThisProcess):
         return self._wait_async().__await__()
 
     async def _wait_async(self) -> Image:
+        import asyncio  # here: it takes longer to import than all of ours
         try:
             while not self.done():
                 await asyncio.sleep(_LOOK_SECONDS)
@@ -280,10 +285,10 @@ class Task(_OfThisProcess):
 
     def show(self) -> Image:
         """Waits for the picture; in a notebook one output is updated while it fills in."""
-        try:
-            from IPython.display import display
-        except ImportError:
-            return self.result()
+        ipython = sys.modules.get("IPython")
+        if ipython is None or ipython.get_ipython() is None:
+            return self.result()  # a plain script, which has nothing to update
+        from IPython.display import display
         shown = None
         for _ in self:
             picture = self.snapshot()
@@ -355,6 +360,19 @@ def _options(keywords: dict[str, Any]) -> Any:
     return options
 
 
+def checked_scene(scene: Any) -> Any:
+    """A Scene, or the path of a file that is there."""
+    if isinstance(scene, os.PathLike):
+        scene = os.fspath(scene)
+    if isinstance(scene, str) and not os.path.exists(scene):
+        missing = MissingFile(f"{scene}: there is no such file; expected a scene", place=scene)
+        missing.filename = scene
+        raise missing
+    if not isinstance(scene, str) and type(scene).__name__ != "Scene":
+        raise TypeError(f"scene: {scene!r:.100}; expected a Scene or the path of a file")
+    return scene
+
+
 def _local_farm(workers: Optional[int], threads: Optional[int], verify: Optional[float]) -> _Farm:
     if workers == 0:
         if verify:
@@ -411,8 +429,7 @@ def render(scene: Any, *,
         raise UsageError("workers, threads, verify: cannot be chosen with farm, which has its own")
     if frame is not None and time is not None:
         raise UsageError("time: a frame has its own instant; expected one of the two")
-    if isinstance(scene, os.PathLike):
-        scene = os.fspath(scene)
+    scene = checked_scene(scene)
     options = _options(keywords)
     if farm is not None:
         farm._check_process()

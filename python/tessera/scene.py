@@ -7,6 +7,7 @@ from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Opt
 
 from . import _core, _messages
 from ._graph import Instances, flat, with_material
+from ._html import table
 from ._messages import (Frames, Include, IntegratorSettings, Light, Material, Metadata, Object,
                         Output, Sampling, Settings, Shape, Texture, Fog)
 from ._nodes import Node
@@ -190,6 +191,11 @@ class Scene(_messages.Scene):
     def info(self) -> Summary:
         """Counts of what the scene holds, and names that are not used or not defined."""
         return Summary(*_core.summary(self))
+
+    def _repr_html_(self) -> str:
+        summary = self.info()
+        rest = {"unused": summary.unused, "undefined": summary.undefined}
+        return table({**summary.counts, **{what: ", ".join(names) for what, names in rest.items() if names}})
 
     def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
         """Writes the scene by the ending: .tessera (text), .tesserab (binary) or .json."""

@@ -25,11 +25,15 @@ bool for_each_chunk(size_t count, const QueryControl& control, const Work& work)
   return !is_cancelled();
 }
 
+/// Apart from checked_ray(), so that the compiler takes that into loops.
+[[noreturn, gnu::noinline, gnu::cold]] inline void refuse_t_min(size_t i, double t_min) {
+  throw usage_error(fmt::format("t_min[{}]: {}; expected 0 or more", i, t_min));
+}
 /// Ray `i`; a usage error where it begins before its origin.
-inline Ray checked_ray(const RayBatch& rays, size_t i) {
+[[gnu::always_inline]] inline Ray checked_ray(const RayBatch& rays, size_t i) {
   const Ray ray = rays[i];
   if (ray.t_min < 0) [[unlikely]]
-    throw usage_error(fmt::format("t_min[{}]: {}; expected 0 or more", i, ray.t_min));
+    refuse_t_min(i, ray.t_min);
   return ray;
 }
 

@@ -36,6 +36,18 @@ Skips skips_for_queries() {
   return skips;
 }
 
+/// Whether rays go so much the same way that a packet of them visits little that each alone would
+/// not. Most that do not are told by the first two.
+bool go_together(std::span<const Ray> rays, double reach) {
+  const Ray& first = rays[0];
+  const double length = length_squared(first.direction);
+  return std::ranges::all_of(rays.subspan(1), [&](const Ray& ray) {
+    const double along = dot(ray.direction, first.direction);
+    return along > 0 && along * along > 0.9 * length * length_squared(ray.direction) &&
+           length_squared(ray.origin - first.origin) <= reach * reach;
+  });
+}
+
 bool is_bounded(const Bounds3& b) { return is_finite(b.diagonal()); }
 
 /// Calls visit(hits) for the hits of each instance, of hits sorted by instance.
@@ -65,6 +77,7 @@ RayQueries::RayQueries(const v1::Scene& description, const BlobStore& blobs,
   if (instances.size() == 1 && instances[0].world_from_object.is_identity() &&
       !instances[0].flip_normals)
     if (const MeshShape* mesh = mesh_of(instances[0])) only_mesh_ = &mesh->accelerator();
+  if (const Bounds3 all = bounds(); !all.empty()) reach_ = length(all.diagonal()) / 64;
   std::unordered_map<std::string, uint32_t> known;
   for (const std::string& name : names_.materials) {
     const auto [at, is_new] = known.try_emplace(name, static_cast<uint32_t>(materials_.size()));
@@ -96,8 +109,16 @@ bool RayQueries::closest_hits(const RayBatch& rays, const HitArrays& out,
     TraversalCounters counters;
     for (; begin < end; begin += kTogether) {
       const size_t count = std::min(kTogether, end - begin);
-      for (size_t k = 0; k < count; ++k) some[k] = checked_ray(rays, begin + k), hits[k] = {};
-      if (surfaces) surfaces->closest_hits({some, count}, {hits, count}, counters);
+      for (size_t k = 0; k < count; ++k) {
+        some[k] = checked_ray(rays, begin + k);
+        hits[k] = {};
+        rays.origins.prefetch(begin + kTogether + k);
+        rays.directions.prefetch(begin + kTogether + k);
+      }
+      if (surfaces && go_together({some, count}, reach_))
+        surfaces->closest_hits({some, count}, {hits, count}, counters);
+      else if (surfaces)
+        for (size_t k = 0; k < count; ++k) surfaces->closest_hit(some[k], hits[k], counters);
       for (size_t k = 0; k < count; ++k) {
         const Hit& hit = hits[k];
         const bool is_hit = std::isfinite(hit.t);

@@ -88,6 +88,7 @@ class RayQueries {
   std::vector<uint32_t> material_of_slot_;  ///< into materials_, one each of Scene::material_slots
   /// Where one mesh that stands as it is makes up the scene: its triangles.
   const Accelerator* only_mesh_ = nullptr;
+  double reach_ = 0;  ///< how far apart the origins of rays that are traced together may be
   /// By instance, where some mesh lost triangles: TriangleMesh::original_numbers, or null.
   std::vector<const std::vector<uint32_t>*> rows_;
   std::unique_ptr<Insides> insides_;

@@ -12,6 +12,7 @@ from tessera import _core, _program
 
 PROGRAM = pathlib.Path(os.environ["TESSERA_PROGRAM"]).resolve()
 PACKAGE = pathlib.Path(ts.__file__).parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def script(file, text):
@@ -137,6 +138,36 @@ def test_the_import_starts_no_process_and_the_check_is_made_once(tmp_path):
 def test_the_import_brings_neither_numpy_nor_subprocess():
     told = run("import sys, tessera; print([m for m in ('numpy', 'subprocess', 'socket') if m in sys.modules])")
     assert told.stdout.strip() == "[]"
+
+
+RENDER = f"""
+import tessera as ts
+scene = {str(ROOT / "scenes/samples/knot.tessera")!r}
+def render(farm): return ts.render(scene, size=(16, 9), spp=1, farm=farm)
+"""
+
+
+def test_a_farm_of_another_version_is_refused_and_threads_go_on(tmp_path):
+    other = script(tmp_path / "tessera", f"echo run >> {tmp_path}/runs; echo tessera 0.0.9")
+    told = run(RENDER + """
+with ts.Threads(1) as farm: print(render(farm).linear.shape)
+for make in (lambda: ts.LocalFarm(1), lambda: render(None)):
+    try: make()
+    except ImportError as error: print('refused', error)
+""", TESSERA_PROGRAM=str(other)).stdout
+    assert told.startswith("(9, 16, 3)") and told.count("refused") == 2 and "0.0.9" in told
+    assert (tmp_path / "runs").read_text() == "run\nrun\n"  # --version alone, and no worker
+
+
+def test_workers_codec_and_modules_are_those_of_the_program(tmp_path):
+    package = copy_package(tmp_path)
+    (package / "_bin").symlink_to(PROGRAM.parent)
+    told = run(RENDER + f"""
+with ts.LocalFarm(1) as farm: image = render(farm)
+image.save({str(tmp_path / "knot.png")!r})
+print(image.linear.shape)
+""", package=package)
+    assert told.stdout.strip() == "(9, 16, 3)" and (tmp_path / "knot.png").stat().st_size > 0
 
 
 # ---- one copy in a process, and the main interpreter alone

@@ -28,7 +28,7 @@ def expected(threads):
 
 def endless(threads):
     """A render that nobody waits for."""
-    return ts.render(KNOT, farm=threads, spp=1 << 20, size=(600, 400), wait=False)
+    return ts.render(KNOT, farm=threads, spp=64, size=(4000, 3000), wait=False)
 
 
 def test_a_task_has_the_picture_of_a_render(threads, expected):
@@ -75,6 +75,12 @@ def test_a_block_that_is_left_cancels_it(threads):
     assert task.done()
 
 
+def test_a_script_that_shows_a_task_gets_its_picture_alone(threads, expected, capsys):
+    pytest.importorskip("IPython")  # installed and imported, but not running
+    assert ts.render(KNOT, farm=threads, wait=False, **SMALL).show() == expected
+    assert capsys.readouterr().out == ""
+
+
 def test_a_timeout_leaves_it_running(threads, expected):
     with endless(threads) as task:
         with pytest.raises(TimeoutError, match="not done after 0.05 s"):
@@ -112,7 +118,7 @@ def test_an_exception_in_a_callback_cancels_the_render(threads, expected, which)
         raise ZeroDivisionError("mine")
 
     with pytest.raises(ZeroDivisionError, match="mine"):
-        ts.render(KNOT, farm=threads, size=(600, 400), spp=1 << 20, **{which: fails})
+        ts.render(KNOT, farm=threads, size=(4000, 3000), spp=64, **{which: fails})
     assert ts.render(KNOT, farm=threads, **SMALL) == expected
 
 

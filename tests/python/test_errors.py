@@ -1,0 +1,92 @@
+"""What is wrong is told: the class, the place in the script, the way to it, the nearest name."""
+import pytest
+
+import tessera as ts
+
+
+def digest(*nodes, **fields):
+    return ts.Scene(nodes=list(nodes), **fields).digest
+
+
+def test_the_classes_are_what_python_has_for_them():
+    assert issubclass(ts.SceneError, ValueError) and issubclass(ts.SceneError, ts.Error)
+    assert issubclass(ts.MissingFile, FileNotFoundError) and issubclass(ts.MissingFile, ts.SceneError)
+    assert issubclass(ts.Refused, PermissionError) and issubclass(ts.FarmError, ConnectionError)
+    assert (ts.SceneError.code, ts.UsageError.code, ts.RenderError.code) == (1, 2, 3)
+
+
+def test_a_wrong_value_tells_its_place_and_path():
+    sphere = ts.Sphere(radius="big")
+    line = test_a_wrong_value_tells_its_place_and_path.__code__.co_firstlineno + 1
+    with pytest.raises(ts.SceneError) as told:
+        digest(ts.Box(), ts.Node(shape=sphere))
+    assert told.value.path == "nodes[1].shape.radius"
+    assert told.value.place == f"{__file__}:{line}"
+    assert str(told.value).endswith("nodes[1].shape.radius: 'big'; expected a number")
+
+
+@pytest.mark.parametrize("make, expected", [
+    (lambda: ts.Sphere((0, 0)), r"center: 2 numbers; expected 3"),
+    (lambda: ts.Sphere(radius=float("nan")), "nan; expected a finite number"),
+    (lambda: ts.Sphere(radius=ts.Box()), "a number"),
+    (lambda: ts.Csg("unoin", []), "did you mean 'union'"),
+    (lambda: ts.Sphere(name=3), "name: 3; expected text"),
+    (lambda: ts.Sphere(name="\ud800"), "expected text"),
+    (lambda: ts.Sphere(flip_normals=2), "True or False"),
+    (lambda: ts.Node(shape=ts.PointLight()), "a Shape"),
+    (lambda: ts.Sphere(material=ts.Box()), "a Material or the name of one"),
+    (lambda: ts.Sphere(material=ts.Classic(diffuse="rde")), "did you mean 'red'"),
+    (lambda: ts.PointLight(color=(1, 2, "x")), "'x'; expected a number"),
+])
+def test_wrong_values(make, expected):
+    with pytest.raises(ValueError, match=expected):
+        digest(make())
+
+
+def test_whole_numbers_have_bounds():
+    for width in (-1, 2**32, 2**70, 1.5):
+        with pytest.raises(ts.SceneError, match="a whole number from 0 to 4294967295"):
+            digest(width=width)
+
+
+def test_a_choice_is_made_once():
+    both = ts.Background()
+    both.solid, both.gradient = "red", ts.BackgroundGradient()
+    with pytest.raises(ts.SceneError, match="set besides solid"):
+        digest(background=both)
+
+
+def test_what_holds_itself_ends():
+    node = ts.Node()
+    node.children = [node]
+    with pytest.raises(ts.SceneError, match="inside itself"):
+        digest(node)
+    material = ts.Classic()
+    material.back = material
+    with pytest.raises(ts.SceneError, match="refers to itself"):
+        digest(ts.Sphere(material=material))
+
+
+def test_wrong_names_tell_the_nearest():
+    with pytest.raises(TypeError, match="no keyword 'centre'; did you mean 'center'"):
+        ts.Sphere(centre=(0, 0, 0))
+    sphere = ts.Sphere()
+    with pytest.raises(AttributeError, match="did you mean 'radius'"):
+        sphere.radios = 3
+    with pytest.raises(AttributeError, match="did you mean 'radius'"):
+        sphere.radios
+
+
+def test_files(tmp_path):
+    with pytest.raises(ts.MissingFile) as told:
+        ts.load(tmp_path / "none.tessera")
+    assert told.value.filename == str(tmp_path / "none.tessera")
+    bad = tmp_path / "bad.tessera"
+    bad.write_text("nodes {\n  shpae {} }\n")
+    with pytest.raises(ts.SceneError, match="did you mean 'shape'") as told:
+        ts.load(bad)
+    assert told.value.place.startswith(f"{bad}:2") and told.value.suggestion == "shape"
+    with pytest.raises(ts.UsageError):
+        ts.Scene().save(tmp_path / "scene.png")
+    with pytest.raises(ts.SceneError, match="rde"):
+        ts.Scene(materials=[ts.Classic(name="red")], nodes=[ts.Sphere(material="rde")]).check()

@@ -1,0 +1,168 @@
+"""A farm elsewhere, with keys and two workers."""
+import logging
+import os
+import pathlib
+import pickle
+import subprocess
+import time
+
+import pytest
+
+import tessera as ts
+
+KNOT = str(pathlib.Path(__file__).parents[2] / "scenes" / "samples" / "knot.tessera")
+SIZE = (60, 40)
+
+
+class Served:
+    """A coordinator and two workers, with keys in a folder."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.processes = []
+        self.run("keygen", folder / "farm.key")
+        lines = [self.run("keygen", folder / f"{name}.key", "--role", role)
+                 for name, role in (("node", "worker"), ("alice", "submitter"))]
+        self.run("keygen", folder / "stranger.key", "--role", "submitter")
+        (folder / "allow").write_text("".join(lines))
+        serve = self.start("serve", "--bind", "tcp://127.0.0.1:0", "--key", folder / "farm.key",
+                           "--allow", folder / "allow", "--store", folder / "store")
+        self.endpoint = serve.stdout.readline().split()[-1]
+        assert self.endpoint.startswith("tcp://127.0.0.1:")
+        for _ in range(2):
+            self.start("worker", "--connect", self.endpoint, "--key", folder / "node.key",
+                       "--server-key", folder / "farm.pub", "--threads", "1")
+
+    def run(self, *arguments):
+        return subprocess.run([os.environ["TESSERA_PROGRAM"], *map(str, arguments)], check=True,
+                              capture_output=True, text=True).stdout
+
+    def start(self, *arguments):
+        process = subprocess.Popen([os.environ["TESSERA_PROGRAM"], *map(str, arguments)],
+                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.processes.append(process)
+        return process
+
+    def keys(self, name="alice"):
+        return {"key": self.folder / f"{name}.key", "server_key": self.folder / "farm.pub"}
+
+    def farm(self, **options):
+        return ts.Farm(self.endpoint, **{**self.keys(), **options})
+
+    def end(self):
+        for process in self.processes:
+            process.terminate()
+        for process in self.processes:
+            process.wait()
+            process.stdout.close()
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory):
+    served = Served(tmp_path_factory.mktemp("farm"))
+    try:
+        with served.farm() as farm:
+            end = time.monotonic() + 30
+            while farm.workers() < 2:
+                assert time.monotonic() < end
+                time.sleep(.05)
+        yield served
+    finally:
+        served.end()
+
+
+@pytest.fixture(scope="module")
+def expected():
+    return ts.render(KNOT, size=SIZE, workers=0)
+
+
+def test_a_render_by_the_farm_has_the_same_bits(served, expected):
+    with served.farm() as farm:
+        assert ts.render(KNOT, size=SIZE, farm=farm) == expected
+        assert ts.load(KNOT).render(size=SIZE, farm=farm) == expected
+
+
+def test_a_job_from_its_submission_to_its_picture(served, expected):
+    with served.farm() as farm:
+        job = farm.submit(KNOT, size=SIZE, name="a knot", priority=3)
+        assert job.wait(60)["state"] == "done"
+        assert job.fetch() == expected and list(job.frames()) == [0]
+        status = job.status()
+        assert (status["name"], status["priority"]) == ("a knot", 3)
+        assert farm.job("a knot") == job == farm.job(job.number) and job in farm.jobs()
+        assert [s["state"] for s in job.watch()] == ["done"]
+        assert str(job.number) in job._repr_html_()
+        with pytest.raises(ts.UsageError, match="is done; expected one that has not ended"):
+            job.cancel()
+        job.forget()
+        assert job not in farm.jobs()
+        with pytest.raises(ts.UsageError, match="no job of the farm, or forgotten"):
+            job.status()
+
+
+def test_an_animation(served):
+    with served.farm() as farm:
+        job = farm.submit(KNOT, size=(8, 8), frames=(3, 5))
+        job.wait(60)
+        assert list(job.frames()) == [3, 4, 5]
+        assert job.fetch(4) == ts.render(KNOT, size=(8, 8), frame=4, workers=0)
+        with pytest.raises(ts.UsageError, match="frame: 9; expected one from 3 to 5"):
+            job.fetch(9)
+
+
+def test_orders(served):
+    with served.farm() as farm:
+        job = farm.submit(KNOT, size=(4000, 3000), spp=64)
+        job.pause()
+        assert job.status()["state"] == "paused"
+        with pytest.raises(TimeoutError, match="not done yet"):
+            job.fetch()
+        with pytest.raises(TimeoutError):
+            job.wait(.2)
+        job.resume()
+        assert job.status()["state"] in ("queued", "running")
+        job.cancel()
+        assert job.wait(30)["state"] == "cancelled"
+        with pytest.raises(ts.UsageError, match="did you mean|no job"):
+            farm.job("nothing of that name")
+
+
+def test_wrong_keys_and_dead_farms_are_told(served, tmp_path):
+    with served.farm(**served.keys("stranger")) as farm:
+        with pytest.raises(ts.Refused, match="does not let this key in") as caught:
+            farm.jobs()
+        assert isinstance(caught.value, PermissionError)
+        with pytest.raises(ts.Refused):
+            ts.render(KNOT, size=SIZE, farm=farm)
+    with pytest.raises(ts.UsageError, match="^key: .*no such file"):
+        served.farm(key=tmp_path / "missing.key")
+    with pytest.raises(ts.UsageError, match="^key: needs server_key"):
+        ts.Farm(served.endpoint, key=served.folder / "alice.key")
+    with ts.Farm("tcp://127.0.0.1:9", timeout=5) as nobody:
+        with pytest.raises(ts.FarmError, match="nothing listens") as caught:
+            nobody.jobs()
+        assert isinstance(caught.value, ConnectionError) and caught.value.code == 3
+    with served.farm() as farm:
+        with pytest.raises(ts.UsageError, match="workers: cannot be chosen"):
+            farm.submit(KNOT, workers=2)
+        with pytest.raises(ts.UsageError, match="priority: 2000"):
+            farm.submit(KNOT, priority=2000)
+    with pytest.raises(RuntimeError, match="closed"):
+        farm.jobs()
+    with pytest.raises(ts.UsageError, match="timeout"):
+        served.farm(timeout=0)
+
+
+def test_jobs_pickle_and_no_secret_is_told(served, caplog):
+    secret = (served.folder / "alice.key").read_text()
+    words = [word for word in secret.split() if len(word) >= 32]
+    assert words
+    with caplog.at_level(logging.DEBUG), served.farm() as farm:
+        job = farm.submit(KNOT, size=(8, 8))
+        copy = pickle.loads(pickle.dumps(job))
+        with copy.farm:
+            assert copy == job and copy.wait(60)["state"] == "done"
+        shown = [repr(farm), repr(job), caplog.text, pickle.dumps(job).decode("latin1")]
+        with pytest.raises(TypeError, match="cannot be pickled"):
+            pickle.dumps(farm)
+    assert not [word for word in words for text in shown if word in text]

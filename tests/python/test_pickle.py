@@ -1,0 +1,64 @@
+"""Values copy and pickle, in this process and into others."""
+import copy
+import multiprocessing
+import pickle
+
+import cloudpickle
+import numpy as np
+import pytest
+
+import tessera as ts
+
+
+def made():
+    positions = np.arange(9, dtype="f4").reshape(3, 3)
+    scene = ts.Scene(width=8, background="skyblue")
+    scene.add(ts.Mesh(positions, [(0, 1, 2)], material=ts.Classic(diffuse="red")), name="mesh")
+    scene.instances(ts.Sphere(), np.eye(4)[None])
+    return scene
+
+
+@pytest.mark.parametrize("module", [pickle, cloudpickle])
+@pytest.mark.parametrize("protocol", [2, 4, 5])
+def test_a_scene_there_and_back(module, protocol):
+    scene = made()
+    again = pickle.loads(module.dumps(scene, protocol=protocol))
+    assert again == scene and again.digest == scene.digest and repr(again) == repr(scene)
+
+
+def test_arrays_go_out_of_band():
+    buffers = []
+    data = pickle.dumps(made(), protocol=5, buffer_callback=buffers.append)
+    assert sum(buffer.raw().nbytes for buffer in buffers) == 9 * 4 + 3 * 4 + 12 * 8
+    assert pickle.loads(data, buffers=buffers) == made()
+
+
+def test_another_process_sees_the_same():
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        assert pool.apply(digest_of, (made(),)) == made().digest
+
+
+def digest_of(scene):
+    return scene.digest
+
+
+def test_a_copy_is_apart():
+    scene = made()
+    shallow, deep = copy.copy(scene), copy.deepcopy(scene)
+    shallow.nodes.pop()
+    deep.nodes[0].name = "other"
+    assert len(scene.nodes) == 2 and scene.nodes[0].name == "mesh"
+    assert shallow != scene and deep != scene and made() == scene
+
+
+def test_a_material_shared_stays_shared():
+    red = ts.Classic(diffuse="red")
+    first, second = pickle.loads(pickle.dumps([ts.Sphere(material=red), ts.Box(material=red)]))
+    assert first.material is second.material
+
+
+def test_the_place_survives():
+    sphere = pickle.loads(pickle.dumps(ts.Sphere(radius="big")))
+    with pytest.raises(ts.SceneError) as told:
+        ts.Scene(nodes=[sphere]).digest
+    assert told.value.place.startswith(__file__)

@@ -1,0 +1,286 @@
+"""Ray queries in hard places: edges and vertices, threads, strides, wrong arguments, pickles."""
+import concurrent.futures
+import itertools
+import pickle
+import subprocess
+import sys
+
+import cloudpickle
+import numpy as np
+import pytest
+import tessera as ts
+from rays_scenes import cube, rays_about, soup
+from tessera.rays import tracer_from_mesh, tracer_from_scene
+
+
+@pytest.fixture(scope="module")
+def closed():
+    """A cube, and all its vertices and middles of edges as seen from its centre."""
+    points, rows = cube()
+    corners = points.astype(float)[rows]
+    targets = np.concatenate([points, (corners + np.roll(corners, 1, 1)).reshape(-1, 3) / 2])
+    return tracer_from_mesh(points, rows), np.full(3, 10.0), targets
+
+
+def test_no_ray_slips_through_vertices_and_edges(closed):
+    tracer, center, targets = closed
+    assert len(targets) >= 10_000
+    assert tracer.intersect(center, targets - center).hit.all()
+    assert tracer.occluded(center, targets - center).all()
+    assert np.all(tracer.crossings(center, targets - center) == -1)
+
+
+def test_lines_leave_a_closed_mesh_as_often_as_they_enter(closed):
+    tracer, center, targets = closed
+    assert not tracer.crossings(3 * targets - 2 * center, center - targets).any()
+    for direction in itertools.product((-1, 0, 1), repeat=3):
+        if any(direction):
+            assert not tracer.crossings(targets - 50 * np.array(direction), direction).any()
+
+
+def test_points_on_edges_of_the_grid_are_inside_or_not(closed):
+    tracer, _, _ = closed
+    grid = np.stack(np.meshgrid(*[np.arange(-1.0, 22)] * 3, indexing="ij"), -1)
+    inside = tracer.contains(grid)
+    assert inside.shape == (23, 23, 23)
+    assert inside[2:21, 2:21, 2:21].all() and inside.sum() <= 21**3
+    assert not inside[0].any() and not inside[-1].any() and not inside[:, :, 0].any()
+    assert np.array_equal(inside, tracer.contains(grid))
+    halves = tracer.contains(grid + 0.5)
+    assert halves[1:21, 1:21, 1:21].all() and halves.sum() == 20**3
+
+
+@pytest.mark.parametrize("accel", ["bvh", "octree", "linear"])
+def test_occluded_says_what_intersect_finds(accel):
+    random = np.random.default_rng(1)
+    points, rows = soup(random, 300, size=0.3)
+    tracer = tracer_from_mesh(points, rows, accel=accel)
+    o, d = rays_about(random, 20_000)
+    t_max = random.uniform(0, 2, len(o))
+    for cull in ("none", "back", "front"):
+        hits = tracer.intersect(o, d, t_max=t_max, cull=cull)
+        assert 0 < hits.hit.sum() < len(o)
+        assert np.array_equal(tracer.occluded(o, d, t_max=t_max, cull=cull), np.isfinite(hits.t))
+        assert np.array_equal(hits.hit, np.isfinite(hits.t))
+        assert np.all(hits.t[hits.hit] < t_max[hits.hit])
+
+
+def test_threads_and_callers_change_no_bit():
+    random = np.random.default_rng(2)
+    tracer = tracer_from_mesh(*soup(random, 2000, size=0.2))
+    o, d = rays_about(random, 50_000)
+    expected, all_expected = tracer.intersect(o, d, threads=1), tracer.intersect_all(o, d, threads=1)
+
+    def same(threads):
+        hits = tracer.intersect(o, d, threads=threads)
+        every = tracer.intersect_all(o, d, threads=threads)
+        return (all(np.array_equal(getattr(hits, f), getattr(expected, f))
+                    for f in ("t", "instance", "primitive", "uv"))
+                and all(np.array_equal(getattr(every, f), getattr(all_expected, f))
+                        for f in ("offsets", "t", "instance", "primitive", "uv")))
+
+    assert same(2) and same(7)
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        assert all(pool.map(same, [1] * 8))
+    parts = [tracer.intersect(o[i:i + 777], d[i:i + 777]).t for i in range(0, len(o), 777)]
+    assert np.array_equal(np.concatenate(parts), expected.t)
+
+
+def test_all_shapes_strides_and_types_are_taken():
+    random = np.random.default_rng(3)
+    tracer = tracer_from_mesh(*soup(random, 300))
+    o, d = (a.reshape(6, 50, 3) for a in rays_about(random, 300))
+    o, d = o.astype(np.float32), d.astype(np.float32)  # held exactly by all types below
+    expected = tracer.intersect(o.astype(float), d.astype(float))
+    assert expected.t.shape == expected.hit.shape == (6, 50) and expected.uv.shape == (6, 50, 2)
+    assert expected.point.shape == (6, 50, 3)
+    wide = np.zeros((6, 100, 6))
+    wide[:, ::2, ::2] = d
+    for directions in (d, d.tolist(), np.asfortranarray(d), wide[:, ::2, ::2], d.astype(">f8"),
+                       d[::-1][::-1], memoryview(d.astype(float))):
+        assert np.array_equal(tracer.intersect(o, directions).t, expected.t)
+    flipped = tracer.intersect(o[::-1, ::-1], d[::-1, ::-1])
+    assert np.array_equal(flipped.t, expected.t[::-1, ::-1])
+    one = tracer.intersect(o[2, 3], d[2, 3])
+    assert one.t.shape == () and one.t == expected.t[2, 3]
+    grid = tracer.intersect(o[:, :1], d[2:3], t_max=np.full((6, 1), np.inf))
+    for i, j in ((0, 0), (4, 7), (5, 49)):
+        assert grid.t[i, j] == tracer.intersect(o[i, 0], d[2, j]).t
+    assert np.array_equal(tracer.intersect([0, 0, -9], [0, 0, 1]).t,
+                          tracer.intersect([0.0, 0, -9], [0, 0, 1.0]).t)
+
+
+def test_nothing_is_a_legal_number_of_rays_and_triangles():
+    tracer = tracer_from_mesh(np.empty((0, 3)), np.empty((0, 3), int))
+    assert not tracer.intersect(np.zeros((4, 3)), [0, 0, 1]).hit.any()
+    assert not tracer.contains(np.zeros((4, 3))).any()
+    full = tracer_from_mesh(*cube(2))
+    for of in (tracer, full):
+        hits = of.intersect(np.empty((0, 3)), np.empty((0, 3)))
+        assert hits.t.shape == (0,) and hits.point.shape == (0, 3)
+        every = of.intersect_all(np.empty((0, 3)), np.empty((0, 3)))
+        assert len(every) == 0 and every.offsets.tolist() == [0] and every.point.shape == (0, 3)
+
+
+def test_what_is_no_ray_hits_nothing(closed):
+    tracer = closed[0]
+    nan, inf = float("nan"), float("inf")
+    for o, d in (([nan, 1, 1], [0, 0, 1]), ([1, 1, 1], [0, nan, 1]), ([1, 1, 1], [0, 0, 0]),
+                 ([1, inf, 1], [0, 0, 1]), ([1, 1, 1], [inf, 0, 0])):
+        assert not tracer.intersect(o, d).hit and not tracer.occluded(o, d)
+        assert len(tracer.intersect_all(o, d)) == 0 and tracer.crossings(o, d) == 0
+    assert not tracer.contains([nan, 1, 1])
+    assert np.isnan(tracer.intersect([1, 1, 1], [0, 0, 0]).point).all()
+
+
+def test_spawned_rays_do_not_meet_their_surface():
+    tracer = tracer_from_scene("""
+        nodes { shape { sphere { center { x: 1e3 } radius: .1 } } }
+        nodes { shape { box { min { x: -7 y: 1e4 } max { x: -6 y: 10001 z: .1 } } } }""")
+    random = np.random.default_rng(4)
+    for middle, size in (([1e3, 0, 0], 0.1), ([-6.5, 1e4 + 0.5, 0.05], 0.04)):
+        d = random.normal(size=(50_000, 3))
+        hits = tracer.intersect(np.array(middle) - 5 * d, d + random.uniform(-size, size, d.shape) / 9)
+        away = random.normal(size=d.shape)
+        away *= np.sign(np.sum(away * hits.normal, 1))[:, None]
+        kept = hits.hit
+        assert kept.sum() > 10_000
+        origins = tracer.spawn(hits, np.nan_to_num(away))
+        assert np.isnan(origins[~kept]).all()
+        assert not tracer.intersect(origins[kept], away[kept]).hit.any()
+
+
+WRONG = [
+    (dict(origins=np.zeros((4, 2))), "origins: shape (4, 2); expected (..., 3)"),
+    (dict(directions=3.0), "directions: shape (); expected (..., 3)"),
+    (dict(origins=np.zeros((4, 3)), directions=np.zeros((5, 3))), "origins (4,), directions (5,)"),
+    (dict(t_max=[1, 2, 3], origins=np.zeros((2, 3))), "t_max (3,)"),
+    (dict(t_min=-1), "t_min[0]: -1; expected 0 or more"),
+    (dict(t_min="x"), "t_min: dtype"),
+    (dict(origins=np.zeros((4, 3), complex)), "origins: dtype complex128; expected float64"),
+    (dict(cull="bakc"), "cull: 'bakc'; expected one of none, back, front; did you mean 'back'?"),
+    (dict(threads=0), "threads: 0; expected a whole number from 1 to 4096"),
+    (dict(fields=("t", "primitve")), "did you mean 'primitive'?"),
+]
+
+
+@pytest.mark.parametrize("wrong, told", WRONG, ids=[told[:20] for _, told in WRONG])
+def test_wrong_arguments_are_told(closed, wrong, told):
+    with pytest.raises(ValueError) as raised:
+        closed[0].intersect(**{"origins": [1, 1, 1], "directions": [0, 0, 1], **wrong})
+    assert told in str(raised.value) and isinstance(raised.value, ts.UsageError)
+
+
+def test_wrong_meshes_scenes_and_shapes_are_told(closed):
+    with pytest.raises(ts.UsageError, match=r"triangles\[1\]: \[0, 1, 4294967297\]; expected .* 0 to 2"):
+        tracer_from_mesh(np.zeros((3, 3)), [[0, 1, 2], [0, 1, 2**32 + 1]])
+    with pytest.raises(ts.UsageError, match="triangles"):
+        tracer_from_mesh(np.zeros((3, 3)), [[0, 1, -1]])
+    with pytest.raises(ts.SceneError):
+        tracer_from_scene("nodes { shape { sphere { radius: -1 } } }")
+    with pytest.raises(ValueError):
+        tracer_from_scene("", accel="bhv")
+    with pytest.raises(ts.UsageError, match="expected a name or a number below 1"):
+        closed[0].contains([0, 0, 0], 1)
+    open_mesh = tracer_from_mesh(cube(2)[0], cube(2)[1][1:])
+    with pytest.raises(ts.UsageError, match="open"):
+        open_mesh.contains([0, 0, 0], 0)
+    hits = closed[0].intersect([1, 1, 1], [0, 0, 1], fields="t")
+    with pytest.raises(ts.UsageError, match="instance: not among the fields"):
+        hits.point
+
+
+def test_hits_of_another_scene_do_no_harm(closed):
+    hits = closed[0].intersect([1, 1, 1], [0, 0, 1])
+    other = tracer_from_mesh(np.eye(3), [[0, 1, 2]])
+    with pytest.raises(ts.UsageError, match=r"primitive\[0\]: .* expected a hit of this scene"):
+        other.spawn(hits, [0, 0, 1])
+
+
+@pytest.mark.parametrize("module", [pickle, cloudpickle])
+def test_tracers_and_hits_pickle(module, closed):
+    random = np.random.default_rng(5)
+    o, d = rays_about(random, 500, 20)
+    tracer = closed[0]
+    again = module.loads(module.dumps(tracer))
+    hits = tracer.intersect(o, d)
+    assert np.array_equal(again.intersect(o, d).t, hits.t)
+    for found in (hits, tracer.intersect_all(o, d)):
+        copy = module.loads(module.dumps(found))
+        assert np.array_equal(copy.t, found.t) and np.array_equal(copy.normal, found.normal,
+                                                                  equal_nan=True)
+
+
+def test_names_materials_and_attributes_are_those_of_the_scene():
+    tracer = tracer_from_scene("""
+        materials { name: 'glass' dielectric { } }
+        objects { name: 'pair' nodes { shape { name: 'left' sphere { center { x: -2 } } } }
+                               nodes { name: 'right' shape { materials: 'glass' sphere { center { x: 2 } } } } }
+        nodes { instance_of: 'pair' }
+        nodes { hidden: true shape { sphere { radius: 100 } } }""")
+    assert tracer.instances == ["left", "right"] and tracer.materials == ["", "glass"]
+    hits = tracer.intersect([[-2, 0, 9], [2, 0, 9], [9, 9, 9]], [0, 0, -1])
+    assert [hits.name(i) for i in range(3)] == ["left", "right", None]
+    assert hits.material.tolist() == [0, 1, 0xFFFFFFFF]
+    assert hits.point[:2].tolist() == [[-2, 0, 1], [2, 0, 1]]
+    assert hits.texcoord.shape == (3, 2) and np.array_equal(hits.shading_normal[:2], [[0, 0, 1]] * 2)
+    assert not hits.t.flags.writeable and not hits.point.flags.writeable
+    assert hits.point is hits.point
+    bounds, exact = tracer.bounds, np.array([[-3, -1, -1], [3, 1, 1]])
+    assert np.all(bounds[0] <= exact[0]) and np.all(bounds[1] >= exact[1])
+    assert np.allclose(bounds, exact, rtol=1e-14)
+    assert tracer.statistics["instances"] == 2
+
+
+#: A query that would take minutes.
+INTERRUPTED = """
+import numpy as np, os, signal, threading, time
+from tessera.rays import tracer_from_mesh
+random = np.random.default_rng(0)
+points = random.normal(size=(60_000, 3))
+tracer = tracer_from_mesh(points, np.arange(60_000).reshape(-1, 3), accel="linear")
+o = random.normal(size=(3_000_000, 3))
+threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+try:
+    tracer.intersect(o, -o, threads=1)
+    print("done")
+except KeyboardInterrupt:
+    print("interrupted", tracer.intersect(o[:9], -o[:9]).t.shape)
+"""
+
+
+def test_a_scene_gives_its_tracer():
+    scene = ts.Scene()
+    scene.add(ts.Sphere(radius=2.0), name="ball")
+    hits = scene.tracer().intersect([[0, 0, 9], [0, 3, 9]], [0, 0, -1])
+    assert hits.t.tolist() == [7, float("inf")] and hits.name(0) == "ball"
+    with pytest.raises(ts.UsageError, match="geometry_only"):
+        scene.tracer(geometry_only=False)
+
+
+def test_memory_is_that_of_inputs_and_results():
+    code = ("import resource, numpy as np\nfrom tessera.rays import tracer_from_scene\n"
+            "t = tracer_from_scene('nodes { shape { sphere { } } }')\n"
+            "o = np.ones((10_000_000, 3)); t.intersect(o[:9000], [0, 0, 1])\n"
+            "peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024\n"
+            "before = peak(); hits = t.intersect(o, [0, 0, 1], fields=('t', 'primitive'))\n"
+            "print(peak() - before - hits.t.nbytes - hits.primitive.nbytes)")
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    assert int(shown.stdout) <= 32 * 2**20, shown
+
+
+def test_ctrl_c_ends_a_query():
+    shown = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True,
+                           timeout=60)
+    assert shown.stdout.strip() == "interrupted (9,)", shown
+
+
+def test_tracers_go_on_in_a_forked_child(closed):
+    code = ("import os\nfrom tessera.rays import tracer_from_scene\n"
+            "t = tracer_from_scene('nodes { shape { sphere { } } }')\n"
+            "import numpy as np\no = np.full((9000, 3), 9.); t.intersect(o, -o)\n"
+            "pid = os.fork()\n"
+            "if pid == 0: os._exit(0 if t.intersect(o, -o).hit.all() else 1)\n"
+            "print(os.waitpid(pid, 0)[1])")
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert shown.stdout.strip() == "0", shown

@@ -1,0 +1,113 @@
+"""Scenes as values: samples there and back, names and objects, many instances."""
+import json
+import os
+import pathlib
+import subprocess
+import warnings
+
+import numpy as np
+import pytest
+
+import tessera as ts
+
+SAMPLES = pathlib.Path(__file__).parents[2] / "scenes/samples"
+SCENES = sorted(path for path in SAMPLES.iterdir() if path.suffix not in (".png", ".mtl", ".py"))
+PROGRAM = os.environ["TESSERA_PROGRAM"]
+
+
+def load(path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ts.SceneWarning)
+        return ts.load(path)
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.name)
+def test_a_sample_there_and_back(path, tmp_path):
+    scene = load(path)
+    told = subprocess.run([PROGRAM, "info", "--json", path], capture_output=True, check=True)
+    assert scene.digest == json.loads(told.stdout)["scene"]
+    assert ts.load_dict(scene.to_dict()) == scene
+    if "<Array" not in repr(scene):  # long arrays are told, not shown
+        assert eval(repr(scene), vars(ts)) == scene
+    scene.save(tmp_path / "ours.json")
+    subprocess.run([PROGRAM, "convert", path, tmp_path / "theirs.json"], check=True, capture_output=True)
+    assert (tmp_path / "ours.json").read_bytes() == (tmp_path / "theirs.json").read_bytes()
+
+
+def test_an_object_stands_for_its_name():
+    red = ts.Classic(diffuse="red", name="red")
+    by_object = ts.Scene(nodes=[ts.Node(shape=ts.Sphere(material=red))])
+    by_name = ts.Scene(materials=[red], nodes=[ts.Node(shape=ts.Sphere(material="red"))])
+    assert by_object == by_name and by_object.digest == by_name.digest
+
+
+def test_equal_materials_without_names_are_one_and_stable():
+    def made():
+        spheres = [ts.Sphere((i, 0, 0), material=ts.Classic(diffuse="red")) for i in range(3)]
+        return ts.Scene(nodes=spheres).to_dict()
+    assert len(made()["materials"]) == 1 and made() == made()
+
+
+def test_a_name_of_two_unequal_materials_is_an_error():
+    scene = ts.Scene(nodes=[ts.Sphere(material=ts.Classic(diffuse=c, name="m")) for c in ("red", "blue")])
+    with pytest.raises(ts.SceneError, match="two materials named 'm'"):
+        scene.digest
+
+
+def test_the_transform_of_a_shape_acts_before_that_of_its_node():
+    shape = ts.Sphere(transform=ts.scale(2))
+    scene = ts.Scene()
+    scene.add(shape, transform=ts.translate(1, 2, 3))
+    whole = ts.Scene(nodes=[ts.Node(transform=ts.translate(1, 2, 3) @ ts.scale(2), shape=ts.Sphere())])
+    assert scene == whole
+
+
+def test_transforms_are_matrices():
+    product = ts.translate(1, 2, 3) @ ts.rotate("z", 90) @ ts.scale(2)
+    assert np.allclose(product.array, [[0, -2, 0, 1], [2, 0, 0, 2], [0, 0, 2, 3]], atol=1e-15)
+    assert np.array_equal(ts.matrix(product.array).array, product.array)
+    with pytest.raises(ValueError, match="0 0 0 1"):
+        ts.matrix(np.ones((4, 4)))
+
+
+def test_instances_are_nodes():
+    matrices = np.tile(np.eye(4), (3, 1, 1))
+    matrices[:, 0, 3] = range(3)
+    many, few = ts.Scene(), ts.Scene()
+    cube = ts.Object("cube", [ts.Box()])
+    many.instances(cube, matrices)
+    for i in range(3):
+        few.add(cube, transform=ts.matrix(matrices[i]))
+    assert many == few and many.info().counts == few.info().counts
+
+
+def test_shapes_combine():
+    a, b = ts.Sphere(), ts.Box()
+    assert [(a | b).operation, (a & b).operation, (a - b).operation] == [
+        "union", "intersection", "difference"]
+    assert ts.Scene(nodes=[a - b]).to_dict()["nodes"][0]["shape"]["csg"]["operands"][1]["shape"] == {"box": {}}
+
+
+def test_colours():
+    assert ts.color("red") == ts.color("#f00") == ts.color((1, 0, 0)) == (1, 0, 0)
+    assert ts.color("#808080").r == pytest.approx(.21586, abs=1e-5)
+    assert ts.hsl(120, 1, .5) == (0, 1, 0)
+    with pytest.raises(ValueError, match="did you mean 'crimson'"):
+        ts.color("crimsn")
+
+
+def test_settings_are_attributes():
+    scene = ts.Scene(width=12, spp=16, ambient=(1, 1, 1), response=(-1.2, 2.2, 0))
+    assert (scene.width, scene.spp, scene.settings.sampling.samples_per_pixel) == (12, 16, 16)
+    scene.max_depth = 3
+    assert scene.settings.integrator.max_depth == 3 and scene.gamma is None
+    assert scene.to_dict()["settings"]["output"]["response"] == [-1.2, 2.2, 0]
+
+
+def test_backgrounds_and_cameras():
+    sky = ts.Background.gradient("skyblue", "white")
+    assert sky.gradient.sky == "skyblue" and sky.solid is None
+    camera = ts.Camera.look_at((0, 0, 5), (0, 0, 0), fov=30, lens=ts.Lens(radius=.1, focus=5))
+    assert camera.perspective.field_of_view == 30 and camera.lens.radius_y == .1
+    plane = ts.Plane.through((0, 1, 0), (1, 1, 0), (0, 1, -1))
+    assert plane.normal == (0, 1, 0) and plane.offset == 1
