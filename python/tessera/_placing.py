@@ -1,7 +1,7 @@
 """What shapes and nodes can both do: be moved, copied, mirrored, turned inside out, combined and hit."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Iterator, Optional, TypeVar
+from typing import TYPE_CHECKING, Any, Iterator, List, Optional, TypeVar
 
 from ._core import Vec
 from ._types import VectorLike
@@ -58,7 +58,8 @@ class Placed:
         from .scene import Scene
         names = {material for shape in _shapes(self) for material in shape.materials
                  if isinstance(material, str)}
-        scene = Scene(nodes=[self], materials=[_messages.Classic(name=name) for name in sorted(names)])
+        alone: Any = self
+        scene = Scene(nodes=[alone], materials=[_messages.Classic(name=name) for name in sorted(names)])
         hits: Hits = scene.tracer(threads=1).intersect(origin, direction, **options)
         return hits
 
@@ -85,9 +86,12 @@ def _behind(outer: Any, inner: Any) -> Any:
     return outer if inner is None else outer @ inner
 
 
-def _combined(operation: Any, a: Any, b: Any) -> Any:
+def _combined(operation: Any, a: Any, b: Any) -> Csg:
     from ._messages import Csg
-    return Csg(operation, [a, b]) if isinstance(b, Placed) else NotImplemented
+    if not isinstance(b, Placed):
+        return NotImplemented
+    operands: List[Any] = [a, b]
+    return Csg(operation, operands)
 
 
 def _in_parent(plane: Any) -> Any:
@@ -108,9 +112,9 @@ def _in_parent(plane: Any) -> Any:
 
 
 def _parts(thing: Any) -> Iterator[Any]:
-    """What a node, an object or a Csg holds: shapes, nodes, objects and instances."""
+    """The shapes, nodes, objects and instances in a node, an object or a Csg."""
     for name in ("shape", "children", "nodes", "operands", "instance_of", "object"):
-        held = getattr(thing, name, None)
+        held = getattr(thing, name) if name in getattr(thing, "_FIELDS", ()) else None
         yield from held if isinstance(held, list) else [] if held is None else [held]
 
 

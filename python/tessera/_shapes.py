@@ -21,8 +21,13 @@ class Plane(_messages.Plane):
     def through(cls, a: VectorLike, b: VectorLike, c: VectorLike, **fields: Any) -> Plane:
         """The plane through three points; its normal is (b - a) x (c - a)."""
         corner = Vec(a)
-        normal = (Vec(b) - corner).cross(Vec(c) - corner).normalized()
-        return cls(normal, normal.dot(corner), **fields)
+        normal = (Vec(b) - corner).cross(Vec(c) - corner)
+        if normal.length == 0:
+            raise SceneError("through: points on one line; expected three that span a plane")
+        normal = normal.normalized()
+        made = cls(normal, normal.dot(corner), **fields)
+        made._place = here()
+        return made
 
 
 class Rectangle(_messages.Rectangle):
@@ -43,7 +48,7 @@ class Rectangle(_messages.Rectangle):
         _check_flat(corners)
         a, b, c, d = corners
         if (a + c - b - d).length <= _ROUNDING * max(p.length for p in corners):
-            made: Any = cls(a, b - a, d - a, **fields)
+            made: Union[Rectangle, _messages.Polygon] = cls(a, b - a, d - a, **fields)
         else:
             made = _messages.Polygon(corners, **fields)
         made._place = here()
@@ -80,7 +85,7 @@ class Box(_messages.Box):
             raise SceneError("corners: a body of no volume; expected two faces, one over the other")
         if off > _ROUNDING * size:
             faces = _FACES if volume > 0 else [(i, k, j) for i, j, k in _FACES]
-            made: Any = Mesh([tuple(p) for p in points], faces, closed=True, **fields)
+            made: Union[Box, Mesh] = Mesh([tuple(p) for p in points], faces, closed=True, **fields)
         elif all(sum(x != 0 for x in edge) == 1 for edge in (u, v, w)):
             made = cls([min(xs) for xs in zip(a, g)], [max(xs) for xs in zip(a, g)], **fields)
         else:

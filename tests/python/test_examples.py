@@ -16,6 +16,10 @@ EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 ENVIRONMENT = {name: os.environ[name] for name in ("PYTHONPATH", "TESSERA_PROGRAM") if name in os.environ}
 
 
+# Of the linear pixels. It changes with the picture alone: look at that.
+TOOLBOX_SHA256 = "1d66474cdbdc56a36050f69a1736e8673f823d3d27fa3eeb0f5bec89e7a75ac6"
+
+
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     """Runs an example in an empty folder; returns what it prints."""
@@ -78,3 +82,10 @@ def test_a_farm_renders_the_animation(run):
     assert "job 1: done, 1 workers" in told
     rolls = [ts.read_image(f"roll.{frame:04}.png") for frame in range(3)]
     assert rolls[0].height == 54 and len({roll.sha256 for roll in rolls}) == 3
+
+
+def test_the_toolbox_makes_the_picture_that_it_made(run):
+    assert run("toolbox.py", 140, "small.png").split() == ["small.png:", TOOLBOX_SHA256]
+    picture = ts.read_image("small.png")
+    assert (picture.width, picture.height) == (140, 140) and picture.linear.std() > .1
+    assert len((EXAMPLES / "toolbox.py").read_text().splitlines()) <= 60

@@ -115,6 +115,8 @@ def test_intersections_of_spheres_and_planes():
         t = n @ (a - o) / (n @ d)
         assert plane.intersect(o, d).t == pytest.approx(t if t > 0 else np.inf, rel=1e-9)
         assert plane.normal.dot(n) == pytest.approx(math.sqrt(n @ n), rel=1e-12)
+    with pytest.raises(ts.SceneError, match="through: points on one line; expected three"):
+        ts.Plane.through((0, 0, 0), (1, 1, 1), (3, 3, 3))
 
 
 def test_t_counts_lengths_of_the_direction():
@@ -224,14 +226,14 @@ def some_shapes(move=lambda p: np.asarray(p, float)):
             ts.Node(children=[ts.Polygon(points), ts.Sphere(move((3, 3, 3)), .5)])]
 
 
+SHEARED = [(0, 1, 0, 0), (1, 3, 0, 0), (.5, -2, 1, 0)]  # takes the planes y = c to x = c
 MOVES = [  # what it does to points, and what is called
     (lambda p: np.add(p, (4, -2, 1)), lambda shape: shape.shift((4, -2, 1))),
     (lambda p: np.subtract((2, 4, -6), p), lambda shape: shape.reflect((1, 2, -3))),
     (lambda p: np.asarray(p, float)[[1, 0, 2]], lambda shape: shape.mirror(ts.Plane((1, -1, 0)))),
     (lambda p: np.array((2 * 1.5 - p[0], p[1], p[2])), lambda shape: shape.mirror(
-        ts.Plane((0, 2, 0), .5, transform=ts.translate(1, 7, 7) @ ts.matrix([(0, 1, 0, 0),
-                                                                             (1, 0, 0, 0),
-                                                                             (0, 0, 1, 0)])))),
+        ts.Plane((0, 2, 0), .5, transform=ts.translate(1, 7, 7) @ ts.matrix(SHEARED)))),
+    (lambda p: np.subtract((-2, 6, -7), p), lambda shape: shape.shift((4, -2, 1)).reflect((1, 2, -3))),
 ]
 
 
