@@ -25,6 +25,12 @@ struct Option {
 /// The options of a command in the order of its help text. What they assign to must outlive them.
 using OptionList = std::vector<Option>;
 
+std::vector<std::string> long_names(const OptionList& options);
+/// Assigns the option of that long name. Throws usage_error, with the nearest name, where there is
+/// none, and for a value that is wrong.
+void assign_option(const OptionList& options, const std::string& long_name,
+                   const std::string& text);
+
 /// Adds options of one group to a list.
 class OptionGroup {
  public:

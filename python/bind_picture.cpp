@@ -28,16 +28,7 @@ OutputSettings settings_of(const RenderedPicture& picture,
   OutputOptions options;
   OptionList list;
   add_output_options(list, options);
-  for (const auto& [name, text] : texts) {
-    const auto found = std::find_if(
-        list.begin(), list.end(), [&](const Option& option) { return option.long_name() == name; });
-    if (found == list.end()) {
-      std::vector<std::string> names;
-      for (const Option& option : list) names.push_back(option.long_name());
-      throw usage_error("--" + name + ": no option is called so" + suggestion(name, names));
-    }
-    found->assign(text);
-  }
+  for (const auto& [name, text] : texts) assign_option(list, name, text);
   return output_settings("scene", picture.output, options);
 }
 

@@ -36,21 +36,10 @@ class OptionTexts {
   OptionTexts(const OptionTexts&) = delete;
   OptionTexts& operator=(const OptionTexts&) = delete;
 
-  /// Throws usage_error for an unknown name, and for a value that is wrong.
   void assign(const std::string& name, const std::string& text) {
-    const auto found = std::find_if(list_.begin(), list_.end(), [&](const Option& option) {
-      return option.long_name() == name;
-    });
-    if (found == list_.end()) {
-      throw usage_error("--" + name + ": no option is called so" + suggestion(name, names()));
-    }
-    found->assign(text);
+    assign_option(list_, name, text);
   }
-  std::vector<std::string> names() const {
-    std::vector<std::string> out;
-    for (const Option& option : list_) out.push_back(option.long_name());
-    return out;
-  }
+  std::vector<std::string> names() const { return long_names(list_); }
 
   RenderOptions options;
 

@@ -28,11 +28,7 @@ py::tuple load(const std::string& path, const Texts& texts, int32_t frame) {
   OptionList list;
   add_place_option(list, reading.placements);
   add_read_options(list, reading);
-  for (const auto& [name, text] : texts) {
-    const auto option = std::ranges::find(list, name, &Option::long_name);
-    if (option == list.end()) throw usage_error(name + ": no option is called so");
-    option->assign(text);
-  }
+  for (const auto& [name, text] : texts) assign_option(list, name, text);
   LoadedScene loaded;
   {
     const py::gil_scoped_release unlocked;

@@ -204,8 +204,9 @@ void camera_rays(const RayQueries& queries, const std::string& name, int width, 
   const py::gil_scoped_release release;
   const Camera camera = queries.camera(name, width, height);
   for (size_t i = 0; i < pixels; ++i) {
-    const auto row = static_cast<double>(i / static_cast<size_t>(width));
-    const auto column = static_cast<double>(i % static_cast<size_t>(width));
+    const size_t row_number = i / static_cast<size_t>(width);
+    const auto row = static_cast<double>(row_number);
+    const auto column = static_cast<double>(i - row_number * static_cast<size_t>(width));
     const Ray ray = camera.ray(column + 0.5, row + 0.5);
     for (size_t a = 0; a < 3; ++a) {
       o.data()[3 * i + a] = ray.origin[static_cast<int>(a)];
