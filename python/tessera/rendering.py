@@ -14,8 +14,11 @@ from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterator, Literal, 
 
 from . import _core
 from ._local_farms import BaseFarm, LocalFarm, OfThisProcess, Threads
+from ._places import located
 from ._progress import SHOW_SECONDS, Progress, ProgressOption, progress_display
-from .errors import Cancelled, Error, MissingFile, RenderError, SceneWarning, UsageError
+from ._value import refuse_unknown
+from .errors import (Cancelled, Error, MissingFile, RenderError, SceneError, SceneWarning,
+                     UsageError)
 from .picture import Image, Rect
 
 if TYPE_CHECKING:
@@ -43,14 +46,14 @@ class Task(OfThisProcess):
     As a context manager it is cancelled at the end of the block, if it is not done by then.
     """
 
-    __slots__ = ("_task", "_farm", "_owns_farm", "_show")
+    __slots__ = ("_task", "_scene", "_farm", "_owns_farm")
 
-    def __init__(self, task: Any, farm: BaseFarm, owns_farm: bool) -> None:
+    def __init__(self, task: Any, scene: Any, farm: BaseFarm, owns_farm: bool) -> None:
         super().__init__()
+        self._scene = scene
         self._task = task
         self._farm = farm
         self._owns_farm = owns_farm
-        self._show: Any = None
 
     def done(self) -> bool:
         """Whether it has ended, in whatever way."""
@@ -110,6 +113,10 @@ class Task(OfThisProcess):
         image = None if picture is None else Image._of(picture)
         try:
             self._task.throw_failure()
+        except SceneError as error:
+            if isinstance(self._scene, str):
+                raise
+            raise located(self._scene, error) from None
         except Error as error:
             raise _of_render(error, image) from None
         assert image is not None
@@ -263,7 +270,7 @@ def render(scene: Any, *,
            threads: Optional[int] = None, verify: Optional[float] = None,
            farm: Optional[BaseFarm] = None,
            progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
-           wait: bool = True) -> Union[Image, Task]:
+           wait: bool = True, **unknown: Any) -> Union[Image, Task]:
     """Renders a scene, or the scene in a file, to a picture: the bits of `tessera render`.
 
     The keywords are the long options of `tessera render`, with _ for -; `tessera help render` says
@@ -281,6 +288,8 @@ def render(scene: Any, *,
     exception in one cancels the render and is raised from here.
     """
     keywords = {name: value for name, value in locals().items() if name not in _OF_PYTHON}
+    if unknown:
+        refuse_unknown("render", unknown, [*keywords, *_OF_PYTHON])
     if farm is not None and not isinstance(farm, BaseFarm):
         raise TypeError(f"farm: {farm!r}; expected a LocalFarm, Threads or Farm")
     if farm is not None and (workers is not None or threads is not None or verify is not None):
@@ -304,7 +313,7 @@ def render(scene: Any, *,
         if owns_farm:
             who.close()
         raise
-    task = Task(core, who, owns_farm)
+    task = Task(core, scene, who, owns_farm)
     if not wait:
         return task
     if progress is None and on_tile is None:
@@ -312,7 +321,7 @@ def render(scene: Any, *,
     return _watched(task, progress, on_tile)
 
 
-_OF_PYTHON = {"scene", "frame", "farm", "progress", "on_tile", "wait", "workers", "threads", "verify"}
+_OF_PYTHON = {"scene", "unknown", "frame", "farm", "progress", "on_tile", "wait", "workers", "threads", "verify"}
 
 
 def _watched(task: Task, progress: ProgressOption, on_tile: Optional[TileCallback]) -> Image:

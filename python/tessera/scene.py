@@ -15,6 +15,7 @@ from ._transforms import Transform
 from ._types import ArrayLike, ColorLike
 from ._value import here
 from ._view import Background, Camera
+from .errors import SceneError
 
 
 class Summary(NamedTuple):
@@ -183,10 +184,12 @@ class Scene(_messages.Scene):
         return digest
 
     def check(self) -> None:
-        """Raises SceneError for what is no scene, and for names that are used and never defined."""
+        """Raises SceneError for what is no scene, for names that are used and never defined, and for
+        surfaces that cannot be built."""
         undefined = self.info().undefined
         if undefined:
             raise _messages_error(undefined[0])
+        self.tracer()
 
     def info(self) -> Summary:
         """Counts of what the scene holds, and names that are not used or not defined."""
@@ -209,7 +212,11 @@ class Scene(_messages.Scene):
     def tracer(self, **options: Any) -> Any:
         """What answers questions about rays; see `tessera.rays`."""
         from . import rays
-        return rays.tracer_from_scene(self, **options)
+        from ._places import located
+        try:
+            return rays.tracer_from_scene(self, **options)
+        except SceneError as error:
+            raise located(self, error) from None
 
     def render(self, **options: Any) -> Any:
         """Renders the scene; see `tessera.render`."""
@@ -231,5 +238,4 @@ _SETTINGS = [name for name, held in vars(Scene).items() if isinstance(held, _Set
 
 
 def _messages_error(undefined: str) -> Exception:
-    from .errors import SceneError
     return SceneError(f"{undefined}: used and never defined")

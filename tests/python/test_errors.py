@@ -90,3 +90,19 @@ def test_files(tmp_path):
         ts.Scene().save(tmp_path / "scene.png")
     with pytest.raises(ts.SceneError, match="rde"):
         ts.Scene(materials=[ts.Classic(name="red")], nodes=[ts.Sphere(material="rde")]).check()
+
+
+@pytest.mark.parametrize("wrong, path, found", [
+    (lambda s: s.add(ts.Sphere(), ts.Sphere(radius=-1)), "nodes[0].children[1].shape.radius", "-1"),
+    (lambda s: s.add(ts.Torus(minor_radius=-2)), "nodes[0].shape.minor_radius", "-2"),
+    (lambda s: s.add(ts.Torus(minor_radius=-2), name="hall"), "nodes[0].shape.minor_radius", "-2"),
+])
+def test_what_only_the_renderer_sees_has_its_line_too(wrong, path, found):
+    scene = ts.Scene()
+    wrong(scene)
+    for use in (lambda: scene.render(size=(4, 4), workers=0), scene.check, scene.tracer):
+        with pytest.raises(ts.SceneError, match=f" is {found}; expected") as caught:
+            use()
+        assert caught.value.path == path
+        assert caught.value.place.startswith(__file__ + ":")
+        assert str(caught.value).startswith(f"{caught.value.place}: {path}: ")

@@ -13,7 +13,7 @@ INSTEAD = {
 }
 OUTPUT = {"exposure", "tone-map", "transfer", "gamma", "ocio-view", "ocio-display", "ocio-space",
           "ocio-input"}  # keywords of save() and to_srgb()
-OF_PYTHON = {"scene", "frame", "farm", "progress", "on_tile", "wait"}
+OF_PYTHON = {"scene", "unknown", "frame", "farm", "progress", "on_tile", "wait"}
 
 
 def test_each_option_is_a_keyword(tessera):
@@ -34,4 +34,4 @@ def test_options_of_numbers_are_those_of_pictures():
 
 def test_every_keyword_is_documented():
     text = inspect.getdoc(ts.render)
-    assert all(f":param {name}:" in text for name in OF_PYTHON - {"scene"})
+    assert all(f":param {name}:" in text for name in OF_PYTHON - {"scene", "unknown"})

@@ -197,8 +197,8 @@ def test_wrong_keywords_are_named_as_python_has_them(wrong, message):
 
 
 def test_an_unknown_keyword_is_a_type_error():
-    with pytest.raises(TypeError, match="samples"):
-        ts.render(KNOT, samples=3)
+    with pytest.raises(TypeError, match="render.. has no keyword 'sppp'; did you mean 'spp'"):
+        ts.render(KNOT, sppp=3)
 
 
 def test_a_missing_file_is_told():

@@ -1,0 +1,56 @@
+"""Which line of a script made the part of a scene that an error of the renderer names."""
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any, Optional, Tuple
+
+from ._value import where
+from .errors import SceneError
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+_SEGMENT = re.compile(r"(\w+)(?: '(.*)'| (\d+))?")
+_LISTS = {"node": ("nodes", "children", "operands"), "operand": ("operands",),
+          "camera": ("cameras",), "material": ("materials",), "texture": ("textures",),
+          "object": ("objects",)}
+
+
+def _step(value: Any, segment: str) -> Optional[Tuple[Any, str]]:
+    """The part of a value that "node 'hall'", "node 3" or "shape" means, and its name in Python."""
+    found = _SEGMENT.fullmatch(segment)
+    if found is None:
+        return None
+    kind, name, number = found.groups()
+    for attribute in _LISTS.get(kind, ()):
+        parts = getattr(value, attribute, None) or []
+        for index, part in enumerate(parts):
+            if (number is None and name is None or getattr(part, "name", None) == name is not None
+                    or number is not None and index + 1 == int(number)):
+                return part, f"{attribute}[{index}]"
+    part = getattr(value, kind, None) if name is None and number is None else None
+    return None if part is None else (part, kind)
+
+
+def located(scene: "Scene", error: SceneError) -> SceneError:
+    """The error with the script's line and the path of what it names; itself where those are not
+    known. Errors of the renderer read "node 'hall' > node 3 > shape: sphere.radius is -1; ..."."""
+    text = error.message[len("scene: "):] if error.message.startswith("scene: ") else error.message
+    beginning, _, rest = text.partition(": ")
+    value: Any = scene
+    path = []
+    for segment in beginning.split(" > "):
+        step = _step(value, segment)
+        if step is None:
+            return error
+        value = step[0]
+        path.append(step[1])
+    field = rest.partition(" is ")[0].rpartition(".")[2]
+    if field.isidentifier() and hasattr(value, field):
+        path.append(field)
+    place = where(value)
+    if place is None:
+        return error
+    line = f"{place[0]}:{place[1]}"
+    whole = ".".join(path)
+    return SceneError(f"{line}: {whole}: {rest}", place=line, path=whole)
