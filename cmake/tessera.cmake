@@ -69,7 +69,12 @@ function(tessera_room path)
   endif()
   string(REPLACE "/" "_" uses "${ROOM_USES}")
   target_link_libraries(${target} ${scope} tessera_flags ${uses} ${ROOM_LINKS})
-  string(REPLACE ";" " " uses "${ROOM_USES}")
+  tessera_declare_room("${path}" ${ROOM_USES})
+endfunction()
+
+# tessera_declare_room(PATH room...): names a room and its arrows, also where nothing of it is built.
+function(tessera_declare_room path)
+  list(JOIN ARGN " " uses)
   set_property(GLOBAL APPEND PROPERTY TESSERA_ROOMS "${path}: ${uses}")
 endfunction()
 

@@ -4,6 +4,9 @@ import subprocess
 
 import pytest
 
+# A sanitizer's runtime is for this process; the programs that it starts have their own.
+os.environ.pop("LD_PRELOAD", None)
+
 
 @pytest.fixture
 def tessera():
