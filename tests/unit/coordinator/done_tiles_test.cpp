@@ -89,6 +89,21 @@ TEST_F(DoneTilesTest, AQuestionThatIsLostOrDoubledDoesNoHarm) {
   EXPECT_TRUE(partial.on_answer(answer, now).empty());
 }
 
+TEST_F(DoneTilesTest, WhoHasThoseOfAnotherRunGetsAll) {
+  const uint64_t id = submit(1);
+  come(1, 4);
+  for (int i = 0; i < 3; ++i) trace(assigned()[static_cast<size_t>(i)], 1);
+  v1::DoneTilesQuery query = first_frame(id);
+  query.set_run("another");
+  query.set_revision(2);
+  const v1::DoneTiles answer = answer_to(query);
+  EXPECT_EQ(answer.pieces_size(), 3);
+  query.set_run(answer.run());
+  EXPECT_EQ(answer_to(query).pieces_size(), 1);
+  query.set_revision(4);
+  EXPECT_EQ(answer_to(query).pieces_size(), 3);
+}
+
 TEST_F(DoneTilesTest, ComeAnewFromACoordinatorThatWasStartedAnew) {
   const uint64_t id = submit(1);
   come(1, 4);
