@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import Any
 
 from . import _messages
-from ._placing import Placed, _behind
+from ._placing import Placed, behind
 from ._value import here
 
 
@@ -19,7 +19,7 @@ class Node(Placed, _messages.Node):
     def _place_by(self, outer: Any) -> Node:
         if not self.keys:
             return super()._place_by(outer)
-        self.keys = [_messages.TransformKey(key.time, _behind(outer, key.transform))
+        self.keys = [_messages.TransformKey(key.time, behind(outer, key.transform))
                      for key in self.keys]
         return self
 

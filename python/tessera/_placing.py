@@ -78,11 +78,11 @@ class Placed:
 
     def _place_by(self: T, outer: Transform) -> T:
         """Puts `outer` behind its transforms."""
-        self.transform = _behind(outer, self.transform)
+        self.transform = behind(outer, self.transform)
         return self
 
 
-def _behind(outer: Any, inner: Any) -> Any:
+def behind(outer: Any, inner: Any) -> Any:
     return outer if inner is None else outer @ inner
 
 

@@ -8,7 +8,7 @@ from . import _core, _messages
 from .errors import MissingFile
 from ._transforms import as_ndarray
 from ._types import ArrayLike
-from ._value import _slot, here
+from ._value import here, slot_of
 
 Wrap = Literal["repeat", "clamp", "mirror", "black"]
 Filter = Literal["trilinear", "bilinear", "nearest"]

@@ -12,7 +12,7 @@ from ._html import table
 from .errors import SceneWarning, UsageError
 from .picture import Image, Path
 from ._local_farms import BaseFarm
-from .rendering import _options, checked_scene
+from .rendering import core_options, checked_scene
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -70,7 +70,7 @@ class Farm(BaseFarm):
         if unknown:
             raise UsageError(f"{min(unknown)}: cannot be chosen for a farm, which has its own")
         scene = checked_scene(scene)
-        texts = _options({"frames": frames, **options})
+        texts = core_options({"frames": frames, **options})
         number, told = access.submit(texts, scene, name, priority, weight)
         for warning in told:
             warnings.warn(warning, SceneWarning, stacklevel=2)
