@@ -212,8 +212,10 @@ py::object take_blob_array(py::handle given, const std::string& field, py::handl
   }
   const Array::Shape shape = is_texels ? source.shape : blob_shape(source, columns);
   const bool is_index = type.code == 'I';
-  const std::string obstacle =
-      is_index ? "indices are checked and kept apart" : what_prevents_sharing(source, type);
+  // The memory of an Array of indices is its own, and without `rows` there is nothing to check.
+  const bool is_kept = py::isinstance<Array>(given) && rows < 0;
+  const std::string obstacle = is_index && !is_kept ? "indices are checked and kept apart"
+                                                    : what_prevents_sharing(source, type);
   const bool refuses = !copy.is_none() && !copy.cast<bool>();
   if (py::isinstance<Array>(given) && obstacle.empty() && shape == source.shape) {
     return py::reinterpret_borrow<py::object>(given);

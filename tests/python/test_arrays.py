@@ -139,6 +139,13 @@ def test_memory_that_can_be_written_to_is_copied():
     positions[:] = 7
     assert np.array_equal(mesh.positions, CUBE)
     assert not np.shares_memory(ts.Mesh(CUBE, frozen(FACES)).triangles, FACES)
+    # Nor can indices be changed through an Array, which is taken as it is.
+    faces = FACES.copy()
+    mesh = ts.Mesh(triangles=ts.Array.from_bytes(memoryview(faces).toreadonly(), "I", [3, 3]))
+    mesh.positions = CUBE
+    faces[:] = 2**31
+    assert np.array_equal(mesh.triangles, FACES) and ts.Scene(nodes=[mesh]).digest
+    assert np.shares_memory(ts.Scene(nodes=[mesh]).nodes[0].triangles, mesh.triangles)
 
 
 @pytest.mark.parametrize("array, why", [(CUBE, "can be written to"), (frozen(CUBE.astype("f8")), "type"),
