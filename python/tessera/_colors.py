@@ -31,7 +31,7 @@ def hsl(hue: float, saturation: float, lightness: float) -> Color:
 
 def _decoded(value: float) -> float:
     """From sRGB to linear, IEC 61966-2-1."""
-    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+    return float(value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4)
 
 
 def _from_text(text: str) -> Color:

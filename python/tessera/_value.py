@@ -3,11 +3,12 @@ from __future__ import annotations
 
 import sys
 from types import CodeType
-from typing import Any, Dict, List, Mapping, NoReturn, Optional, Tuple, Type, Union
+from typing import Any, Dict, List, Mapping, NoReturn, Optional, Tuple, Type, TypeVar, Union
 
 from . import _core
 from .errors import SceneError
 
+V = TypeVar("V", bound="Value")
 Place = Tuple[Union[CodeType, str], int]
 
 # The class that users see, by message and kind.
@@ -24,8 +25,13 @@ class Value(_core.ValueBase):
     _place: Optional[Place]
 
     def __init_subclass__(cls) -> None:
-        if cls._MESSAGE and cls.__module__.startswith(__package__ + "."):
-            CLASSES[cls._MESSAGE, cls._KIND] = cls
+        if not (cls._MESSAGE and cls.__module__.startswith(__package__ + ".")):
+            return
+        generated = CLASSES.setdefault((cls._MESSAGE, cls._KIND), cls)
+        if generated is not cls and cls.__doc__:
+            _, heading, fields = (generated.__doc__ or "").partition("    Attributes:\n")
+            cls.__doc__ = f"{cls.__doc__.rstrip()}\n\n{heading}{fields}"
+        CLASSES[cls._MESSAGE, cls._KIND] = cls
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Value) or self._MESSAGE != other._MESSAGE:
@@ -47,11 +53,11 @@ class Value(_core.ValueBase):
         return [f"{name}={_shown(value)}" for name, value in held
                 if value is not None and not (isinstance(value, (list, dict)) and not value)]
 
-    def __copy__(self: Any) -> Any:
+    def __copy__(self: V) -> V:
         return _rebuild(type(self), {name: _copied(value) for name, value in _slots(self).items()},
                         self._place)
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> Tuple[Any, ...]:
         return _rebuild, (type(self), _slots(self), where(self))
 
 
@@ -73,7 +79,7 @@ def _copied(value: Any) -> Any:
     return value.copy() if isinstance(value, (list, dict)) else value
 
 
-def _rebuild(made: type, slots: Mapping[str, Any], place: Optional[Place]) -> Any:
+def _rebuild(made: Type[V], slots: Mapping[str, Any], place: Optional[Place]) -> V:
     value = made.__new__(made)
     for name, held in slots.items():
         slot_of(made, name).__set__(value, held)
