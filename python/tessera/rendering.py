@@ -238,6 +238,22 @@ def checked_scene(scene: Any) -> Any:
     return scene
 
 
+def _keep_tiles(options: Any, resume: Any, scene: Any, farm: Optional[BaseFarm]) -> None:
+    """Asks for `resume`, which names the picture beside which finished tiles are kept."""
+    if resume is None or resume is False:
+        return
+    if farm is not None and not isinstance(farm, (LocalFarm, Threads)):
+        raise UsageError("resume: tiles are kept where the coordinator is; expected no Farm elsewhere")
+    if resume is True and not isinstance(scene, str):
+        raise UsageError("resume: True, for a scene of no file; expected the path of the picture, "
+                         "beside which finished tiles are kept")
+    if resume is not True and not isinstance(resume, (str, os.PathLike)):
+        raise TypeError(f"resume: {resume!r}; expected True or the path of the picture")
+    picture = os.path.splitext(os.path.basename(scene))[0] + ".png" if resume is True else resume
+    options.assign("output", os.path.abspath(picture))
+    options.assign("resume", "")
+
+
 def _started_farm(workers: Optional[int], threads: Optional[int], verify: Optional[float]) -> BaseFarm:
     if workers == 0:
         if verify:
@@ -269,6 +285,7 @@ def render(scene: Any, *,
            tile: Optional[int] = None, workers: Optional[int] = None,
            threads: Optional[int] = None, verify: Optional[float] = None,
            farm: Optional[BaseFarm] = None,
+           resume: Union[None, bool, str, "os.PathLike[str]"] = None,
            progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
            wait: bool = True, **unknown: Any) -> Union[Image, Task]:
     """Renders a scene, or the scene in a file, to a picture: the bits of `tessera render`.
@@ -279,6 +296,9 @@ def render(scene: Any, *,
     :param frame: the number of an animation's frame; `time` is the instant by itself.
     :param farm: who traces: a LocalFarm, Threads or Farm that is kept. Left out: worker processes on
         this machine, for this render alone; with workers=0 threads of this process.
+    :param resume: the path that the picture is to have. Finished tiles are kept beside it, in
+        PATH.tiles, until the render is done, and it goes on from those that an interrupted one has
+        left there. True: NAME.png in the current folder, of a scene in a file.
     :param progress: True for a bar (tqdm where it is installed, else text on a terminal), a function
         that takes a Progress, or an object like tqdm's.
     :param on_tile: called with the Rect of each tile that becomes done, and the picture so far.
@@ -298,6 +318,7 @@ def render(scene: Any, *,
         raise UsageError("time: a frame has its own instant; expected one of the two")
     scene = checked_scene(scene)
     options = _options(keywords)
+    _keep_tiles(options, resume, scene, farm)
     if farm is not None:
         farm._check_process()
     owns_farm = farm is None
@@ -321,7 +342,8 @@ def render(scene: Any, *,
     return _watched(task, progress, on_tile)
 
 
-_OF_PYTHON = {"scene", "unknown", "frame", "farm", "progress", "on_tile", "wait", "workers", "threads", "verify"}
+_OF_PYTHON = {"scene", "unknown", "frame", "farm", "resume", "progress", "on_tile", "wait",
+              "workers", "threads", "verify"}
 
 
 def _watched(task: Task, progress: ProgressOption, on_tile: Optional[TileCallback]) -> Image:
