@@ -4,7 +4,7 @@ from __future__ import annotations
 import functools
 import json
 import os
-from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Union
+from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from . import _core
 from .errors import UsageError
@@ -23,7 +23,9 @@ class Rect(NamedTuple):
 
 
 class Metrics(NamedTuple):
-    """How far a picture is from another, over all channels, as `tessera compare` tells."""
+    """How far a picture is from another, the reference, in linear light: what `tessera compare
+    --metrics` tells. Means are over all channels. A value that is no finite number is infinitely far
+    from others for `max`, `mean` and `rmse`, and 0 for what follows them."""
 
     max: float
     """The greatest difference."""
@@ -35,6 +37,26 @@ class Metrics(NamedTuple):
     """The mean of d^2 / (reference^2 + .01)."""
     flip: float
     """The mean of FLIP (Andersson et al. 2020), 0 to 1."""
+    ssim: float
+    """The mean structural similarity (Wang et al. 2004) of what is shown: 1 for equal pictures."""
+    trimmed_rel_mse: float
+    """`rel_mse` without the largest thousandth of its terms."""
+    smape: float
+    """The mean of 2 |d| / (|value| + |reference| + .01), 0 to 2."""
+    error_99_9: float
+    """The difference that all but a thousandth of the values stay within."""
+    mean_ratio: float
+    """The mean of the picture over that of the reference."""
+    not_finite: int
+    """How many values of the picture are no finite number."""
+    max_of: Tuple[float, float, float]
+    """The greatest difference of red, green and blue."""
+    differing: int
+    """How many pixels differ."""
+    where: Optional[Rect]
+    """The part of the picture that they all lie in; None where none differs."""
+    worst: Optional[Tuple[int, int]]
+    """The column and row of the pixel that differs most; None where none differs."""
 
 
 def as_numpy(array: Any) -> Any:
@@ -178,6 +200,7 @@ def _unpickled(linear: Any) -> Image:
 
 def _linear_of_srgb(values: Any) -> Any:
     import numpy
+    values = values.astype(numpy.float64)  # as the command line, which rounds at the end
     return numpy.where(values <= .04045, values / 12.92, ((values + .055) / 1.055) ** 2.4)
 
 
@@ -203,4 +226,7 @@ def compare(a: Union[Image, Path], b: Union[Image, Path]) -> Metrics:
     if (first.width, first.height) != (second.width, second.height):
         raise UsageError(f"b: size {second.width}x{second.height}; expected {first.width}x"
                          f"{first.height}, that of a")
-    return Metrics(*_core.compare(first.linear, second.linear))
+    told = _core.compare(first.linear, second.linear)
+    differ = told["differing"] > 0
+    told.update(where=Rect(*told["where"]) if differ else None, worst=told["worst"] if differ else None)
+    return Metrics(**told)

@@ -2,6 +2,7 @@
 import json
 import pathlib
 import pickle
+import re
 import struct
 import zlib
 
@@ -135,12 +136,80 @@ def test_pictures_are_compared():
     a = ts.Image.from_array(np.full((8, 8, 3), .5))
     b = ts.Image.from_array(np.full((8, 8, 3), .25))
     same = ts.compare(a, a)
-    assert same == (0, 0, 0, 0, 0)
+    assert same == (0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, (0, 0, 0), 0, None, None)
     metrics = ts.compare(a, b)
     assert metrics.max == metrics.mean == metrics.rmse == .25
     assert metrics.rel_mse == pytest.approx(.0625 / (.0625 + .01)) and metrics.flip > 0
     with pytest.raises(ts.UsageError, match="size 1x1; expected 8x8"):
         ts.compare(a, ts.Image.from_array(np.zeros((1, 1, 3))))
+
+
+def test_a_comparison_has_what_the_command_line_tells(image, tmp_path, tessera):
+    other = image.linear.copy()
+    other[7:9, 20] += (.1, 0, 0)
+    other[30, 11] = (0, .9, np.nan)
+    paths = [tmp_path / "a.exr", tmp_path / "b.exr"]
+    ts.Image.from_array(other).save(paths[0])
+    ts.Image.from_array(image.linear).save(paths[1])
+    told = tessera("compare", *paths, "--metrics", "--max-diff", "1e9", check=False)
+    ours = ts.compare(*paths)
+    assert ts.compare(ts.Image.from_array(other), image) == ours
+
+    def numbers(label):
+        text = re.search(rf"^{re.escape(label)} +(.*)$", told, re.M).group(1)
+        return [float(number) for number in re.findall(r"inf|-?\d+\.?\d*(?:e-?\d+)?", text)]
+    for label, value in {"max difference": ours.max, "mean difference": ours.mean, "rmse": ours.rmse,
+                         "SMAPE": ours.smape, "FLIP": ours.flip, "SSIM": ours.ssim,
+                         "99.9 % are within": ours.error_99_9, "mean ratio": ours.mean_ratio,
+                         "not finite": ours.not_finite}.items():
+        assert numbers(label) == [pytest.approx(value, rel=1e-8)], label
+    assert numbers("relMSE") == pytest.approx([ours.rel_mse, ours.trimmed_rel_mse], rel=1e-8)
+    assert numbers("differing pixels") == [ours.differing, 60 * 40] == [3, 60 * 40]
+    assert numbers("all of them in") == list(ours.where) == [11, 7, 21, 31]
+    assert numbers("the worst pixel")[:2] == list(ours.worst) == [11, 30]
+    assert ours.max_of[2] == np.inf and ours.max_of[0] >= np.float32(.1) - 1e-6
+
+    for path in (tmp_path / "a.png", tmp_path / "b.png"):
+        (image if path.name == "b.png" else ts.Image.from_array(image.linear * .9)).save(path)
+    told = tessera("compare", tmp_path / "a.png", tmp_path / "b.png", "--metrics", check=False)
+    ours = ts.compare(tmp_path / "a.png", tmp_path / "b.png")
+    for label, value in {"linear rmse": ours.rmse, "SSIM": ours.ssim, "FLIP": ours.flip}.items():
+        assert numbers(label) == [pytest.approx(value, rel=1e-8)], label
+
+
+def ssim_of(a, b):
+    """Wang et al. 2004, window by window."""
+    def shown(light):
+        grey = np.clip(light.astype("f8"), 0, 1) @ (.2126, .7152, .0722)
+        return np.where(grey <= .0031308, 12.92 * grey, 1.055 * grey ** (1 / 2.4) - .055)
+    a, b = shown(a), shown(b)
+    line = np.exp(-np.arange(-5, 6) ** 2 / (2 * 1.5 ** 2))
+    weights = np.outer(line, line) / line.sum() ** 2
+    found = []
+    for y in range(a.shape[0] - 10):
+        for x in range(a.shape[1] - 10):
+            p, q = a[y:y + 11, x:x + 11], b[y:y + 11, x:x + 11]
+            mp, mq = (weights * p).sum(), (weights * q).sum()
+            vp, vq, c = ((weights * d).sum() for d in ((p - mp) ** 2, (q - mq) ** 2, (p - mp) * (q - mq)))
+            found.append((2 * mp * mq + 1e-4) * (2 * c + 9e-4) / ((mp ** 2 + mq ** 2 + 1e-4) * (vp + vq + 9e-4)))
+    return np.mean(found)
+
+
+@pytest.mark.parametrize("height, width", [(11, 11), (17, 23)])
+def test_structural_similarity_is_that_of_the_paper(height, width):
+    random = np.random.default_rng(height)
+    a = random.uniform(-.1, 1.3, (height, width, 3)).astype("f4")
+    b = (a + random.normal(0, .2, a.shape)).astype("f4")
+    one, other = ts.Image.from_array(a), ts.Image.from_array(b)
+    assert ts.compare(one, other).ssim == pytest.approx(ssim_of(a, b), rel=1e-12)
+    assert ts.compare(other, one).ssim == ts.compare(one, other).ssim
+    assert ts.compare(one, ts.Image.from_array(1 - a)).ssim < 0
+
+
+def test_structural_similarity_of_small_pictures():
+    dark, bright = (ts.Image.from_array([[value]]) for value in (0., 1.))
+    assert ts.compare(dark, bright).ssim == pytest.approx(1e-4 / (1 + 1e-4))
+    assert ts.compare(dark, dark).ssim == 1
 
 
 def test_pictures_pickle():
