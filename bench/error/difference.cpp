@@ -24,7 +24,8 @@ void include(int x, int y, Difference& d) {
 
 Difference difference_of(std::span<const float> a, std::span<const float> b, size_t channels,
                          size_t width, double allowed) {
-  TESSERA_CHECK(a.size() == b.size(), std::to_string(a.size()) + " and " + std::to_string(b.size()));
+  TESSERA_CHECK(a.size() == b.size(),
+                std::to_string(a.size()) + " and " + std::to_string(b.size()));
   Difference result;
   result.greatest_of.resize(channels);
   double sum = 0, sum_of_squares = 0;
@@ -41,7 +42,8 @@ Difference difference_of(std::span<const float> a, std::span<const float> b, siz
       result.greatest = worst;
       result.worst_pixel = pixel;
     }
-    if (worst > 0) include(static_cast<int>(pixel % width), static_cast<int>(pixel / width), result);
+    if (worst > 0)
+      include(static_cast<int>(pixel % width), static_cast<int>(pixel / width), result);
     if (worst > allowed) ++result.pixels_beyond;
   }
   const auto values = static_cast<double>(a.size());

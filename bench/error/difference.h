@@ -12,9 +12,9 @@ struct Difference {
   double greatest = 0, mean = 0, rmse = 0;  ///< over all channels of all pixels
   std::vector<double> greatest_of;          ///< of each channel
   size_t worst_pixel = 0;                   ///< counts from the first row's left
-  size_t pixels_beyond = 0;   ///< with a channel that differs by more than is allowed
-  size_t pixels_unequal = 0;  ///< with a channel that differs
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< pixels x0 <= x < x1, y0 <= y < y1 around those
+  size_t pixels_beyond = 0;                 ///< with a channel that differs by more than is allowed
+  size_t pixels_unequal = 0;                ///< with a channel that differs
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;       ///< pixels x0 <= x < x1, y0 <= y < y1 around those
 };
 
 /// Of pictures of that width, their channels side by side, rows from the top.

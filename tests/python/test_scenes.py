@@ -29,6 +29,10 @@ def test_a_sample_there_and_back(path, tmp_path):
     assert ts.load_dict(scene.to_dict()) == scene
     if "<Array" not in repr(scene):  # long arrays are told, not shown
         assert eval(repr(scene), vars(ts)) == scene
+    for ending in ("tessera", "tesserab", "json"):
+        scene.save(tmp_path / f"again.{ending}")
+        again = load(tmp_path / f"again.{ending}")
+        assert again == scene and again.digest == scene.digest, ending
     scene.save(tmp_path / "ours.json")
     subprocess.run([PROGRAM, "convert", path, tmp_path / "theirs.json"], check=True, capture_output=True)
     assert (tmp_path / "ours.json").read_bytes() == (tmp_path / "theirs.json").read_bytes()
