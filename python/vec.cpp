@@ -123,7 +123,8 @@ void bind_vec(py::module_& module) {
       .def(
           "cross", [](const Vec& a, py::handle b) { return cross(a, take(b)); },
           "The vector product.")
-      .def_property_readonly("length", length, "The Euclidean length.")
+      .def_property_readonly(
+          "length", [](const Vec& v) { return length(v); }, "The Euclidean length.")
       .def("normalized", normalized, "The vector of length 1 in this direction.")
       .def("__reduce__", [](const py::object& self) {
         return py::make_tuple(py::type::of(self), py::tuple(self));

@@ -189,13 +189,17 @@ class Image:
         return bytes(shown._picture.encode("shown.png", []))
 
     def __reduce__(self) -> Any:
-        if self.aovs:
-            raise TypeError("an Image with aovs cannot be pickled; expected image.save('x.exr')")
-        return _unpickled, (self.linear,)
+        return _unpickled, (_core.picture_state(self._picture),)
+
+    def __copy__(self) -> "Image":
+        return self
+
+    def __deepcopy__(self, _: Any) -> "Image":
+        return self
 
 
-def _unpickled(linear: Any) -> Image:
-    return Image.from_array(linear)
+def _unpickled(state: Any) -> Image:
+    return Image._of(_core.picture_of_state(state))
 
 
 def _linear_of_srgb(values: Any) -> Any:

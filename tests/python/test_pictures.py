@@ -1,4 +1,6 @@
 """Pictures as arrays and files."""
+import copy
+import functools
 import json
 import pathlib
 import pickle
@@ -212,10 +214,45 @@ def test_structural_similarity_of_small_pictures():
     assert ts.compare(dark, dark).ssim == 1
 
 
-def test_pictures_pickle():
-    made = ts.Image.from_array(np.arange(27.).reshape(3, 3, 3))
-    for protocol in range(2, 6):
-        assert pickle.loads(pickle.dumps(made, protocol)) == made
+def pickled(image, protocol):
+    return pickle.loads(pickle.dumps(image, protocol))
+
+
+def pickled_out_of_band(image):
+    buffers = []
+    data = pickle.dumps(image, 5, buffer_callback=buffers.append)
+    assert sum(buffer.raw().nbytes for buffer in buffers) == 60 * 40 * 18 * 4 and len(data) < 10_000
+    return pickle.loads(data, buffers=[bytes(buffer.raw()) for buffer in buffers])
+
+
+@pytest.mark.parametrize("again_of", [copy.copy, copy.deepcopy, pickled_out_of_band,
+                                      *(functools.partial(pickled, protocol=p) for p in (2, 3, 4, 5))])
+def test_pictures_copy_and_pickle_with_all_that_they_know(image, again_of):
+    again = again_of(image)
+    assert again == image and again.sha256 == image.sha256 and again.aovs == image.aovs
+    for name in image.aovs:
+        assert np.array_equal(again.aov(name), image.aov(name)), name
+    assert again.stats == image.stats and again.holes == image.holes
+    assert again._picture.encode("x.exr", []) == image._picture.encode("x.exr", [])  # with what files tell
+
+
+def test_a_picture_keeps_what_its_scene_asks_of_it():
+    scene = ts.Scene(width=4, height=4, exposure=2, tone_map="filmic", background=(.3, .2, .1))
+    image = scene.render(workers=0)
+    again = pickle.loads(pickle.dumps(image))
+    assert (again.to_srgb() == image.to_srgb()).all()
+    assert (again.to_srgb() != ts.Image.from_array(image.linear).to_srgb()).any()
+
+
+@pytest.mark.parametrize("at, wrong", [
+    (0, ts.Array.from_bytes(b"", "f", [0, 4, 3])), (0, ts.Array.from_bytes(bytes(48), "f", [4, 3])),
+    (0, ts.Array.from_bytes(bytes(96), "d", [2, 2, 3])), (1, 2**31 - 1), (2, -1), (3, 1), (3, 2**31), (4, b"?"),
+])
+def test_a_state_of_no_picture_is_refused(at, wrong):
+    state = list(ts._core.picture_state(ts.Image.from_array(np.ones((2, 2, 3)))._picture))
+    state[at] = wrong
+    with pytest.raises(ts.UsageError, match="of no picture"):
+        ts._core.picture_of_state(tuple(state))
 
 
 def test_denoising_has_the_bits_of_the_command_line(tmp_path, tessera):
