@@ -23,8 +23,8 @@ using Metadata = std::tuple<std::string, uint32_t, uint32_t, std::string, std::s
 /// All values as (h, w, channels); the first column and row of the frame that they are of, and the
 /// bits of what is beside light; a scene with what is asked of its numbers; what files tell of it;
 /// holes; statistics.
-using State = std::tuple<Array, int, int, uint32_t, py::bytes, Metadata, std::vector<Corners>,
-                         std::string>;
+using State =
+    std::tuple<Array, int, int, uint32_t, py::bytes, Metadata, std::vector<Corners>, std::string>;
 
 State state_of(const std::shared_ptr<RenderedPicture>& picture) {
   const Film& film = picture->film;

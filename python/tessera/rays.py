@@ -2,11 +2,16 @@
 from __future__ import annotations
 
 import difflib
+import operator
 import os
 from typing import TYPE_CHECKING, Any, Iterable, List, Optional, Sequence, Tuple, Union
 
 from . import _core
+from ._graph import Instances
 from ._html import table
+from ._mesh import Mesh
+from ._messages import Node, Shape
+from ._shown_by import instances_of
 from .errors import UsageError
 
 if TYPE_CHECKING:
@@ -238,10 +243,18 @@ class Tracer:
     their material lets through; hidden nodes are not there. A ray with a NaN, or without a
     direction, hits nothing."""
 
-    __slots__ = ("_core", "_options", "_names")
+    __slots__ = ("_core", "_options", "_names", "_scene")
 
-    def __init__(self, core: Any, options: tuple):
+    def __init__(self, core: Any, options: tuple, scene: Any = None):
         self._core, self._options, self._names = core, options, None
+        self._scene = scene
+
+    @classmethod
+    def _of(cls, scene: Any, options: tuple) -> "Tracer":
+        """Of a Scene, of its text form (str) or of its binary form (bytes)."""
+        time, camera, accel, threads = options
+        core = _core.Tracer(scene, time, camera, accel, threads or len(os.sched_getaffinity(0)))
+        return cls(core, options, None if isinstance(scene, (str, bytes)) else scene)
 
     def _threads(self, threads: Optional[int]) -> int:
         chosen = threads if threads is not None else self._options[-1]
@@ -304,10 +317,12 @@ class Tracer:
         self._core.crossings(rays.origins, rays.directions, *rays.ends, self._threads(threads), out)
         return out
 
-    def contains(self, points: Any, shape: Union[None, int, str] = None, *,
+    def contains(self, points: Any,
+                 shape: Union[None, int, str, Node, Shape, Instances] = None, *,
                  threads: Optional[int] = None) -> "np.ndarray":
         """Whether each point is inside some solid or closed mesh, or inside the instances of that
-        name or number."""
+        name or number, or of that node, shape or Instances of the scene, which must be as it was when the
+        tracer was made."""
         np = _numpy()
         at = _vectors("points", points)
         inside = np.zeros(at.shape[:-1], bool)
@@ -317,13 +332,20 @@ class Tracer:
             inside |= one
         return inside
 
-    def _numbers(self, shape: Union[None, int, str]) -> Sequence[Optional[int]]:
+    def _numbers(self, shape: Union[None, int, str, Node, Shape, Instances]) -> Sequence[Optional[int]]:
         if shape is None:
             return [None]
+        if isinstance(shape, (Node, Shape, Instances)):
+            if self._scene is None:
+                raise UsageError(f"shape: {shape!r:.60}, for a tracer of no Scene of this process; "
+                                 "expected a name or a number")
+            return instances_of(shape, self._scene, self)
         if isinstance(shape, str):
             _choice("shape", shape, sorted(set(self.instances)))
             return [i for i, name in enumerate(self.instances) if name == shape]
-        number = int(shape)
+        if isinstance(shape, bool) or not hasattr(shape, "__index__"):
+            raise TypeError(f"shape: {shape!r:.60}; expected a name, a number, a Node or a Shape")
+        number = operator.index(shape)
         if not 0 <= number < len(self.instances):
             raise UsageError(f"shape: {shape}; expected a name or a number below "
                              f"{len(self.instances)}")
@@ -379,16 +401,10 @@ class Tracer:
         return self._core.statistics()
 
     def __reduce__(self) -> tuple:
-        return _rebuild, (self._core.scene(), self._options)
+        return Tracer._of, (self._core.scene(), self._options)
 
     def __repr__(self) -> str:
         return f"<Tracer of {len(self.instances)} instances>"
-
-
-def _rebuild(scene: Any, options: tuple) -> Tracer:
-    time, camera, accel, threads = options
-    return Tracer(_core.Tracer(scene, time, camera, accel,
-                               threads or len(os.sched_getaffinity(0))), options)
 
 
 def tracer_from_scene(scene: Any, *, time: Optional[float] = None, camera: Optional[str] = None,
@@ -397,27 +413,11 @@ def tracer_from_scene(scene: Any, *, time: Optional[float] = None, camera: Optio
     """A tracer of a `Scene`, of its text form (str) or of its binary form (bytes), as it is now."""
     if not geometry_only:
         raise UsageError("geometry_only: False; expected True, as tracers know no light")
-    return _rebuild(scene, (time, camera or "", accel, threads))
+    return Tracer._of(scene, (time, camera or "", accel, threads))
 
 
 def tracer_from_mesh(positions: "np.ndarray", triangles: "np.ndarray", *, accel: str = "bvh",
                      threads: Optional[int] = None) -> Tracer:
     """A tracer of one mesh: positions (v, 3), held as float32, and indices (t, 3)."""
-    np = _numpy()
-    points = np.ascontiguousarray(_vectors("positions", positions), np.float32)
-    rows = np.asarray(triangles)
-    if rows.size == 0:
-        rows = rows.reshape(0, 3).astype(np.uint32)
-    if points.ndim != 2:
-        raise UsageError(f"positions: shape {points.shape}; expected (v, 3)")
-    if rows.ndim != 2 or rows.shape[1] != 3 or rows.dtype.kind not in "iu":
-        raise UsageError(f"triangles: shape {rows.shape}, dtype {rows.dtype}; expected (t, 3) of "
-                         "whole numbers")
-    wrong = (rows < 0) | (rows >= len(points))
-    if wrong.any():
-        at = int(np.argmax(wrong.any(axis=1)))
-        raise UsageError(f"triangles[{at}]: {rows[at].tolist()}; expected numbers from 0 to "
-                         f"{len(points) - 1}")
-    options = (None, "", accel, threads)
-    return Tracer(_core.Tracer.of_mesh(points, np.ascontiguousarray(rows, np.uint32), accel,
-                                       threads or len(os.sched_getaffinity(0))), options)
+    from .scene import Scene  # here: it imports this
+    return tracer_from_scene(Scene(nodes=[Mesh(positions, triangles)]), accel=accel, threads=threads)

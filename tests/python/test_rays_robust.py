@@ -172,9 +172,9 @@ def test_wrong_arguments_are_told(closed, wrong, told):
 
 
 def test_wrong_meshes_scenes_and_shapes_are_told(closed):
-    with pytest.raises(ts.UsageError, match=r"triangles\[1\]: \[0, 1, 4294967297\]; expected .* 0 to 2"):
+    with pytest.raises(ValueError, match="triangles: index 4294967297 in row 1; expected 0 to 2"):
         tracer_from_mesh(np.zeros((3, 3)), [[0, 1, 2], [0, 1, 2**32 + 1]])
-    with pytest.raises(ts.UsageError, match="triangles"):
+    with pytest.raises(ValueError, match="triangles"):
         tracer_from_mesh(np.zeros((3, 3)), [[0, 1, -1]])
     with pytest.raises(ts.SceneError):
         tracer_from_scene("nodes { shape { sphere { radius: -1 } } }")
@@ -188,6 +188,41 @@ def test_wrong_meshes_scenes_and_shapes_are_told(closed):
     hits = closed[0].intersect([1, 1, 1], [0, 0, 1], fields="t")
     with pytest.raises(ts.UsageError, match="instance: not among the fields"):
         hits.point
+
+
+def test_insides_of_nodes_shapes_and_instances():
+    ball, ring = ts.Sphere(radius=.5), ts.Torus(minor_radius=.2)
+    scene = ts.Scene()
+    left = scene.add(ball, transform=ts.translate(-3, 0, 0), name="same")
+    group = scene.add(ring, ts.Sphere(radius=.5), name="same")
+    scene.add(ts.Sphere(), name="hidden").hidden = True
+    pair = ts.Object(nodes=[ball, ts.Node(shape=ts.Box(), transform=ts.translate(0, 5, 0))])
+    many = scene.instances(pair, [ts.translate(3 * i, 0, 9) for i in range(2)], names=["a", "b"])
+    tracer = scene.tracer()
+    points = [(-3, 0, 0), (0, 0, 0), (1, 0, 0), (0, 0, 9), (3, 0, 9), (3, 5, 9)]
+
+    def inside(part):
+        return tracer.contains(points, part).tolist()
+    assert inside(left) == [True, False, False, False, False, False]
+    assert inside(ball) == [True, False, False, True, True, False]  # wherever it stands
+    assert inside(group) == [False, True, True, False, False, False]
+    assert inside(ring) == [False, False, True, False, False, False]
+    assert inside(many) == [False, False, False, True, True, True]
+    assert inside(pair.nodes[1]) == [False, False, False, False, False, True]
+    assert inside("same") == [True, True, True, False, False, False]
+    assert [node.name for node in scene.nodes[:2]] == ["same", "same"] and many.names == ["a", "b"]
+
+    for stranger in (ts.Sphere(radius=.5), scene.nodes[2]):
+        with pytest.raises(ts.UsageError, match="which shows nothing in the tracer's scene"):
+            inside(stranger)
+    for wrong in (True, 1.5, ts.Scene()):
+        with pytest.raises(TypeError, match="expected a name, a number, a Node or a Shape"):
+            inside(wrong)
+    with pytest.raises(ts.UsageError, match="no Scene of this process"):
+        pickle.loads(pickle.dumps(tracer)).contains(points, left)
+    left.transform = ts.translate(0, 0, 0)
+    with pytest.raises(ts.UsageError, match="changed after the tracer was made"):
+        inside(group)
 
 
 def test_hits_of_another_scene_do_no_harm(closed):
