@@ -7,8 +7,8 @@
 #include "python/array.h"
 #include "python/bindings.h"
 #include "python/errors.h"
+#include "python/interruptible.h"
 #include "python/scene_values.h"
-#include "python/wait.h"
 #include "renderer/query/ray_queries.h"
 
 namespace py = pybind11;

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 # numpy is neither needed nor imported: its arrays are taken by the buffer protocol.
 ArrayLike = Union[Array, Any]
 VectorLike = Union[Vec, Sequence[float], Any]
-ColorLike = Union[str, Sequence[float], Any]
+ColorLike = Union[str, float, Sequence[float], Any]
 ColorInputLike = Union["ColorInput", "Texture", ColorLike]
 FloatInputLike = Union[float, "FloatInput", "Texture"]
 NodeLike = Union["Node", "Shape", "Light", "Object", "Instances"]

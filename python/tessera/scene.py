@@ -11,6 +11,7 @@ from ._html import table
 from ._messages import (Frames, Include, IntegratorSettings, Light, Material, Metadata, Object,
                         Output, Sampling, Settings, Shape, Texture, Fog)
 from ._nodes import Node
+from ._places import located
 from ._transforms import Transform
 from ._types import ArrayLike, ColorLike
 from ._value import here
@@ -184,12 +185,15 @@ class Scene(_messages.Scene):
         return digest
 
     def check(self) -> None:
-        """Raises SceneError for what is no scene, for names that are used and never defined, and for
-        surfaces that cannot be built."""
+        """Raises SceneError for names that are used and never defined, and for whatever of the scene
+        a render would refuse: it builds all that one needs."""
         undefined = self.info().undefined
         if undefined:
-            raise _messages_error(undefined[0])
-        self.tracer()
+            raise SceneError(f"{undefined[0]}: used and never defined")
+        try:
+            _core.check(self)
+        except SceneError as error:
+            raise located(self, error) from None
 
     def info(self) -> Summary:
         """Counts of what the scene holds, and names that are not used or not defined."""
@@ -212,7 +216,6 @@ class Scene(_messages.Scene):
     def tracer(self, **options: Any) -> Any:
         """What answers questions about rays; see `tessera.rays`."""
         from . import rays
-        from ._places import located
         try:
             return rays.tracer_from_scene(self, **options)
         except SceneError as error:
@@ -235,7 +238,3 @@ class Scene(_messages.Scene):
 
 
 _SETTINGS = [name for name, held in vars(Scene).items() if isinstance(held, _Setting)]
-
-
-def _messages_error(undefined: str) -> Exception:
-    return SceneError(f"{undefined}: used and never defined")
