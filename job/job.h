@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
@@ -27,6 +28,7 @@ struct JobSpec {
   v1::FrameSettings frame;
   PixelRect crop;     ///< in frame coordinates; the film covers exactly this
   int tile_size = 0;  ///< pixels a side; 0: as kept, or chosen from the frame and the workers
+  std::filesystem::path kept_tiles{};  ///< file of finished tiles on this machine; empty: none
 };
 
 /// What became of a job; every number is a total over its life.

@@ -8,7 +8,7 @@ from typing import (TYPE_CHECKING, Any, Generic, Iterable, NoReturn, Optional, T
 from . import _core, _messages
 from ._transforms import Transform, as_ndarray
 from ._types import ArrayLike
-from ._value import here
+from ._value import here, level_of_caller
 from .errors import PrecisionWarning
 
 if TYPE_CHECKING:
@@ -42,7 +42,10 @@ class _ArrayField(Generic[Given]):
         return None if held is None else as_ndarray(held)
 
     def __set__(self, mesh: Mesh, given: Optional[ArrayLike]) -> None:
-        self.put(mesh, given, None)
+        if self._name == "positions" and given is not None:
+            mesh._take_positions(given, None, False)
+        else:
+            self.put(mesh, given, None)
 
     def put(self, mesh: Mesh, given: Optional[ArrayLike], copy: Optional[bool]) -> None:
         """Takes an array; see `Mesh` about `copy`."""
@@ -120,7 +123,7 @@ class Mesh(_messages.Mesh):
         Mesh.__dict__["positions"].put(self, taken, None)
         if moved > extent * _LARGEST_SHARE:
             warnings.warn(f"positions: rounded by up to {moved:.3g} m; expected a mesh nearer to its "
-                          "origin, as with recenter=True", PrecisionWarning, stacklevel=3)
+                          "origin, as with recenter=True", PrecisionWarning, stacklevel=level_of_caller())
         if middle is not None:
             step = _messages.TransformStep(translate=middle)
             self.transform = Transform([*(self.transform.steps if self.transform else []), step])

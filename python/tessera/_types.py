@@ -27,7 +27,7 @@ Path = Union[str, "os.PathLike[str]"]
 VectorLike = Union["Vec", Sequence[float], "npt.NDArray[Any]"]
 ArrayLike = Union["Array", "npt.NDArray[Any]", "HasArray", memoryview,
                   Sequence[Union[float, VectorLike, Sequence[VectorLike]]]]
-ColorLike = Union[str, VectorLike]
+ColorLike = Union[str, float, VectorLike]
 ColorInputLike = Union["ColorInput", "Texture", ColorLike, "Array", "npt.NDArray[Any]"]
 FloatInputLike = Union[float, "FloatInput", "Texture", "Array", "npt.NDArray[Any]"]
 NodeLike = Union["Node", "Shape", "Light", "Object", "Instances"]

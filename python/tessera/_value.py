@@ -109,6 +109,16 @@ def here() -> Optional[Place]:
     return None if frame is None else (frame.f_code, frame.f_lasti)
 
 
+def level_of_caller() -> int:
+    """For `warnings.warn` of the function that asks: how far up the stack the user's script is."""
+    frame: Any = sys._getframe(1)
+    level = 1
+    while frame.f_back is not None and frame.f_globals.get("__package__") == __package__:
+        frame = frame.f_back
+        level += 1
+    return level
+
+
 def where(value: Any) -> Optional[Tuple[str, int]]:
     """The file and line that made a value."""
     place = getattr(value, "_place", None)

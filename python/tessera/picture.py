@@ -30,7 +30,9 @@ class Rect(NamedTuple):
 
 
 class Metrics(NamedTuple):
-    """How far a picture is from another, over all channels, as `tessera compare` tells."""
+    """How far a picture is from another, the reference, in linear light: what `tessera compare
+    --metrics` tells. Means are over all channels. A value that is no finite number is infinitely far
+    from others for `max`, `mean` and `rmse`, and 0 for what follows them."""
 
     max: float
     """The greatest difference."""
@@ -42,6 +44,26 @@ class Metrics(NamedTuple):
     """The mean of d^2 / (reference^2 + .01)."""
     flip: float
     """The mean of FLIP (Andersson et al. 2020), 0 to 1."""
+    ssim: float
+    """The mean structural similarity (Wang et al. 2004) of what is shown: 1 for equal pictures."""
+    trimmed_rel_mse: float
+    """`rel_mse` without the largest thousandth of its terms."""
+    smape: float
+    """The mean of 2 |d| / (|value| + |reference| + .01), 0 to 2."""
+    error_99_9: float
+    """The difference that all but a thousandth of the values stay within."""
+    mean_ratio: float
+    """The mean of the picture over that of the reference."""
+    not_finite: int
+    """How many values of the picture are no finite number."""
+    max_of: Tuple[float, float, float]
+    """The greatest difference of red, green and blue."""
+    differing: int
+    """How many pixels differ."""
+    where: Optional[Rect]
+    """The part of the picture that they all lie in; None where none differs."""
+    worst: Optional[Tuple[int, int]]
+    """The column and row of the pixel that differs most; None where none differs."""
 
 
 def as_numpy(array: Any) -> Any:
@@ -192,17 +214,22 @@ class Image:
         return shown._picture.encode("shown.png", [])
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        if self.aovs:
-            raise TypeError("an Image with aovs cannot be pickled; expected image.save('x.exr')")
-        return _unpickled, (self.linear,)
+        return _unpickled, (_core.picture_state(self._picture),)
+
+    def __copy__(self) -> Image:
+        return self
+
+    def __deepcopy__(self, _: object) -> Image:
+        return self
 
 
-def _unpickled(linear: Floats) -> Image:
-    return Image.from_array(linear)
+def _unpickled(state: Any) -> Image:
+    return Image._of(_core.picture_of_state(state))
 
 
 def _linear_of_srgb(values: Any) -> Any:
     import numpy
+    values = values.astype(numpy.float64)  # as the command line, which rounds at the end
     return numpy.where(values <= .04045, values / 12.92, ((values + .055) / 1.055) ** 2.4)
 
 
@@ -228,4 +255,7 @@ def compare(a: Union[Image, Path], b: Union[Image, Path]) -> Metrics:
     if (first.width, first.height) != (second.width, second.height):
         raise UsageError(f"b: size {second.width}x{second.height}; expected {first.width}x"
                          f"{first.height}, that of a")
-    return Metrics(*_core.compare(first.linear, second.linear))
+    told = _core.compare(first.linear, second.linear)
+    differ = told["differing"] > 0
+    told.update(where=Rect(*told["where"]) if differ else None, worst=told["worst"] if differ else None)
+    return Metrics(**told)

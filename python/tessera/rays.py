@@ -2,11 +2,13 @@
 from __future__ import annotations
 
 import difflib
+import operator
 import os
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 from . import _core
 from ._html import table
+from ._mesh import Mesh
 from ._types import Accelerator, ArrayLike, Cull, HitField, VectorLike
 from .errors import UsageError
 
@@ -294,6 +296,13 @@ class Tracer:
         self._core, self._options = core, options
         self._names: Optional[List[str]] = None
 
+    @classmethod
+    def _of(cls, scene: Union[Scene, str, bytes], options: Options) -> Tracer:
+        """Of a Scene, of its text form (str) or of its binary form (bytes)."""
+        time, camera, accel, threads = options
+        core = _core.Tracer(scene, time, camera, accel, threads or len(os.sched_getaffinity(0)))
+        return cls(core, options)
+
     def _threads(self, threads: Optional[int]) -> int:
         chosen = threads if threads is not None else self._options[-1]
         if chosen is None:
@@ -380,7 +389,9 @@ class Tracer:
         if isinstance(shape, str):
             _choice("shape", shape, sorted(set(self.instances)))
             return [i for i, name in enumerate(self.instances) if name == shape]
-        number = int(shape)
+        if isinstance(shape, bool) or not hasattr(shape, "__index__"):
+            raise TypeError(f"shape: {shape!r:.60}; expected the name or number of an instance")
+        number = operator.index(shape)
         if not 0 <= number < len(self.instances):
             raise UsageError(f"shape: {shape}; expected a name or a number below "
                              f"{len(self.instances)}")
@@ -437,16 +448,10 @@ class Tracer:
         return self._core.statistics()
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        return _rebuild, (self._core.scene(), self._options)
+        return Tracer._of, (self._core.scene(), self._options)
 
     def __repr__(self) -> str:
         return f"<Tracer of {len(self.instances)} instances>"
-
-
-def _rebuild(scene: Union[Scene, str, bytes], options: Options) -> Tracer:
-    time, camera, accel, threads = options
-    return Tracer(_core.Tracer(scene, time, camera, accel,
-                               threads or len(os.sched_getaffinity(0))), options)
 
 
 def tracer_from_scene(scene: Union[Scene, str, bytes], *, time: Optional[float] = None,
@@ -455,27 +460,11 @@ def tracer_from_scene(scene: Union[Scene, str, bytes], *, time: Optional[float] 
     """A tracer of a `Scene`, of its text form (str) or of its binary form (bytes), as it is now."""
     if not geometry_only:
         raise UsageError("geometry_only: False; expected True, as tracers know no light")
-    return _rebuild(scene, (time, camera or "", accel, threads))
+    return Tracer._of(scene, (time, camera or "", accel, threads))
 
 
 def tracer_from_mesh(positions: ArrayLike, triangles: ArrayLike, *, accel: Accelerator = "bvh",
                      threads: Optional[int] = None) -> Tracer:
     """A tracer of one mesh: positions (v, 3), held as float32, and indices (t, 3)."""
-    import numpy as np
-    points = np.ascontiguousarray(_vectors("positions", positions), np.float32)
-    rows: npt.NDArray[Any] = np.asarray(triangles)
-    if rows.size == 0:
-        rows = rows.reshape(0, 3).astype(np.uint32)
-    if points.ndim != 2:
-        raise UsageError(f"positions: shape {points.shape}; expected (v, 3)")
-    if rows.ndim != 2 or rows.shape[1] != 3 or rows.dtype.kind not in "iu":
-        raise UsageError(f"triangles: shape {rows.shape}, dtype {rows.dtype}; expected (t, 3) of "
-                         "whole numbers")
-    wrong = (rows < 0) | (rows >= len(points))
-    if wrong.any():
-        at = int(np.argmax(wrong.any(axis=1)))
-        raise UsageError(f"triangles[{at}]: {rows[at].tolist()}; expected numbers from 0 to "
-                         f"{len(points) - 1}")
-    options: Options = (None, "", accel, threads)
-    return Tracer(_core.Tracer.of_mesh(points, np.ascontiguousarray(rows, np.uint32), accel,
-                                       threads or len(os.sched_getaffinity(0))), options)
+    from .scene import Scene  # here: it imports this
+    return tracer_from_scene(Scene(nodes=[Mesh(positions, triangles)]), accel=accel, threads=threads)

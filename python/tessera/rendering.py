@@ -241,6 +241,22 @@ def checked_scene(scene: Union[Scene, Path]) -> Union[Scene, str]:
     return scene
 
 
+def _keep_tiles(options: Any, resume: Any, scene: Any, farm: Optional[BaseFarm]) -> None:
+    """Asks for `resume`, which names the picture beside which finished tiles are kept."""
+    if resume is None or resume is False:
+        return
+    if farm is not None and not isinstance(farm, (LocalFarm, Threads)):
+        raise UsageError("resume: tiles are kept where the coordinator is; expected no Farm elsewhere")
+    if resume is True and not isinstance(scene, str):
+        raise UsageError("resume: True, for a scene of no file; expected the path of the picture, "
+                         "beside which finished tiles are kept")
+    if resume is not True and not isinstance(resume, (str, os.PathLike)):
+        raise TypeError(f"resume: {resume!r}; expected True or the path of the picture")
+    picture = os.path.splitext(os.path.basename(scene))[0] + ".png" if resume is True else resume
+    options.assign("output", os.path.abspath(picture))
+    options.assign("resume", "")
+
+
 def _started_farm(workers: Optional[int], threads: Optional[int], verify: Optional[float]) -> BaseFarm:
     if workers == 0:
         if verify:
@@ -263,6 +279,7 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
            x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
            tile: Optional[int] = None, workers: Optional[int] = None, threads: Optional[int] = None,
            verify: Optional[float] = None, farm: Optional[BaseFarm] = None,
+           resume: Union[None, bool, Path] = None,
            progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
            wait: Literal[True] = True) -> Image: ...
 @overload
@@ -279,6 +296,7 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
            x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
            tile: Optional[int] = None, workers: Optional[int] = None, threads: Optional[int] = None,
            verify: Optional[float] = None, farm: Optional[BaseFarm] = None,
+           resume: Union[None, bool, Path] = None,
            progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
            wait: Literal[False]) -> Task: ...
 def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Optional[Crop] = None,
@@ -294,6 +312,7 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
            x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
            tile: Optional[int] = None, workers: Optional[int] = None, threads: Optional[int] = None,
            verify: Optional[float] = None, farm: Optional[BaseFarm] = None,
+           resume: Union[None, bool, Path] = None,
            progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
            wait: bool = True, **unknown: NoReturn) -> Union[Image, Task]:
     """Renders a scene, or the scene in a file, to a picture: the bits of `tessera render`.
@@ -304,6 +323,9 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
     :param frame: the number of an animation's frame; `time` is the instant by itself.
     :param farm: who traces: a LocalFarm, Threads or Farm that is kept. Left out: worker processes on
         this machine, for this render alone; with workers=0 threads of this process.
+    :param resume: the path that the picture is to have. Finished tiles are kept beside it, in
+        PATH.tiles, until the render is done, and it goes on from those that an interrupted one has
+        left there. True: NAME.png in the current folder, of a scene in a file.
     :param progress: True for a bar (tqdm where it is installed, else text on a terminal), a function
         that takes a Progress, or an object like tqdm's.
     :param on_tile: called with the Rect of each tile that becomes done, and the picture so far.
@@ -323,6 +345,7 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
         raise UsageError("time: a frame has its own instant; expected one of the two")
     scene = checked_scene(scene)
     options = core_options(keywords)
+    _keep_tiles(options, resume, scene, farm)
     if farm is not None:
         farm._check_process()
     owns_farm = farm is None
@@ -346,7 +369,8 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
     return _watched(task, progress, on_tile)
 
 
-_OF_PYTHON = {"scene", "unknown", "frame", "farm", "progress", "on_tile", "wait", "workers", "threads", "verify"}
+_OF_PYTHON = {"scene", "unknown", "frame", "farm", "resume", "progress", "on_tile", "wait",
+              "workers", "threads", "verify"}
 
 
 def _watched(task: Task, progress: ProgressOption, on_tile: Optional[TileCallback]) -> Image:

@@ -16,6 +16,7 @@ from ._messages import (Fog, Frames, Include, IntegratorSettings, IntegratorSett
                         Texture)
 from ._nodes import Node
 from ._progress import ProgressOption
+from ._places import located
 from ._transforms import Transform
 from ._types import (Accelerator, Aovs, ColorLike, Crop, Integrator, NodeLike, PartsLike, Path, Pattern,
                      Size, TransformsLike)
@@ -209,12 +210,15 @@ class Scene(_messages.Scene):
         return _core.digest(self)
 
     def check(self) -> None:
-        """Raises SceneError for what is no scene, for names that are used and never defined, and for
-        surfaces that cannot be built."""
+        """Raises SceneError for names that are used and never defined, and for whatever of the scene
+        a render would refuse: it builds all that one needs."""
         undefined = self.info().undefined
         if undefined:
-            raise _messages_error(undefined[0])
-        self.tracer()
+            raise SceneError(f"{undefined[0]}: used and never defined")
+        try:
+            _core.check(self)
+        except SceneError as error:
+            raise located(self, error) from None
 
     def info(self) -> Summary:
         """Counts of what the scene holds, and names that are not used or not defined."""
@@ -239,7 +243,6 @@ class Scene(_messages.Scene):
                geometry_only: bool = True) -> Tracer:
         """What answers questions about rays; see `tessera.rays`."""
         from . import rays
-        from ._places import located
         try:
             return rays.tracer_from_scene(self, time=time, camera=camera, accel=accel, threads=threads,
                                           geometry_only=geometry_only)
@@ -273,7 +276,3 @@ class Scene(_messages.Scene):
 
 
 _SETTINGS = [name for name, held in vars(Scene).items() if isinstance(held, _Setting)]
-
-
-def _messages_error(undefined: str) -> Exception:
-    return SceneError(f"{undefined}: used and never defined")

@@ -25,6 +25,11 @@ def test_positions_of_any_kind_are_taken(make):
     assert mesh.positions.dtype == np.float32 and np.array_equal(mesh.positions, CUBE)
 
 
+class WithMesh:
+    def __init__(self, vertices, faces):
+        self.vertices, self.faces = vertices, faces
+
+
 class WithArray:
     def __init__(self, array):
         self.array = array
@@ -158,7 +163,12 @@ def test_a_copy_can_be_refused(array, why):
 def test_rounding_is_told_and_avoided():
     far = CUBE.astype("f8") + [1e7, 0, 0] + .1
     with pytest.warns(ts.PrecisionWarning, match="rounded by up to"):
+        mesh = ts.Mesh(CUBE, FACES)
+        mesh.positions = far
+    with pytest.warns(ts.PrecisionWarning, match="rounded by up to") as told:
         ts.Mesh(far, FACES)
+        ts.Mesh.from_(WithMesh(far, FACES))
+    assert [warning.filename for warning in told] == [__file__] * 2
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         ts.Mesh(CUBE.astype("f8") * .1, FACES)

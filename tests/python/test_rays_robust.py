@@ -170,9 +170,9 @@ def test_wrong_arguments_are_told(closed, wrong, told):
 
 
 def test_wrong_meshes_scenes_and_shapes_are_told(closed):
-    with pytest.raises(ts.UsageError, match=r"triangles\[1\]: \[0, 1, 4294967297\]; expected .* 0 to 2"):
+    with pytest.raises(ValueError, match="triangles: index 4294967297 in row 1; expected 0 to 2"):
         tracer_from_mesh(np.zeros((3, 3)), [[0, 1, 2], [0, 1, 2**32 + 1]])
-    with pytest.raises(ts.UsageError, match="triangles"):
+    with pytest.raises(ValueError, match="triangles"):
         tracer_from_mesh(np.zeros((3, 3)), [[0, 1, -1]])
     with pytest.raises(ts.SceneError):
         tracer_from_scene("nodes { shape { sphere { radius: -1 } } }")
@@ -186,6 +186,21 @@ def test_wrong_meshes_scenes_and_shapes_are_told(closed):
     hits = closed[0].intersect([1, 1, 1], [0, 0, 1], fields="t")
     with pytest.raises(ts.UsageError, match="instance: not among the fields"):
         hits.point
+
+
+def test_insides_of_one_name_or_number():
+    scene = ts.Scene()
+    scene.add(ts.Sphere(radius=.5), transform=ts.translate(-3, 0, 0), name="same")
+    scene.add(ts.Torus(minor_radius=.2), ts.Sphere(radius=.5), name="same")
+    scene.add(ts.Sphere(), name="other", transform=ts.translate(9, 0, 0))
+    tracer = scene.tracer()
+    points = [(-3, 0, 0), (0, 0, 0), (1, 0, 0), (9, 0, 0)]
+    assert tracer.contains(points).all()
+    assert tracer.contains(points, "same").tolist() == [True, True, True, False]
+    assert tracer.contains(points, np.int64(0)).tolist() == [True, False, False, False]
+    for wrong in (True, 1.5, ts.Scene(), scene.nodes[0]):
+        with pytest.raises(TypeError, match="expected the name or number of an instance"):
+            tracer.contains(points, wrong)
 
 
 def test_hits_of_another_scene_do_no_harm(closed):
