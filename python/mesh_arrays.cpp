@@ -49,6 +49,7 @@ std::vector<uint32_t> to_indices(const ArraySource& source, const std::string& f
                                      source.kind == 'f' ? "floats" : "booleans"));
   }
   std::vector<uint32_t> indices(static_cast<size_t>(source.count()));
+  if (indices.empty()) return indices;
   uint64_t worst = 0;  // a negative number is a huge one here
   {
     const py::gil_scoped_release unlocked;
@@ -65,7 +66,7 @@ std::vector<uint32_t> to_indices(const ArraySource& source, const std::string& f
       });
     }
   }
-  if (indices.empty() || worst < limit) return indices;
+  if (worst < limit) return indices;
   py::ssize_t at = 0, bad = -1;
   for_each_element<uint64_t>(source, 0, source.count(), [&](uint64_t index) {
     if (index >= limit && bad < 0) bad = at;

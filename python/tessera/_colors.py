@@ -5,7 +5,7 @@ import colorsys
 from typing import NamedTuple
 
 from ._types import ColorLike
-from ._value import _nearest
+from ._value import nearest
 
 
 class Color(NamedTuple):
@@ -41,7 +41,7 @@ def _from_text(text: str) -> Color:
     if len(digits) == 3:
         digits = "".join(2 * digit for digit in digits)
     if len(digits) != 6 or not set(digits) <= set("0123456789abcdef"):
-        hint = _nearest(word, list(COLORS))
+        hint = nearest(word, list(COLORS))
         raise ValueError(f"'{text}': no colour; expected a name or '#rrggbb'{hint}")
     r, g, b = (_decoded(int(digits[i:i + 2], 16) / 255) for i in (0, 2, 4))
     return Color(r, g, b)

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from . import _messages
-from ._placing import Placed, _behind
+from ._placing import Placed, behind
 from ._transforms import Transform
 from ._value import here
 
@@ -18,7 +18,7 @@ class Node(Placed, _messages.Node):
     def _place_by(self, outer: Transform) -> Node:
         if not self.keys:
             return super()._place_by(outer)
-        self.keys = [_messages.TransformKey(key.time, _behind(outer, key.transform))
+        self.keys = [_messages.TransformKey(key.time, behind(outer, key.transform))
                      for key in self.keys]
         return self
 

@@ -82,11 +82,11 @@ class Placed:
 
     def _place_by(self: T, outer: Transform) -> T:
         """Puts `outer` behind its transforms."""
-        self.transform = _behind(outer, self.transform)
+        self.transform = behind(outer, self.transform)
         return self
 
 
-def _behind(outer: Transform, inner: Optional[Transform]) -> Transform:
+def behind(outer: Transform, inner: Optional[Transform]) -> Transform:
     return outer if inner is None else outer @ inner
 
 

@@ -64,10 +64,10 @@ class Value(_core.ValueBase):
 def _slots(value: Value) -> Dict[str, Any]:
     """What the slots hold, whatever properties hide them."""
     names = (name for base in type(value).__mro__ for name in base.__dict__.get("__slots__", ()))
-    return {name: _slot(type(value), name).__get__(value) for name in names if name != "_place"}
+    return {name: slot_of(type(value), name).__get__(value) for name in names if name != "_place"}
 
 
-def _slot(made: type, name: str) -> Any:
+def slot_of(made: type, name: str) -> Any:
     for base in made.__mro__:
         if name in base.__dict__.get("__slots__", ()):
             # A property of a derived class may hide the slot, never that of the class itself.
@@ -82,7 +82,7 @@ def _copied(value: Any) -> Any:
 def _rebuild(made: Type[V], slots: Mapping[str, Any], place: Optional[Place]) -> V:
     value = made.__new__(made)
     for name, held in slots.items():
-        _slot(made, name).__set__(value, held)
+        slot_of(made, name).__set__(value, held)
     value._place = place
     return value
 
@@ -121,7 +121,7 @@ def where(value: Any) -> Optional[Tuple[str, int]]:
 
 def refuse_name(value: Value, name: str) -> NoReturn:
     """Says that a class has no such attribute, and which is nearest."""
-    hint = _nearest(name, [n for n in dir(type(value)) if not n.startswith("_")])
+    hint = nearest(name, [n for n in dir(type(value)) if not n.startswith("_")])
     raise AttributeError(f"{type(value).__name__} has no attribute '{name}'{hint}")
 
 
@@ -133,9 +133,9 @@ def refuse_keywords(value: Value, unknown: Mapping[str, Any]) -> NoReturn:
 def refuse_unknown(function: str, unknown: Mapping[str, Any], known: List[str]) -> NoReturn:
     """Says that a function has no such keyword, and which is nearest."""
     name = next(iter(unknown))
-    raise TypeError(f"{function}() has no keyword '{name}'{_nearest(name, known)}")
+    raise TypeError(f"{function}() has no keyword '{name}'{nearest(name, known)}")
 
 
-def _nearest(name: str, known: List[str]) -> str:
+def nearest(name: str, known: List[str]) -> str:
     nearest = _core.nearest_name(name, known)
     return f"; did you mean '{nearest}'?" if nearest else ""

@@ -14,7 +14,7 @@ from .picture import Image
 from ._local_farms import BaseFarm
 from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Size, X3dColor, X3dShadows,
                      X3dTexture)
-from .rendering import _options, checked_scene
+from .rendering import core_options, checked_scene
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -83,7 +83,7 @@ class Farm(BaseFarm):
         refused = set(unknown) & {"workers", "threads", "verify", "farm", "progress", "wait"}
         if refused:
             raise UsageError(f"{min(refused)}: cannot be chosen for a farm, which has its own")
-        number, told = access.submit(_options({**options, **unknown}), checked_scene(scene), name,
+        number, told = access.submit(core_options({**options, **unknown}), checked_scene(scene), name,
                                      priority, weight)
         for warning in told:
             warnings.warn(warning, SceneWarning, stacklevel=2)
@@ -150,16 +150,28 @@ class Job:
 
         Raises RenderError with what the frame failed with, and TimeoutError while it is not done:
         `wait()` before."""
-        at = 0
-        if frame is not None:
-            numbers = list(self.frames())
-            if frame not in numbers:
-                raise UsageError(f"frame: {frame}; expected one from {numbers[0]} to {numbers[-1]}")
-            at = numbers.index(frame)
-        picture = self.farm._ask().fetch(self.number, at)
+        picture = self.farm._ask().fetch(self.number, self._place_of(frame))
         if picture is None:
             raise TimeoutError(f"job {self.number} is not done yet; expected wait() before fetch()")
         return Image._of(picture)
+
+    def snapshot(self, frame: Optional[int] = None) -> Optional[Image]:
+        """What is done of a frame, of the first if left out; the rest is black. None where nothing is.
+
+        Raises as `fetch` does."""
+        at = self._place_of(frame)
+        access = self.farm._ask()
+        picture = access.fetch(self.number, at) or access.snapshot(self.number, at)
+        return None if picture is None else Image._of(picture)
+
+    def _place_of(self, frame: Optional[int]) -> int:
+        """Where the frame of that number stands among those of the job."""
+        if frame is None:
+            return 0
+        numbers = list(self.frames())
+        if frame not in numbers:
+            raise UsageError(f"frame: {frame}; expected one from {numbers[0]} to {numbers[-1]}")
+        return numbers.index(frame)
 
     def _order(self, order: _core.Order, priority: Optional[int] = None) -> None:
         self.farm._ask().order(self.number, order, priority)

@@ -3,7 +3,8 @@ from __future__ import annotations
 
 import difflib
 import os
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
+from typing import (TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, SupportsIndex, Tuple,
+                    Union)
 
 from . import _core
 from ._html import table
@@ -193,7 +194,7 @@ class _Found:
         """Numbers into `tracer.materials`; 0xFFFFFFFF: no hit."""
         return self._attribute("material")
 
-    def name(self, index: Any) -> Optional[str]:
+    def name(self, index: Union[SupportsIndex, Tuple[SupportsIndex, ...]]) -> Optional[str]:
         """The name of the instance that was hit at that index; None where none was."""
         number = int(self.instance[index])
         return None if number == _NONE else self._tracer.instances[number]

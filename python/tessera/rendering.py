@@ -210,7 +210,7 @@ def _as_text(name: str, value: Any) -> str:
     raise TypeError(f"{name}: {value!r}; expected a number, text or several of them")
 
 
-def _options(keywords: dict[str, Any]) -> _core.Options:
+def core_options(keywords: dict[str, Any]) -> _core.Options:
     options = _core.Options()
     for name, value in keywords.items():
         if value is None or value is False:
@@ -322,7 +322,7 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
     if frame is not None and time is not None:
         raise UsageError("time: a frame has its own instant; expected one of the two")
     scene = checked_scene(scene)
-    options = _options(keywords)
+    options = core_options(keywords)
     if farm is not None:
         farm._check_process()
     owns_farm = farm is None

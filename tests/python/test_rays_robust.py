@@ -2,8 +2,6 @@
 import concurrent.futures
 import itertools
 import pickle
-import subprocess
-import sys
 
 import cloudpickle
 import numpy as np
@@ -258,29 +256,25 @@ def test_a_scene_gives_its_tracer():
         scene.tracer(geometry_only=False)
 
 
-def test_memory_is_that_of_inputs_and_results():
+def test_memory_is_that_of_inputs_and_results(script):
     code = ("import resource, numpy as np\nfrom tessera.rays import tracer_from_scene\n"
             "t = tracer_from_scene('nodes { shape { sphere { } } }')\n"
             "o = np.ones((10_000_000, 3)); t.intersect(o[:9000], [0, 0, 1])\n"
             "peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024\n"
             "before = peak(); hits = t.intersect(o, [0, 0, 1], fields=('t', 'primitive'))\n"
             "print(peak() - before - hits.t.nbytes - hits.primitive.nbytes)")
-    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
-    assert int(shown.stdout) <= 32 * 2**20, shown
+    assert int(script(code)) <= 32 * 2**20
 
 
-def test_ctrl_c_ends_a_query():
-    shown = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True,
-                           timeout=60)
-    assert shown.stdout.strip() == "interrupted (9,)", shown
+def test_ctrl_c_ends_a_query(script):
+    assert script(INTERRUPTED) == "interrupted (9,)"
 
 
-def test_tracers_go_on_in_a_forked_child(closed):
+def test_tracers_go_on_in_a_forked_child(script):
     code = ("import os\nfrom tessera.rays import tracer_from_scene\n"
             "t = tracer_from_scene('nodes { shape { sphere { } } }')\n"
             "import numpy as np\no = np.full((9000, 3), 9.); t.intersect(o, -o)\n"
             "pid = os.fork()\n"
             "if pid == 0: os._exit(0 if t.intersect(o, -o).hit.all() else 1)\n"
             "print(os.waitpid(pid, 0)[1])")
-    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
-    assert shown.stdout.strip() == "0", shown
+    assert script(code) == "0"
