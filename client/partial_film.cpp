@@ -48,21 +48,30 @@ bool PartialFilm::take(const v1::DoneTiles::Piece& piece) {
   std::vector<float> light(piece.light().size() / sizeof(float));
   std::memcpy(light.data(), piece.light().data(), piece.light().size());
   film_.write(rect, rect.y0, rect.height(), light);
+  return mark(rect, came_);
+}
+
+bool PartialFilm::mark(const PixelRect& rect, std::vector<bool>& came) const {
+  const PixelRect& all = film_.rect();
   bool fresh = false;
   for (int y = rect.y0; y < rect.y1; ++y) {
-    const auto first = came_.begin() + (int64_t{y - all.y0} * all.width() + rect.x0 - all.x0);
+    const auto first = came.begin() + (int64_t{y - all.y0} * all.width() + rect.x0 - all.x0);
     fresh |= std::find(first, first + rect.width(), false) != first + rect.width();
     std::fill_n(first, rect.width(), true);
   }
   return fresh;
 }
 
-std::vector<PixelRect> PartialFilm::missing() const {
+std::vector<PixelRect> PartialFilm::missing(const std::vector<PixelRect>& holes) const {
   const PixelRect& all = film_.rect();
+  std::vector<bool> came = came_;
+  for (const PixelRect& hole : holes) {
+    if (!hole.empty() && all.contains(hole)) mark(hole, came);
+  }
   std::vector<PixelRect> rects;
   std::vector<size_t> above, here;  // those that end at this row, and those that reach below it
   for (int y = all.y0; y < all.y1; ++y) {
-    const auto row = came_.begin() + int64_t{y - all.y0} * all.width();
+    const auto row = came.begin() + int64_t{y - all.y0} * all.width();
     const auto end = row + all.width();
     here.clear();
     for (auto from = std::find(row, end, false); from != end;) {

@@ -24,13 +24,16 @@ class PartialFilm {
   std::vector<PixelRect> on_answer(const v1::DoneTiles& answer, Time now);
   /// Whether the last answer had all that there was.
   bool is_up_to_date() const { return up_to_date_; }
-  /// The rest of the crop, in as many rectangles as it takes.
-  std::vector<PixelRect> missing() const;
+  /// The rest of the crop but for `holes`, in as many rectangles as it takes.
+  std::vector<PixelRect> missing(const std::vector<PixelRect>& holes = {}) const;
   /// Black where nothing has come.
   const Film& film() const { return film_; }
 
  private:
   bool take(const v1::DoneTiles::Piece& piece);
+  /// Notes in `came` that the rectangle, which lies within the crop, has come. Whether a pixel of it
+  /// had not.
+  bool mark(const PixelRect& rect, std::vector<bool>& came) const;
 
   v1::DoneTilesQuery query_;
   Film film_;

@@ -52,7 +52,7 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
       transport.send(channel, encode(message));
     }
     if (auto result = client.take_result()) {
-      if (partial) tell(tiles, result->film, partial->missing());
+      if (partial) tell(tiles, result->film, partial->missing(result->report.holes));
       return std::move(*result);
     }
     if (partial && client.is_traced()) ask(*partial, transport);

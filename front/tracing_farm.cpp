@@ -66,6 +66,11 @@ uint64_t peak_bytes_of(pid_t process) {
 class TileWatch {
  public:
   void set(TileCallback done) { done_ = std::move(done); }
+  /// A frame begins, whatever became of the one before.
+  void begin() {
+    tiles_.clear();
+    told_.clear();
+  }
 
   void look(Coordinator& coordinator, Time now) {
     if (!done_) return;
@@ -86,17 +91,17 @@ class TileWatch {
     }
   }
   /// Tells of those that were done after the last look.
-  void finish(const Film& film) {
-    if (done_) {
-      NewTiles news{film.rect(), film.channels(), film.values(), {}};
-      for (size_t i = 0; i < tiles_.size(); ++i) {
-        if (!told_[i]) news.tiles.push_back(tiles_[i]);
-      }
-      if (tiles_.empty()) news.tiles.push_back(film.rect());
-      done_(news);
+  void finish(const JobResult& result) {
+    if (!done_ || result.report.tiles_done == 0) return;
+    const Film& film = result.film;
+    const std::vector<PixelRect>& holes = result.report.holes;
+    NewTiles news{film.rect(), film.channels(), film.values(), {}};
+    for (size_t i = 0; i < tiles_.size(); ++i) {
+      const bool is_hole = std::find(holes.begin(), holes.end(), tiles_[i]) != holes.end();
+      if (!told_[i] && !is_hole) news.tiles.push_back(tiles_[i]);
     }
-    tiles_.clear();
-    told_.clear();
+    if (tiles_.empty() && holes.empty()) news.tiles.push_back(film.rect());
+    if (!news.tiles.empty()) done_(news);
   }
 
  private:
@@ -132,9 +137,10 @@ class LocalFarm : public TracingFarm {
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {
+    watch_.begin();
     JobResult result = loop_.run(std::move(job), progress, stop, tiles_);
     if (tev_) tev_->finish(result.film);
-    watch_.finish(result.film);
+    watch_.finish(result);
     return result;
   }
   void keep_tiles(std::shared_ptr<TileStore> tiles) override { tiles_ = std::move(tiles); }
@@ -208,8 +214,9 @@ class InProcessFarm : public TracingFarm {
       const std::lock_guard lock(mutex_);
       blobs_ = job.blobs;
     }
+    watch_.begin();
     JobResult result = loop_.run(std::move(job), progress, stop, tiles_);
-    watch_.finish(result.film);
+    watch_.finish(result);
     return result;
   }
   void dismiss() override {

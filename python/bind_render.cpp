@@ -243,7 +243,7 @@ void bind_render(py::module_& module) {
   bind_access(module);
   translate_farm_errors();
   py::class_<FarmThread, std::shared_ptr<FarmThread>>(module, "FarmThread")
-      .def("submit", &FarmThread::submit)
+      .def("submit", &FarmThread::submit, Release())
       .def("close", &FarmThread::close, Release());
   module.def("make_task", &make_task);
   module.def("local_farm", &local_farm, Release());

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "base/process_owned.h"
 #include "client/farm_client.h"
 #include "front/farm_connection.h"
 #include "front/gather_job.h"
@@ -46,7 +47,7 @@ class FarmAccess {
 
   FarmConnection connection_;
   std::mutex mutex_;
-  std::unique_ptr<ClientTransport> transport_;
+  ProcessOwned<ClientTransport> transport_;
 };
 
 }  // namespace tessera

@@ -1,7 +1,5 @@
 #include "python/farm_thread.h"
 
-#include <unistd.h>
-
 #include <exception>
 #include <utility>
 
@@ -9,17 +7,13 @@
 
 namespace tessera {
 
-FarmThread::FarmThread(Start start) : process_(getpid()), state_(std::make_unique<State>()) {
+FarmThread::FarmThread(Start start) : state_(std::make_unique<State>()) {
   state_->start = std::move(start);
   state_->thread = std::thread([state = state_.get()] { state->run(); });
 }
 
 FarmThread::~FarmThread() {
-  if (getpid() == process_) {
-    close();
-  } else {
-    static_cast<void>(state_.release());
-  }
+  if (state_.is_ours()) close();
 }
 
 void FarmThread::submit(std::shared_ptr<FrameTask> task) {
@@ -42,7 +36,6 @@ void FarmThread::close() {
 
 std::shared_ptr<FrameTask> FarmThread::State::next_task() {
   std::unique_lock lock(mutex);
-  running = nullptr;
   changed.wait(lock, [this] { return closed || !waiting.empty(); });
   if (waiting.empty()) return nullptr;
   running = std::move(waiting.front());
@@ -61,9 +54,12 @@ void FarmThread::State::run() {
   while (const auto task = next_task()) {
     if (failure) {
       task->fail(failure);
-      continue;
+    } else {
+      task->run(*farm);
     }
-    task->run(*farm);
+    // `task` may be the last that has it: it is freed once the lock is given back.
+    const std::lock_guard lock(mutex);
+    running = nullptr;
   }
 }
 

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <thread>
 
+#include "base/process_owned.h"
 #include "front/tracing_farm.h"
 #include "python/frame_task.h"
 
@@ -46,10 +47,7 @@ class FarmThread {
     std::shared_ptr<FrameTask> next_task();
   };
 
-  const int process_;  ///< that made it
-  /// In a forked child it is never freed: a condition that the parent's thread waits for, and that
-  /// thread itself, cannot be destroyed there.
-  std::unique_ptr<State> state_;
+  ProcessOwned<State> state_;
 };
 
 }  // namespace tessera

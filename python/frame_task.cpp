@@ -93,6 +93,7 @@ void FrameTask::run(TracingFarm& farm) {
 }
 
 void FrameTask::fail(std::exception_ptr failure) {
+  loaded_ = {};
   const std::lock_guard lock(mutex_);
   failure_ = std::move(failure);
   is_done_ = true;

@@ -201,6 +201,21 @@ def test_after_fork_farms_and_tasks_say_whose_they_are():
         assert ts.render(KNOT, size=(8, 8), farm=farm) == expected
 
 
+@pytest.mark.parametrize("how", ["farm.close()", "del farm", "pass"])
+def test_a_forked_child_leaves_the_farms_of_its_parent_alone(script, how):
+    assert script(f"""
+import os, signal, tessera as ts
+farm = ts.Farm("tcp://127.0.0.1:9")
+child = os.fork()
+if child == 0:
+    signal.alarm(20)
+    {how}
+    raise SystemExit
+print(os.waitpid(child, 0)[1])
+farm.close()
+""") == "0"
+
+
 def rendered(size):
     return ts.render(KNOT, size=size, workers=0).sha256
 

@@ -112,6 +112,37 @@ def test_on_tile_is_told_each_tile_once(threads):
     assert (seen == 1).all()
 
 
+@pytest.mark.parametrize("workers", [0, 1])
+def test_a_scene_that_fails_has_no_tiles_to_tell(workers):
+    scene = ts.Scene(width=64, height=64)
+    scene.add(ts.Sphere((0, 0, 0), 1), material=ts.Classic(shininess=-1))
+    told = []
+    with pytest.raises(ts.SceneError, match="shininess"):
+        ts.render(scene, workers=workers, on_tile=lambda *each: told.append(each))
+    assert not told
+
+
+def test_tasks_that_fail_give_back_the_arrays_of_their_scene(script, tmp_path):
+    # The farm's thread lets go of tasks that nobody else has, while others are submitted.
+    assert script(f"""
+import signal, sys, numpy as np, tessera as ts
+signal.alarm(100)
+positions, triangles = np.eye(3, dtype=np.float32), np.array([[0, 1, 2]], dtype=np.uint32)
+for array in (positions, triangles):
+    array.flags.writeable = False
+def render():
+    scene = ts.Scene(width=8, height=8)
+    scene.add(ts.Mesh(positions, triangles))
+    return ts.render(scene, farm=farm, resume={str(tmp_path / "missing" / "a.png")!r}, wait=False)
+with ts.Threads(1) as farm:
+    for _ in range(3000):
+        task = render()
+    while not task.done():
+        pass
+    print(sys.getrefcount(positions) - 1)
+""") == "1"
+
+
 @pytest.mark.parametrize("which", ["progress", "on_tile"])
 def test_an_exception_in_a_callback_cancels_the_render(threads, expected, which):
     def fails(*_):

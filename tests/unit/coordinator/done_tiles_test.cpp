@@ -69,7 +69,11 @@ TEST_F(DoneTilesTest, AreToldOnceEachWithTheirLight) {
   trace(tiles[3], 4);
   // The frame has ended, and its film is fetched as a whole.
   EXPECT_TRUE(update(partial).empty());
-  EXPECT_EQ(partial.missing().size(), 1u);
+  const auto rest = partial.missing();
+  ASSERT_EQ(rest.size(), 1u);
+  EXPECT_TRUE(partial.missing(rest).empty()) << "a hole never comes";
+  const std::vector<PixelRect> senseless{{30, 0, 4, 9}, {-1, -1, 4, 4}, {0, 0, 1 << 30, 1 << 30}};
+  EXPECT_EQ(partial.missing(senseless), rest);
 }
 
 TEST_F(DoneTilesTest, AQuestionThatIsLostOrDoubledDoesNoHarm) {
