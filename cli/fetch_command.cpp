@@ -9,7 +9,6 @@
 
 #include "base/log.h"
 #include "base/plural.h"
-#include "base/process.h"
 #include "cli/add_options.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
@@ -20,12 +19,11 @@
 #include "front/all_failures.h"
 #include "front/farm_connection.h"
 #include "front/job_name.h"
+#include "front/job_orders.h"
 #include "front/output_settings.h"
-#include "front/picture.h"
 #include "front/render_options.h"
 #include "job/job_messages.h"
 #include "proto/wire/printable.h"
-#include "renderer/denoise/denoiser.h"
 #include "renderer/image/image_file.h"
 
 namespace tessera {
@@ -80,15 +78,16 @@ class Fetch {
     uint32_t missing = 0;
     for (uint32_t frame = 0; frame < status.frames_total(); ++frame) {
       query_.set_frame(frame);
-      do {
-        status = ask();
-        while (options_.wait && !status.has_end()) {
-          display.show(progress_of(status));
-          client_.wait(kAskEvery);
-          status = ask();
-        }
-      } while (status.has_end() && !write(status));
-      if (!status.has_end()) ++missing;
+      FetchedFrame fetched = fetch();
+      while (options_.wait && !fetched.has_ended()) {
+        display.show(progress_of(fetched.status));
+        client_.wait(kAskEvery);
+        fetched = fetch();
+      }
+      status = fetched.status;
+      if (fetched.failure && !failure_) failure_ = fetched.failure;
+      if (fetched.picture) write(fetched);
+      if (!fetched.has_ended()) ++missing;
     }
     if (failure_) throw *failure_;
     if (missing > 0) {
@@ -96,59 +95,25 @@ class Fetch {
                                      query_.job(), missing, counted(status.frames_total(), "frame"),
                                      status.tiles_done(), status.tiles_total()));
     }
-    if (options_.forget) {
-      query_.set_action(v1::JobQuery::FORGET);
-      client_.ask(query_);
-    }
+    if (options_.forget) forget_job(client_, query_.job());
     return ExitCode::done;
   }
 
  private:
-  v1::JobStatus ask() {
-    v1::JobStatus status = client_.ask(query_);
-    if (status.state() == v1::JobStatus::UNKNOWN) {
-      throw render_error(
-          fmt::format("job {} was forgotten while it was fetched; expected it to be "
-                      "there until its pictures are",
-                      query_.job()));
-    }
-    return status;
-  }
+  FetchedFrame fetch() { return fetch_frame(client_, query_, options_.denoise); }
 
-  /// The first failure counts; whatever else there is of pictures is written. False where the
-  /// coordinator has found the picture damaged, and is to be asked how the job is now.
-  bool write(const v1::JobStatus& status) {
-    const JobReport report = from_message(status.end());
-    if (report.end != JobReport::End::done && !failure_) {
-      const std::string why = report.end == JobReport::End::interrupted
-                                  ? fmt::format("job {} was cancelled", status.job())
-                                  : report.failure;
-      failure_ = Error(report.exit_code, why);
-    }
-    if (report.tiles_done == 0) return true;
-    std::optional<Film> fetched = client_.fetch_film(status);
-    if (!fetched) {
-      if (ask().end().film_digest() != status.end().film_digest()) return false;
-      throw render_error(fmt::format(
-          "job {}: tiles of its picture are damaged in the coordinator's store, or gone; expected "
-          "all that were kept: submit it again",
-          status.job()));
-    }
-    Film film = std::move(*fetched);
-    const bool denoised = options_.denoise && report.holes.empty();
+  /// The first failure counts; whatever else there is of pictures is written.
+  void write(const FetchedFrame& fetched) {
+    const v1::JobStatus& status = fetched.status;
     const v1::JobFrame& frame = status.frame();
-    if (denoised) {
-      check_shows_light(frame.settings());
-      smooth(film);
-    }
-    const ImageMetadata metadata =
-        picture_metadata(frame.settings(), denoised, frame.output(), frame.scene_digest());
+    const JobReport& report = fetched.picture->report;
+    const Film& film = fetched.picture->film;
     const OutputSettings settings =
         output_settings(printable(status.name()), frame.output(), options_.output);
     for (const auto& path : paths_) {
       const auto place = status.animation() ? numbered_path(path, frame.number()) : path;
       try {
-        write_image(place, film, settings, metadata);
+        write_image(place, film, settings, fetched.picture->metadata);
       } catch (const Error& error) {
         if (!failure_) failure_ = error;
         continue;
@@ -158,17 +123,6 @@ class Fetch {
           film.height(), report.tiles_done, report.tiles_total, report.tiles_restored);
     }
     flush_output();
-    return true;
-  }
-
-  static void smooth(Film& film) {
-    const AovSet needed = denoising_aovs();
-    if ((film.aovs().bits() & needed.bits()) != needed.bits()) {
-      throw usage_error(
-          "--denoise: the job lacks what that looks at; expected one submitted with --aovs "
-          "albedo,normal,depth,variance");
-    }
-    denoise(film, core_count());
   }
 
   const FetchOptions& options_;

@@ -18,16 +18,14 @@
 #include "front/all_failures.h"
 #include "front/farm_connection.h"
 #include "front/job_name.h"
+#include "front/job_orders.h"
 #include "front/job_status.h"
 #include "front/option_values.h"
-#include "front/order_outcome.h"
 #include "job/job.h"
 #include "proto/wire/printable.h"
 
 namespace tessera {
 namespace {
-
-using json = nlohmann::ordered_json;
 
 struct JobOptions {
   FarmConnection connection{.endpoint = kDefaultEndpoint};
@@ -95,11 +93,7 @@ ExitCode show_status(const JobOptions& options) {
       print_table(list);
       return ExitCode::done;
     }
-    json result{{"jobs", json::array()}, {"workers", list.workers()}};
-    for (const v1::JobStatus& job : list.jobs()) {
-      result["jobs"].push_back(status_json(job, list.workers()));
-    }
-    say("{}\n", result.dump(2));
+    say("{}\n", list_json(list).dump(2));
     return ExitCode::done;
   }
   v1::JobQuery query;
@@ -111,11 +105,6 @@ ExitCode show_status(const JobOptions& options) {
     print_job(status);
   }
   return ExitCode::done;
-}
-
-bool may_be_retried(const v1::JobStatus& status) {
-  const bool failed = status.state() == v1::JobStatus::ENDED && status.how() == v1::JobEnd::FAILED;
-  return failed || status.state() == v1::JobStatus::HELD;
 }
 
 ExitCode retry(const JobOptions& options) {
@@ -139,17 +128,8 @@ ExitCode retry(const JobOptions& options) {
     failures.attempt([&] {
       v1::JobQuery query;
       query.set_job(job);
-      const v1::JobStatus before = connection.client.ask(query);
-      if (!may_be_retried(before)) {
-        throw usage_error(fmt::format("JOB: job {} is {}; expected one that failed or is held", job,
-                                      state_name(before)));
-      }
       query.set_action(v1::JobQuery::RETRY);
-      const v1::JobStatus status = connection.client.ask(query);
-      if (const auto missed = unfulfilled(query, status)) {
-        throw render_error(fmt::format("job {} {}", job, *missed));
-      }
-      say("job {} is {}\n", job, state_name(status));
+      say("job {} is {}\n", job, state_name(give_order(connection.client, query)));
     });
   }
   failures.throw_if_any();
@@ -164,24 +144,9 @@ ExitCode order(const JobOptions& options, v1::JobQuery::Action action) {
   query.set_job(find_job(connection.client, options.job, say_error));
   query.set_action(action);
   if (options.priority) query.set_priority(*options.priority);
-  const v1::JobStatus status = connection.client.ask(query);
-  const bool ended = status.state() == v1::JobStatus::ENDED;
-  const bool stopped = ended && status.how() == v1::JobEnd::INTERRUPTED;
-  if (ended && !(action == v1::JobQuery::CANCEL && (stopped || options.forget))) {
-    throw usage_error(fmt::format("JOB: job {} is {}; expected one that has not ended",
-                                  status.job(), state_name(status)));
-  }
-  if (const auto missed = unfulfilled(query, status)) {
-    throw render_error(fmt::format("job {} {}", status.job(), *missed));
-  }
+  const v1::JobStatus status = give_order(connection.client, query, options.forget);
   if (options.forget) {
-    query.set_action(v1::JobQuery::FORGET);
-    const v1::JobStatus after = connection.client.ask(query);
-    if (after.state() != v1::JobStatus::UNKNOWN) {
-      throw render_error(
-          fmt::format("job {} is {}, but could not be forgotten{}", query.job(), state_name(after),
-                      after.failure().empty() ? "" : ": " + printable(after.failure())));
-    }
+    forget_job(connection.client, query.job());
     say("job {} is forgotten\n", query.job());
   } else {
     say("job {} is {}\n", status.job(), state_name(status));

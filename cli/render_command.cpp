@@ -8,7 +8,6 @@
 #include <set>
 #include <utility>
 
-#include "base/digest.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "base/plural.h"
@@ -17,20 +16,16 @@
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
 #include "cli/progress_display.h"
-#include "cli/render_checks.h"
 #include "cli/say.h"
 #include "coordinator/store/sqlite_tile_store.h"
 #include "coordinator/web/chrome_trace.h"
 #include "front/all_failures.h"
-#include "front/load_frame.h"
-#include "front/located.h"
 #include "front/output_settings.h"
-#include "front/picture.h"
 #include "front/picture_warnings.h"
+#include "front/render_checks.h"
+#include "front/render_frame.h"
 #include "front/render_options.h"
-#include "front/statistics.h"
 #include "front/tracing_farm.h"
-#include "proto/wire/scene_codec.h"
 #include "renderer/image/image_file.h"
 
 namespace tessera {
@@ -76,7 +71,9 @@ class RenderRun {
     }
     farm_ = start_farm();
     read(first.value_or(0));
-    if (sample_count(first) < kFewSamples) prepare_to_write_pictures();
+    if (FrameRender(options_, scene_, first).sample_count() < kFewSamples) {
+      prepare_to_write_pictures();
+    }
     const ExitCode code = render_frames();
     // All pictures are written.
     if (store_ && code == ExitCode::done) end_store();
@@ -89,7 +86,7 @@ class RenderRun {
     for (int frame = options_.frames->first; frame <= options_.frames->last; ++frame) {
       if (frame > options_.frames->first) {
         began_ = Clock::now();
-        if (loaded_.depends_on_frame) read(frame);
+        if (scene_.loaded.depends_on_frame) read(frame);
       }
       const bool last = frame == options_.frames->last;
       if (const ExitCode code = render_frame(frame, last); code != ExitCode::done) return code;
@@ -131,63 +128,49 @@ class RenderRun {
   }
 
   void read(int frame) {
-    const auto start = Clock::now();
-    loaded_ = load_frame(options_, frame);
-    parse_seconds_ = seconds_since(start);
-    scene_digest_ = Digest::of(serialize_scene(loaded_.scene)).hex();
+    scene_ = read_frame_scene(options_, frame);
+    parse_seconds_ = scene_.read_seconds;
     // A wrong option is told before all that may be said of the scene.
-    check_settings(options_.frames ? std::optional(frame) : std::nullopt);
+    FrameRender(options_, scene_, options_.frames ? std::optional(frame) : std::nullopt);
     if (options_.quiet) return;
-    for (const std::string& warning : loaded_.warnings) say_warning(warning);
     for (const auto& warnings :
-         {picture_warnings(options_, loaded_), file_warnings(options_, loaded_)}) {
+         {scene_warnings(options_, scene_.loaded), file_warnings(options_, scene_.loaded)}) {
       for (const std::string& warning : warnings) {
         if (warned_.insert(warning).second) say_warning(warning);
       }
     }
   }
 
-  ExitCode render_frame(std::optional<int> frame, bool last) {
-    const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
-    const OutputSettings output =
-        output_settings(options_.scene, loaded_.scene.settings().output(), options_.output);
+  ExitCode render_frame(std::optional<int> number, bool last) {
+    const FrameRender frame(options_, scene_, number);
     pass_samples_ = 0;
-    if (options_.progressive) write_passes(settings, output, frame);
+    if (options_.progressive) write_passes(frame, number);
     farm_->keep_tiles(store_);
-    JobResult result = trace(settings, frame, last);
+    JobResult result = trace(frame, number, last);
     const JobReport& report = result.report;
     if (report.end == JobReport::End::interrupted) throw interruption(report);
-    if (report.exit_code == ExitCode::bad_scene) {
-      throw located(options_.scene, report.failure);
+    const std::optional<Error> failure = frame.failure(report);
+    if (failure && failure->code() == ExitCode::bad_scene) throw *failure;
+    if (failure && report.tiles_done == 0) {
+      throw Error(failure->code(),
+                  fmt::format("{}; {}", failure->what(), what_was_written(report)));
     }
-    if (report.end == JobReport::End::failed && report.tiles_done == 0) {
-      throw Error(report.exit_code,
-                  fmt::format("{}; {}", report.failure, what_was_written(report)));
-    }
-    finish_picture(options_, settings, result);
-    write(result, settings, output, frame);
-    if (report.end == JobReport::End::failed) throw Error(report.exit_code, report.failure);
+    write(frame, frame.picture(std::move(result)), number);
+    if (failure) throw *failure;
     return ExitCode::done;
-  }
-
-  /// Whether the options go with the scene.
-  void check_settings(std::optional<int> frame) const {
-    check_picture_options(options_, frame_settings(options_, loaded_.scene, frame));
   }
 
   /// Pictures of fewer samples, each the first ones of the next: jobs of their own, whose tiles are
   /// not kept. What goes wrong is for the last one to tell.
-  void write_passes(v1::FrameSettings settings, const OutputSettings& output,
-                    std::optional<int> frame) {
-    const uint32_t all = settings.samples_per_pixel();
+  void write_passes(const FrameRender& frame, std::optional<int> number) {
+    const uint32_t all = frame.settings().samples_per_pixel();
     farm_->keep_tiles(nullptr);
     for (uint32_t samples = 1; samples < all; samples *= kPassGrowth) {
-      settings.set_samples_per_pixel(samples);
-      JobResult result = trace(settings, frame, false);
+      const FrameRender pass = frame.with_samples(samples);
+      JobResult result = trace(pass, number, false);
       if (result.report.end == JobReport::End::interrupted) throw interruption(result.report);
       if (result.report.end != JobReport::End::done) return;
-      finish_picture(options_, settings, result);
-      if (!write_pictures(result, settings, output, frame)) pass_samples_ = samples;
+      if (!write_pictures(pass.picture(std::move(result)), number)) pass_samples_ = samples;
     }
   }
 
@@ -210,14 +193,12 @@ class RenderRun {
                        counted(frames, "frame"), frames == 1 ? "was" : "were", kept);
   }
 
-  JobResult trace(const v1::FrameSettings& settings, std::optional<int> frame, bool last) {
-    const std::string label = frame ? fmt::format("frame {}  ", *frame) : "";
+  JobResult trace(const FrameRender& frame, std::optional<int> number, bool last) {
+    const std::string label = number ? fmt::format("frame {}  ", *number) : "";
     ProgressDisplay display(progress_style(stderr, options_.quiet), stderr, label);
-    farm_->share(loaded_.blobs);
-    JobSpec job = picture_job(options_, loaded_, settings);
     const auto start = Clock::now();
-    JobResult result = farm_->run(
-        std::move(job),
+    JobResult result = frame.trace(
+        *farm_, scene_.loaded,
         [&](const JobProgress& progress) {
           display.show(progress);
           const double left = progress.remaining_seconds;
@@ -229,16 +210,10 @@ class RenderRun {
     // While the picture is written workers end, and give back the memory of large pictures, which
     // takes time.
     if (last) {
-      loaded_.blobs = {};
+      scene_.loaded.blobs = {};
       farm_->dismiss();
     }
     return result;
-  }
-
-  uint64_t sample_count(std::optional<int> frame) const {
-    const v1::FrameSettings settings = frame_settings(options_, loaded_.scene, frame);
-    return static_cast<uint64_t>(crop_window(options_, settings).area()) *
-           settings.samples_per_pixel();
   }
 
   /// What encodes the pictures takes 0.2 s to load, and need not wait beside the workers for hours.
@@ -247,36 +222,29 @@ class RenderRun {
   }
 
   /// What failed: a disk that is full for one may have room for another.
-  std::optional<Error> write_pictures(const JobResult& result, const v1::FrameSettings& settings,
-                                      const OutputSettings& output,
+  std::optional<Error> write_pictures(const RenderedPicture& picture,
                                       std::optional<int> frame) const {
-    const ImageMetadata metadata =
-        picture_metadata(settings, is_denoised(options_, result.report, settings),
-                         loaded_.scene.settings().output(), scene_digest_);
+    const OutputSettings output = output_settings(options_.scene, picture.output, options_.output);
     AllFailures failures;
     for (const auto& path : picture_paths(options_)) {
-      failures.attempt([&] { write_image(path_for(path, frame), result.film, output, metadata); });
+      failures.attempt(
+          [&] { write_image(path_for(path, frame), picture.film, output, picture.metadata); });
     }
     return failures.error();
   }
 
-  void write(const JobResult& result, const v1::FrameSettings& settings,
-             const OutputSettings& output, std::optional<int> frame) {
+  void write(const FrameRender& rendered, const RenderedPicture& picture,
+             std::optional<int> frame) {
     const auto start = Clock::now();
     // Nothing finished is thrown away.
-    const std::optional<Error> failure = write_pictures(result, settings, output, frame);
-    FrameStatistics statistics{.scene_digest = scene_digest_,
-                               .frame = settings,
-                               .width = result.film.width(),
-                               .height = result.film.height(),
-                               .seconds = {.parse = std::exchange(parse_seconds_, 0),
-                                           .write = seconds_since(start),
-                                           .total = seconds_since(began_)},
-                               .report = result.report,
-                               .peak_worker_bytes = peak_worker_bytes_,
-                               .pixels_sha256 = {}};
+    const std::optional<Error> failure = write_pictures(picture, frame);
+    FrameStatistics statistics = rendered.statistics(picture,
+                                                     {.parse = std::exchange(parse_seconds_, 0),
+                                                      .write = seconds_since(start),
+                                                      .total = seconds_since(began_)},
+                                                     peak_worker_bytes_);
     if (options_.stats) {
-      statistics.pixels_sha256 = result.film.pixels_sha256();
+      statistics.pixels_sha256 = picture.film.pixels_sha256();
       const std::string text = statistics_json(statistics).dump(2) + "\n";
       if (stats_to_standard_output(options_)) {
         say("{}", text);
@@ -285,22 +253,13 @@ class RenderRun {
         write_output_file(path_for(*options_.stats, frame), text);
       }
     }
-    if (options_.trace && result.report.trace)
+    if (options_.trace && picture.report.trace)
       write_trace(statistics, path_for(*options_.trace, frame));
-    tell_lost_samples(result.report);
+    for (const std::string& warning : report_warnings(picture.report)) say_warning(warning);
     if (failure) throw *failure;
     if (!options_.quiet && !stats_to_standard_output(options_)) {
-      print_end(result, statistics, frame);
+      print_end(picture, statistics, frame);
     }
-  }
-
-  static void tell_lost_samples(const JobReport& report) {
-    const auto lost = report.counters.find("nan_samples");
-    if (lost == report.counters.end() || lost->second == 0) return;
-    say_warning(fmt::format(
-        "{} had no colour that a pixel can hold and count as black; expected light and colours "
-        "whose products stay below 1e38",
-        counted(lost->second, "sample")));
   }
 
   /// The timeline of the workers, and of this process around it.
@@ -317,16 +276,16 @@ class RenderRun {
                                          fmt::format("tessera render {}", options_.scene), phases));
   }
 
-  void print_end(const JobResult& result, const FrameStatistics& statistics,
+  void print_end(const RenderedPicture& picture, const FrameStatistics& statistics,
                  std::optional<int> frame) const {
     for (const auto& path : picture_paths(options_)) {
-      const JobReport& report = result.report;
+      const JobReport& report = picture.report;
       const std::string retries =
           report.retries == 1 ? "1 retry" : fmt::format("{} retries", report.retries);
       const std::string kept =
           store_ ? fmt::format("{} kept from before, ", report.tiles_restored) : "";
-      say("{}  {}x{}, {} by {}, {}, {}{}\n", path_for(path, frame).string(), result.film.width(),
-          result.film.height(), counted(report.tiles_done, "tile"),
+      say("{}  {}x{}, {} by {}, {}, {}{}\n", path_for(path, frame).string(), picture.film.width(),
+          picture.film.height(), counted(report.tiles_done, "tile"),
           counted(report.workers_seen, "worker"), retries, kept,
           duration_text(statistics.seconds.total));
     }
@@ -337,8 +296,7 @@ class RenderRun {
   Clock::time_point began_ = Clock::now();  ///< the work on this frame
   std::unique_ptr<TracingFarm> farm_;
   std::shared_ptr<SqliteTileStore> store_;  ///< null: tiles are not kept
-  LoadedScene loaded_;
-  std::string scene_digest_;
+  FrameScene scene_;
   double parse_seconds_ = 0;   ///< of what was read for this frame
   double traced_seconds_ = 0;  ///< the last frame, from its start to its film
   uint64_t peak_worker_bytes_ = 0;

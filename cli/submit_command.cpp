@@ -15,7 +15,7 @@
 #include "client/farm_client.h"
 #include "front/farm_connection.h"
 #include "front/gather_job.h"
-#include "front/job_name.h"
+#include "front/job_orders.h"
 #include "front/load_frame.h"
 #include "front/option_values.h"
 #include "front/output_settings.h"
@@ -64,12 +64,7 @@ ExitCode submit(const SubmitOptions& options) {
   const auto transport = connect(options.connection);
   const SubmittedJob job = gather(options);
   FarmClient client(*transport, options.connection.endpoint, interrupted());
-  const v1::JobStatus status = client.submit(job);
-  if (status.job() == 0) {
-    const auto code = to_exit_code(status.exit_code());
-    throw Error(code == ExitCode::done ? ExitCode::render_failed : code,
-                printable(status.failure()));
-  }
+  const v1::JobStatus status = submit_job(client, job);
   say("{}\n", status.job());
   flush_output();
   if (options.render.quiet) return ExitCode::done;

@@ -18,6 +18,10 @@ namespace {
 constexpr Time kAskAgain = std::chrono::seconds(1);
 constexpr std::chrono::milliseconds kLongestWait{50};
 
+/// Questions asked by any client: the answer to one of a client that is gone may still come over
+/// the connection that the next one uses.
+std::atomic<uint64_t> questions_asked{0};
+
 /// The window of the job, or nothing where no job can have it.
 std::optional<PixelRect> crop_of(const v1::JobStatus& status) {
   const PixelRect crop = rect_of(status.crop());
@@ -103,12 +107,13 @@ v1::JobStatus FarmClient::ask(const v1::JobQuery& query) {
   *question.mutable_job_query() = query;
   // It is asked again while answers are on their way: those to an earlier question say how the job
   // was before this order.
-  question.mutable_job_query()->set_question(++questions_);
+  const uint64_t number = ++questions_asked;
+  question.mutable_job_query()->set_question(number);
   v1::JobStatus result;
   converse(Channel::control, question, [&](Channel, const v1::Envelope& message) {
     if (!message.has_job_status()) return false;
     const v1::JobStatus& status = message.job_status();
-    const bool same = status.question() == questions_;
+    const bool same = status.question() == number;
     if (same) result = status;
     return same;
   });

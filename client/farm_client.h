@@ -61,7 +61,6 @@ class FarmClient {
   Time last_heard_;
   FirstWord first_word_;
   uint64_t bytes_sent_ = 0, blobs_sent_ = 0;
-  uint64_t questions_ = 0;  ///< of ask(), so far
 };
 
 }  // namespace tessera

@@ -31,8 +31,8 @@ class PartialFilm {
 
  private:
   bool take(const v1::DoneTiles::Piece& piece);
-  /// Notes in `came` that the rectangle, which lies within the crop, has come. Whether a pixel of it
-  /// had not.
+  /// Notes in `came` that the rectangle, which lies within the crop, has come. Whether a pixel of
+  /// it had not.
   bool mark(const PixelRect& rect, std::vector<bool>& came) const;
 
   v1::DoneTilesQuery query_;

@@ -239,6 +239,9 @@ v1::JobStatus ClientDesk::ask(FarmJob& job, const v1::JobQuery& query, Time now)
     status = jobs_.status(job, query.frame(), now);
     status.set_failure(error.what());
   }
+  if (query.numbers()) {
+    for (const v1::JobFrame& frame : job.request().frames()) status.add_numbers(frame.number());
+  }
   return status;
 }
 

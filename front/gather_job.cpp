@@ -18,9 +18,7 @@ namespace {
 constexpr size_t kMostNameTyped = 200;
 
 void check(const RenderOptions& options, const JobOrder& order) {
-  if (options.frames && options.time) {
-    throw usage_error("--time: a frame of --frames has its own instant; expected one of the two");
-  }
+  check_instant(options, options.frames.has_value());
   if (order.name.size() > kMostNameTyped) {
     throw usage_error(fmt::format("--name: a name of {} bytes; expected at most {}",
                                   order.name.size(), kMostNameTyped));
@@ -57,10 +55,8 @@ SubmittedJob gather_job(const RenderOptions& options, const JobOrder& order,
   std::set<std::string> warned;
   for (int frame = range.first; frame <= range.last; ++frame) {
     if (frame == range.first || loaded.depends_on_frame) loaded = load(frame);
-    for (const auto& warnings : {loaded.warnings, picture_warnings(options, loaded)}) {
-      for (const std::string& warning : warnings) {
-        if (warned.insert(warning).second) warn(warning);
-      }
+    for (const std::string& warning : scene_warnings(options, loaded)) {
+      if (warned.insert(warning).second) warn(warning);
     }
     const JobSpec spec =
         spec_of(options, loaded, options.frames ? std::optional(frame) : std::nullopt);

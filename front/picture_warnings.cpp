@@ -4,8 +4,10 @@
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
 
+#include <algorithm>
 #include <functional>
 
+#include "base/plural.h"
 #include "job/scene_motion.h"
 #include "renderer/image/image_file.h"
 #include "renderer/scene/read_settings.h"
@@ -91,6 +93,25 @@ std::vector<std::string> picture_warnings(const RenderOptions& options, const Lo
     warnings.push_back("nothing in the scene depends on the frame: all pictures will be the same");
   }
   return warnings;
+}
+
+std::vector<std::string> scene_warnings(const RenderOptions& options, const LoadedScene& loaded) {
+  std::vector<std::string> all;
+  for (const auto& warnings : {loaded.warnings, picture_warnings(options, loaded)}) {
+    for (const std::string& warning : warnings) {
+      if (std::find(all.begin(), all.end(), warning) == all.end()) all.push_back(warning);
+    }
+  }
+  return all;
+}
+
+std::vector<std::string> report_warnings(const JobReport& report) {
+  const auto lost = report.counters.find("nan_samples");
+  if (lost == report.counters.end() || lost->second == 0) return {};
+  return {fmt::format(
+      "{} had no colour that a pixel can hold and count as black; expected light and colours "
+      "whose products stay below 1e38",
+      counted(lost->second, "sample"))};
 }
 
 std::vector<std::string> file_warnings(const RenderOptions& options, const LoadedScene& loaded) {

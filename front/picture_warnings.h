@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "front/render_options.h"
+#include "job/job.h"
 #include "scenes/import/loaded_scene.h"
 
 namespace tessera {
@@ -11,6 +12,10 @@ namespace tessera {
 /// What of the pictures asked for will hardly be what was meant: all of them black, or all the
 /// same.
 std::vector<std::string> picture_warnings(const RenderOptions& options, const LoadedScene& loaded);
+/// Those, after what was told of reading the scene: each once.
+std::vector<std::string> scene_warnings(const RenderOptions& options, const LoadedScene& loaded);
+/// What of a picture that was traced is hardly what was meant: samples that were no colour.
+std::vector<std::string> report_warnings(const JobReport& report);
 /// What the files that they go to will not hold.
 std::vector<std::string> file_warnings(const RenderOptions& options, const LoadedScene& loaded);
 

@@ -306,6 +306,7 @@ std::filesystem::path numbered_path(const std::filesystem::path& path, int frame
 
 v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& scene,
                                  std::optional<int> frame) {
+  check_instant(options, frame.has_value());
   const v1::Settings& settings = scene.settings();
   v1::FrameSettings asked;
   if (options.size) {
@@ -337,6 +338,16 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
                     *options.min_samples, asked.samples_per_pixel()));
   }
   return asked;
+}
+
+void check_instant(const RenderOptions& options, bool is_frame) {
+  if (!options.time || !is_frame) return;
+  throw usage_error("--time: a frame has its own instant; expected no --time beside it");
+}
+
+void check_verify(double verify, int workers) {
+  if (verify == 0 || workers >= 2) return;
+  throw usage_error("--verify: needs a second worker; expected --workers 2 or more");
 }
 
 void check_shows_light(const v1::FrameSettings& frame) {

@@ -81,6 +81,12 @@ std::filesystem::path numbered_path(const std::filesystem::path& path, int frame
 v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& scene,
                                  std::optional<int> frame);
 
+/// Throws usage_error where --time is beside a frame, which has its own instant.
+void check_instant(const RenderOptions& options, bool is_frame);
+
+/// Throws usage_error where tiles are to be traced twice and so many workers are but one.
+void check_verify(double verify, int workers);
+
 /// Throws usage_error where --denoise would smooth a view in place of light.
 void check_shows_light(const v1::FrameSettings& frame);
 

@@ -9,15 +9,17 @@
 #include "base/error.h"
 #include "base/process.h"
 #include "client/refusal.h"
+#include "front/farm_access.h"
+#include "front/farm_thread.h"
+#include "front/frame_task.h"
 #include "front/load_frame.h"
+#include "front/picture_warnings.h"
+#include "front/render_frame.h"
 #include "front/render_options.h"
 #include "front/tile_keeping_farm.h"
 #include "python/array.h"
 #include "python/bindings.h"
 #include "python/errors.h"
-#include "python/farm_access.h"
-#include "python/farm_thread.h"
-#include "python/frame_task.h"
 #include "python/interruptible.h"
 #include "python/picture.h"
 #include "python/scene_values.h"
@@ -30,10 +32,13 @@ namespace {
 using Release = py::call_guard<py::gil_scoped_release>;
 constexpr char kSceneOfPython[] = "scene";  ///< what errors call one that is no file
 
-/// The options of `tessera render`, each assigned by its long name and a text.
+/// The options of a command, each assigned by its long name and a text.
 class OptionTexts {
  public:
-  OptionTexts() { add_render_options(list_, options); }
+  /// `of_jobs`: those of `tessera submit` alone.
+  explicit OptionTexts(bool of_jobs) {
+    of_jobs ? add_scene_options(list_, options) : add_render_options(list_, options);
+  }
   OptionTexts(const OptionTexts&) = delete;
   OptionTexts& operator=(const OptionTexts&) = delete;
 
@@ -48,51 +53,45 @@ class OptionTexts {
   OptionList list_;
 };
 
-/// Reads the scene of a file, which may take long.
-std::pair<LoadedScene, double> read_file(RenderOptions& options, const std::string& path,
-                                         std::optional<int> frame) {
-  const py::gil_scoped_release release;
-  const auto start = std::chrono::steady_clock::now();
-  options.scene = path;
-  LoadedScene loaded = load_frame(options, frame.value_or(0));
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  return {std::move(loaded), took.count()};
-}
-
 /// The scene in a file, or that of a value, at a frame of its animation.
-LoadedScene scene_of(RenderOptions& options, const py::object& scene, std::optional<int> frame,
-                     double& parse_seconds) {
-  LoadedScene loaded;
+FrameScene scene_of(RenderOptions& options, const py::object& scene, std::optional<int> frame) {
   if (py::isinstance<py::str>(scene)) {
-    std::tie(loaded, parse_seconds) = read_file(options, py::cast<std::string>(scene), frame);
-    return loaded;
+    options.scene = py::cast<std::string>(scene);
+    const py::gil_scoped_release release;  // reading may take long
+    return read_frame_scene(options, frame.value_or(0));
   }
   options.scene = kSceneOfPython;
   SceneWithBlobs described = message_of(scene);
+  LoadedScene loaded;
   loaded.scene = std::move(described.scene);
   loaded.blobs = std::move(described.blobs);
-  apply_camera_options(options, loaded.scene);
-  return loaded;
+  const py::gil_scoped_release release;
+  return make_frame_scene(options, std::move(loaded));
 }
 
-/// A task for one frame of `scene`, a path or a value, and what was told of reading it.
+/// A task for one frame of `scene`, a path or a value, and what is to be told of that.
 std::pair<std::shared_ptr<FrameTask>, std::vector<std::string>> make_task(
     const OptionTexts& texts, const py::object& scene, std::optional<int> frame) {
   RenderOptions options = texts.options;
-  double parse_seconds = 0;
-  LoadedScene loaded = scene_of(options, scene, frame, parse_seconds);
-  std::vector<std::string> warnings = loaded.warnings;
+  FrameScene made = scene_of(options, scene, frame);
   const py::gil_scoped_release release;
-  auto task =
-      std::make_shared<FrameTask>(std::move(options), std::move(loaded), frame, parse_seconds);
+  std::vector<std::string> warnings = scene_warnings(options, made.loaded);
+  auto task = std::make_shared<FrameTask>(std::move(options), std::move(made), frame);
   return {std::move(task), std::move(warnings)};
 }
 
-std::shared_ptr<FarmThread> local_farm(std::optional<int> workers, int threads, double verify) {
-  LocalFarmOptions options{.workers = workers.value_or(core_count()),
-                           .threads = threads,
-                           .quiet = true,
-                           .verify = verify};
+/// The share of tiles to be traced twice by so many workers.
+double share_verified(const std::string& text, int workers) {
+  const double share = parse_share("--verify", text);
+  check_verify(share, workers);
+  return share;
+}
+
+std::shared_ptr<FarmThread> local_farm(std::optional<int> workers, int threads,
+                                       const std::string& verify) {
+  const int count = workers.value_or(core_count());
+  const LocalFarmOptions options{
+      .workers = count, .threads = threads, .quiet = true, .verify = share_verified(verify, count)};
   return std::make_shared<FarmThread>(
       [options] { return keep_finished_tiles(start_local_workers(options)); });
 }
@@ -133,10 +132,9 @@ std::pair<uint64_t, std::vector<std::string>> submit(FarmAccess& farm, const Opt
                                                      const JobOrder& order) {
   RenderOptions options = texts.options;
   std::vector<std::string> warnings;
-  double parse_seconds = 0;
   const std::optional<int> first =
       options.frames ? std::optional(options.frames->first) : std::nullopt;
-  const LoadedScene loaded = scene_of(options, scene, first, parse_seconds);
+  const LoadedScene loaded = scene_of(options, scene, first).loaded;
   const uint64_t job = run_interruptibly([&](const std::atomic<bool>& stop) {
     const auto load = [&](int frame) {
       return frame == first.value_or(0) ? loaded : load_frame(options, frame);
@@ -169,6 +167,12 @@ void bind_access(py::module_& module) {
       .value("forget", v1::JobQuery::FORGET)
       .value("retry", v1::JobQuery::RETRY)
       .value("none", v1::JobQuery::ASK);
+  py::class_<FetchedPicture>(module, "FetchedPicture")
+      .def_readonly("has_ended", &FetchedPicture::has_ended)
+      .def_readonly("picture", &FetchedPicture::picture)
+      .def("throw_failure", [](const FetchedPicture& fetched) {
+        if (fetched.failure) throw *fetched.failure;
+      });
   py::class_<FarmAccess, std::shared_ptr<FarmAccess>>(module, "FarmAccess")
       .def(py::init([](const std::string& endpoint, const std::string& key,
                        const std::string& server_key, double patience) {
@@ -181,7 +185,11 @@ void bind_access(py::module_& module) {
            })
       .def("find",
            [](FarmAccess& farm, const std::string& text) {
-             return run_interruptibly([&](Stop stop) { return farm.find(text, stop); });
+             std::vector<std::string> told;
+             const auto tell = [&told](const std::string& message) { told.push_back(message); };
+             const uint64_t job =
+                 run_interruptibly([&](Stop stop) { return farm.find(text, tell, stop); });
+             return std::pair(job, told);
            })
       .def("list",
            [](FarmAccess& farm) {
@@ -197,8 +205,9 @@ void bind_access(py::module_& module) {
              run_interruptibly([&](Stop stop) { farm.order(job, action, priority, stop); });
            })
       .def("fetch",
-           [](FarmAccess& farm, uint64_t job, uint32_t frame) {
-             return run_interruptibly([&](Stop stop) { return farm.fetch(job, frame, stop); });
+           [](FarmAccess& farm, uint64_t job, uint32_t frame, bool denoises) {
+             return run_interruptibly(
+                 [&](Stop stop) { return farm.fetch(job, frame, denoises, stop); });
            })
       .def("snapshot",
            [](FarmAccess& farm, uint64_t job, uint32_t frame) {
@@ -229,14 +238,15 @@ void bind_task(py::module_& module) {
       .def("take_tiles", [](FrameTask& task) { return tuples_of(task.take_tiles()); })
       .def("snapshot", &FrameTask::snapshot, Release())
       .def("picture", &FrameTask::picture)
-      .def("throw_failure", &FrameTask::throw_failure);
+      .def("throw_failure", &FrameTask::throw_failure)
+      .def("warnings", &FrameTask::warnings);
 }
 
 }  // namespace
 
 void bind_render(py::module_& module) {
   py::class_<OptionTexts>(module, "Options")
-      .def(py::init<>())
+      .def(py::init<bool>())
       .def("assign", &OptionTexts::assign)
       .def("names", &OptionTexts::names);
   bind_task(module);
@@ -246,6 +256,7 @@ void bind_render(py::module_& module) {
       .def("submit", &FarmThread::submit, Release())
       .def("close", &FarmThread::close, Release());
   module.def("make_task", &make_task);
+  module.def("share_verified", &share_verified);
   module.def("local_farm", &local_farm, Release());
   module.def("threads_here", &threads_here, Release());
   module.def("remote_farm", &remote_farm, Release());

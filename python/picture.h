@@ -2,8 +2,8 @@
 
 #include <memory>
 
+#include "front/frame_task.h"
 #include "python/array.h"
-#include "python/frame_task.h"
 
 namespace tessera {
 

@@ -5,7 +5,7 @@ import atexit
 import os
 import warnings
 import weakref
-from typing import NoReturn, Optional, TypeVar
+from typing import NoReturn, Optional, TypeVar, Union
 
 from . import _core
 from ._program import program
@@ -89,22 +89,19 @@ class LocalFarm(BaseFarm):
 
     :param workers: how many processes; one a core if left out.
     :param threads: of each worker.
-    :param verify: the share of tiles, from 0 to 1, that a second worker traces too.
+    :param verify: the share of tiles, such as .01 or "1%", that a second worker traces too.
     """
 
     __slots__ = ("workers", "threads")
 
-    def __init__(self, workers: Optional[int] = None, threads: int = 1, verify: float = 0) -> None:
+    def __init__(self, workers: Optional[int] = None, threads: int = 1,
+                 verify: Union[float, str] = 0) -> None:
         self._thread = None
         _check_count("workers", workers, 1)
         _check_count("threads", threads, 1)
         self.workers, self.threads = workers, threads
-        if not 0 <= verify <= 1:
-            raise UsageError(f"verify: {verify}; expected a share from 0 to 1")
-        if verify > 0 and (self.workers or os.cpu_count() or 1) < 2:
-            raise UsageError("verify: needs a second worker; expected workers=2 or more")
         program()  # Workers are its processes: ImportError tells where it is not of our version.
-        super().__init__(_core.local_farm(self.workers, self.threads, float(verify)))
+        super().__init__(_core.local_farm(self.workers, self.threads, str(verify)))
 
     def __repr__(self) -> str:
         return f"LocalFarm(workers={self.workers}, threads={self.threads})"

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any, Iterator, List, NoReturn, Optional, Seque
 
 from . import _core
 from ._html import table
-from .errors import SceneWarning, UsageError
+from .errors import Error, SceneWarning, UsageError
 from .picture import Image
 from ._local_farms import BaseFarm
-from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Size, X3dColor, X3dShadows,
-                     X3dTexture)
-from .rendering import checked_scene, core_options
+from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Size, ToneMap, Transfer,
+                     X3dColor, X3dShadows, X3dTexture)
+from ._value import refuse_unknown
+from .rendering import checked_scene, core_options, with_picture
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -66,24 +67,26 @@ class Farm(BaseFarm):
                target_error: Optional[float] = None, min_spp: Optional[int] = None,
                filter: Optional[str] = None, pattern: Optional[Pattern] = None,
                seed: Optional[int] = None, integrator: Optional[Integrator] = None,
-               accel: Optional[Accelerator] = None, aovs: Aovs = (), denoise: bool = False,
+               accel: Optional[Accelerator] = None, aovs: Aovs = (),
                time: Optional[float] = None, place: Union[str, Sequence[str]] = (),
                assets: Optional[Path] = None, x3d_color: Optional[X3dColor] = None,
                x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
                x3d_weld: Optional[float] = None, x3d_strict: bool = False,
-               x3d_two_sided: bool = False, tile: Optional[int] = None, **unknown: NoReturn) -> Job:
+               x3d_two_sided: bool = False, tile: Optional[int] = None,
+               exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
+               transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
+               **unknown: NoReturn) -> Job:
         """Leaves a scene, or the frames A to B of its animation, to the farm: returns once it has
-        all of it. The options are those of `render` that say what to render."""
+        all of it. The options are those of `tessera submit`."""
         options = {name: value for name, value in locals().items() if name not in _OF_JOBS}
+        if unknown:
+            refuse_unknown("submit", unknown, [*options, *_OF_JOBS])
         access = self._ask()
         if not -1000 <= priority <= 1000:
             raise UsageError(f"priority: {priority}; expected a whole number from -1000 to 1000")
         if not 1 <= weight <= 1000:
             raise UsageError(f"weight: {weight}; expected a whole number from 1 to 1000")
-        refused = set(unknown) & {"workers", "threads", "verify", "farm", "progress", "wait"}
-        if refused:
-            raise UsageError(f"{min(refused)}: cannot be chosen for a farm, which has its own")
-        number, told = access.submit(core_options({**options, **unknown}), checked_scene(scene), name,
+        number, told = access.submit(core_options(options, of_jobs=True), checked_scene(scene), name,
                                      priority, weight)
         for warning in told:
             warnings.warn(warning, SceneWarning, stacklevel=2)
@@ -95,7 +98,10 @@ class Farm(BaseFarm):
 
     def job(self, job: Union[int, str]) -> "Job":
         """The job of that number, or the latest of that name."""
-        return Job(self, self._ask().find(str(job)))
+        number, told = self._ask().find(str(job))
+        for warning in told:
+            warnings.warn(warning, stacklevel=2)
+        return Job(self, number)
 
     def workers(self) -> int:
         """How many workers are connected."""
@@ -145,23 +151,32 @@ class Job:
         """The numbers of its frames; one that is no animation has frame 0."""
         return self.farm._ask().frames(self.number)
 
-    def fetch(self, frame: Optional[int] = None) -> Image:
+    def fetch(self, frame: Optional[int] = None, *, denoise: bool = False) -> Image:
         """The picture of a frame, of the first if left out.
 
-        Raises RenderError with what the frame failed with, and TimeoutError while it is not done:
-        `wait()` before."""
-        picture = self.farm._ask().fetch(self.number, self._place_of(frame))
-        if picture is None:
+        :param denoise: as render does; of jobs with aovs albedo, normal, depth and variance.
+
+        Raises RenderError with what the frame failed with, Cancelled if the job was cancelled, both
+        with what is done as `image`, and TimeoutError while it is not done: `wait()` before."""
+        at = self._place_of(frame)
+        fetched = self.farm._ask().fetch(self.number, at, denoise)
+        if not fetched.has_ended:
             raise TimeoutError(f"job {self.number} is not done yet; expected wait() before fetch()")
-        return Image._of(picture)
+        image = None if fetched.picture is None else Image._of(fetched.picture)
+        try:
+            fetched.throw_failure()
+        except Error as error:
+            raise with_picture(error, image) from None
+        assert image is not None
+        return image
 
     def snapshot(self, frame: Optional[int] = None) -> Optional[Image]:
-        """What is done of a frame, of the first if left out; the rest is black. None where nothing is.
-
-        Raises as `fetch` does."""
+        """What is done of a frame, of the first if left out, whatever became of it; the rest is black.
+        None where nothing is."""
         at = self._place_of(frame)
         access = self.farm._ask()
-        picture = access.fetch(self.number, at) or access.snapshot(self.number, at)
+        fetched = access.fetch(self.number, at, False)
+        picture = fetched.picture if fetched.has_ended else access.snapshot(self.number, at)
         return None if picture is None else Image._of(picture)
 
     def _place_of(self, frame: Optional[int]) -> int:

@@ -121,7 +121,9 @@ class Task(OfThisProcess):
                 raise
             raise located(self._scene, error) from None
         except Error as error:
-            raise _of_render(error, image) from None
+            raise with_picture(error, image) from None
+        for warning in self._task.warnings():
+            _warnings.warn(warning, SceneWarning, stacklevel=3)
         assert image is not None
         return image
 
@@ -183,8 +185,8 @@ class Task(OfThisProcess):
         return f"<Task {state}, {self.progress.done} of {self.progress.total} tiles>"
 
 
-def _of_render(error: Error, image: Optional[Image]) -> Error:
-    """The error with what was done of the picture."""
+def with_picture(error: Error, image: Optional[Image]) -> Error:
+    """The error of a render with what was done of the picture."""
     if isinstance(error, (RenderError, Cancelled)):
         error.image = image
         error.stats = None if image is None else image.stats
@@ -210,8 +212,9 @@ def _as_text(name: str, value: Any) -> str:
     raise TypeError(f"{name}: {value!r}; expected a number, text or several of them")
 
 
-def core_options(keywords: dict[str, Any]) -> _core.Options:
-    options = _core.Options()
+def core_options(keywords: dict[str, Any], of_jobs: bool = False) -> _core.Options:
+    """Keywords as the options of `tessera render`, or of `tessera submit`."""
+    options = _core.Options(of_jobs)
     for name, value in keywords.items():
         if value is None or value is False:
             continue
@@ -259,8 +262,7 @@ def _keep_tiles(options: Any, resume: Any, scene: Any, farm: Optional[BaseFarm])
 
 def _started_farm(workers: Optional[int], threads: Optional[int], verify: Optional[float]) -> BaseFarm:
     if workers == 0:
-        if verify:
-            raise UsageError("verify: needs a second worker; expected workers=2 or more")
+        _core.share_verified(str(verify or 0), workers)
         return Threads(threads)
     return LocalFarm(workers, 1 if threads is None else threads, verify or 0)
 
@@ -341,8 +343,6 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
         raise TypeError(f"farm: {farm!r}; expected a LocalFarm, Threads or Farm")
     if farm is not None and (workers is not None or threads is not None or verify is not None):
         raise UsageError("workers, threads, verify: cannot be chosen with farm, which has its own")
-    if frame is not None and time is not None:
-        raise UsageError("time: a frame has its own instant; expected one of the two")
     scene = checked_scene(scene)
     options = core_options(keywords)
     _keep_tiles(options, resume, scene, farm)

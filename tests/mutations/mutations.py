@@ -510,7 +510,7 @@ MUTATIONS = [
     Mutation("Python: an edge counts twice", "renderer/shapes/mesh_topology.cpp",
              "if (side == edge_side(b, c) && side == edge_side(c, a)) sum += side;", "sum += side;", PYTHON,
              "test_rays_robust.py"),
-    Mutation("Python: workers are started by the caller's thread", "python/farm_thread.cpp",
+    Mutation("Python: workers are started by the caller's thread", "front/farm_thread.cpp",
              "  state_->start = std::move(start);",
              "  state_->start = [farm = std::make_shared<std::unique_ptr<TracingFarm>>(start())] {\n"
              "    return std::move(*farm);\n  };", PYTHON, "test_interrupt.py"),

@@ -120,7 +120,10 @@ def test_a_job_from_its_submission_to_its_picture(served, expected):
     with served.farm() as farm:
         job = farm.submit(KNOT, size=SIZE, name="a knot", priority=3)
         assert job.wait(60)["state"] == "done"
-        assert job.fetch() == expected and list(job.frames()) == [0]
+        image = job.fetch()
+        assert image == expected and list(job.frames()) == [0]
+        assert image.stats["pixels_sha256"] == image.sha256 and image.stats["rays"]["primary"] > 0
+        assert image.stats["tiles"]["done"] == image.stats["tiles"]["total"] > 0
         status = job.status()
         assert (status["name"], status["priority"]) == ("a knot", 3)
         assert farm.job("a knot") == job == farm.job(job.number) and job in farm.jobs()
@@ -157,8 +160,46 @@ def test_orders(served):
         assert job.status()["state"] in ("queued", "running")
         job.cancel()
         assert job.wait(30)["state"] == "cancelled"
+        job.cancel()  # as on the command line, twice is as good as once
+        with pytest.raises(ts.UsageError, match="is cancelled; expected one that failed or is held"):
+            job.retry()
         with pytest.raises(ts.UsageError, match="did you mean|no job"):
             farm.job("nothing of that name")
+
+
+def test_a_cancelled_job_has_no_picture_but_what_is_done(served):
+    with served.farm() as farm:
+        job = farm.submit(KNOT, size=(400, 300), spp=256, tile=20)
+        while job.snapshot() is None:
+            time.sleep(.01)
+        job.cancel()
+        job.wait(30)
+        with pytest.raises(ts.Cancelled, match=f"job {job.number} was cancelled") as caught:
+            job.fetch()
+        assert caught.value.image.holes and caught.value.image.linear.any()
+        assert caught.value.stats["tiles"]["done"] > 0
+        assert job.snapshot() == caught.value.image
+        job.forget()
+
+
+def test_a_picture_is_denoised_when_it_is_fetched(served):
+    options = {"size": SIZE, "spp": 4, "integrator": "path"}
+    with served.farm() as farm:
+        job = farm.submit(KNOT, aovs=("albedo", "normal", "depth", "variance"), **options)
+        plain = farm.submit(KNOT, **options)
+        job.wait(60), plain.wait(60)
+        smooth = job.fetch(denoise=True)
+        expected = ts.render(KNOT, workers=0, denoise=True, **options)
+        assert (smooth.linear == expected.linear).all() and (job.fetch().linear != smooth.linear).any()
+        with pytest.raises(ts.UsageError, match="denoise: the job lacks"):
+            plain.fetch(denoise=True)
+
+
+def test_of_jobs_that_share_a_name_the_latest_is_told(served):
+    with served.farm() as farm:
+        jobs = [farm.submit(KNOT, size=(8, 8), name="twin") for _ in range(2)]
+        with pytest.warns(UserWarning, match=f"2 jobs have the name 'twin': job {jobs[1].number}"):
+            assert farm.job("twin") == jobs[1]
 
 
 def test_wrong_keys_and_dead_farms_are_told(served, tmp_path):
@@ -177,14 +218,36 @@ def test_wrong_keys_and_dead_farms_are_told(served, tmp_path):
             nobody.jobs()
         assert isinstance(caught.value, ConnectionError) and caught.value.code == 3
     with served.farm() as farm:
-        with pytest.raises(ts.UsageError, match="workers: cannot be chosen"):
-            farm.submit(KNOT, workers=2)
+        for keyword in ("workers", "denoise", "output", "stats", "resume", "connect", "on_tile"):
+            with pytest.raises(TypeError, match=f"submit.. has no keyword '{keyword}'"):
+                farm.submit(KNOT, **{keyword: True})
         with pytest.raises(ts.UsageError, match="priority: 2000"):
             farm.submit(KNOT, priority=2000)
     with pytest.raises(RuntimeError, match="closed"):
         farm.jobs()
     with pytest.raises(ts.UsageError, match="timeout"):
         served.farm(timeout=0)
+
+
+def test_ctrl_c_ends_a_question_that_waits_for_that_of_another_thread(script):
+    # What listens here says nothing: the other thread's question lasts for all of `timeout`.
+    assert script("""
+import os, signal, socket, threading, time, tessera as ts
+def interrupt(*_):
+    raise KeyboardInterrupt
+signal.signal(signal.SIGALRM, interrupt)
+with socket.create_server(("127.0.0.1", 0)) as silent:
+    farm = ts.Farm(f"tcp://127.0.0.1:{silent.getsockname()[1]}", timeout=15)
+    other = threading.Thread(target=farm.jobs)
+    other.start()
+    time.sleep(1)
+    signal.setitimer(signal.ITIMER_REAL, .2)
+    try:
+        farm.jobs()
+    except KeyboardInterrupt:
+        print(other.is_alive(), flush=True)
+    os._exit(0)
+""") == "True"
 
 
 def test_jobs_pickle_and_no_secret_is_told(served, caplog):

@@ -137,7 +137,9 @@ def render():
 with ts.Threads(1) as farm:
     for _ in range(3000):
         task = render()
-    while not task.done():
+    core = task._task
+    del task  # which has the scene
+    while not core.wait(1):
         pass
     print(sys.getrefcount(positions) - 1)
 """) == "1"
@@ -216,7 +218,9 @@ def test_worker_processes_are_kept(expected):
     ({"frame": 1, "time": 2.}, "time: a frame has its own instant"),
     ({"workers": -1}, "workers: -1; expected a whole number from 1 to 1024"),
     ({"threads": 0}, "threads: 0; expected a whole number from 1 to 1024"),
-    ({"verify": 2.}, "verify: 2.0; expected a share"),
+    ({"verify": 2.}, "verify: '2.0'; expected a share"),
+    ({"verify": .5, "workers": 0}, "verify: needs a second worker"),
+    ({"verify": .5, "workers": 1}, "verify: needs a second worker"),
     ({"camera": "nobody"}, "camera: 'nobody' is not in the scene"),
     ({"size": (0, 1)}, "size: 0x1; expected sides from 1"),
 ])
@@ -230,6 +234,18 @@ def test_wrong_keywords_are_named_as_python_has_them(wrong, message):
 def test_an_unknown_keyword_is_a_type_error():
     with pytest.raises(TypeError, match="render.. has no keyword 'sppp'; did you mean 'spp'"):
         ts.render(KNOT, sppp=3)
+
+
+def test_pictures_that_are_hardly_meant_are_told(threads):
+    dark = ts.Scene(width=8, height=8)
+    dark.add(ts.Sphere((0, 0, 0), 1))
+    with pytest.warns(ts.SceneWarning, match="the picture will be black"):
+        ts.render(dark, farm=threads)
+    glaring = ts.Scene(width=8, height=8)
+    glaring.add(ts.Sphere((0, 0, 0), 1), material=ts.Classic(diffuse=(3e38,) * 3))
+    glaring.add(ts.PointLight((0, 0, 9), intensity=3e38))
+    with pytest.warns(ts.SceneWarning, match="no colour that a pixel can hold"):
+        ts.render(glaring, farm=threads)
 
 
 def test_a_missing_file_is_told():

@@ -1,4 +1,4 @@
-#include "cli/render_checks.h"
+#include "front/render_checks.h"
 
 #include <fmt/format.h>
 
@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/process.h"
 #include "front/all_failures.h"
 #include "renderer/image/image_file.h"
 
@@ -38,10 +39,10 @@ void check_render_options(const RenderOptions& options) {
     throw usage_error(fmt::format("{}: cannot be chosen with --connect, whose farm has its own",
                                   options.workers ? "--workers" : "--threads"));
   }
-  if (options.verify && (by_farm || options.workers.value_or(2) < 2)) {
-    throw usage_error(by_farm ? "--verify: is for the coordinator to choose; expected no --connect"
-                              : "--verify: needs a second worker; expected --workers 2 or more");
+  if (options.verify && by_farm) {
+    throw usage_error("--verify: is for the coordinator to choose; expected no --connect");
   }
+  check_verify(options.verify.value_or(0), options.workers.value_or(core_count()));
   if (options.resume && by_farm) {
     throw usage_error("--resume: tiles are kept where the coordinator is; expected no --connect");
   }
@@ -52,9 +53,7 @@ void check_render_options(const RenderOptions& options) {
   if (!options.tev.empty() && options.workers == 0) {
     throw usage_error("--tev: shows what worker processes trace; expected --workers above 0");
   }
-  if (options.frames && options.time) {
-    throw usage_error("--time: a frame of --frames has its own instant; expected one of the two");
-  }
+  check_instant(options, options.frames.has_value());
   if (options.scene == "-") {
     throw usage_error("SCENE: '-'; expected a file: standard input is not read");
   }

@@ -8,14 +8,14 @@
 #include <thread>
 
 #include "base/process_owned.h"
+#include "front/frame_task.h"
 #include "front/tracing_farm.h"
-#include "python/frame_task.h"
 
 namespace tessera {
 
 /// A farm with a thread of its own, on which it starts, runs its tasks one after the other and
 /// ends: workers die with the thread that started them, so it must outlive every caller's. May be
-/// used by any thread. No thread of it ever takes the GIL.
+/// used by any thread.
 class FarmThread {
  public:
   using Start = std::function<std::unique_ptr<TracingFarm>()>;

@@ -9,29 +9,18 @@
 #include <string>
 #include <vector>
 
-#include "front/picture.h"
+#include "front/render_frame.h"
+#include "front/rendered_picture.h"
 #include "front/tracing_farm.h"
 #include "job/job.h"
 
 namespace tessera {
 
-/// A finished picture, or what was done of one: the film and what files and statistics tell of it.
-/// Nobody changes one that was handed out.
-struct RenderedPicture {
-  Film film;
-  v1::Output output;  ///< what the scene asks of its numbers
-  ImageMetadata metadata{};
-  JobReport report{};
-  std::string statistics{};  ///< as `--stats` writes; empty: of no render
-};
-
 /// One frame that a farm renders. Made by one thread, run by the farm's, watched by any.
 class FrameTask {
  public:
-  /// Throws usage_error for options that do not go with the scene. `parse_seconds` is what reading
-  /// it took.
-  FrameTask(RenderOptions options, LoadedScene loaded, std::optional<int> frame,
-            double parse_seconds);
+  /// Throws usage_error for options that do not go with the scene.
+  FrameTask(RenderOptions options, FrameScene scene, std::optional<int> frame);
 
   /// Whether it is done, or was within that time.
   bool wait(std::chrono::microseconds time) const;
@@ -53,6 +42,8 @@ class FrameTask {
   std::shared_ptr<RenderedPicture> picture() const;
   /// Throws what it failed with, if it did. Once it is done.
   void throw_failure() const;
+  /// What is to be told of the picture. Once it is done.
+  std::vector<std::string> warnings() const;
 
   // Called by the farm's thread.
   void run(TracingFarm& farm);
@@ -61,14 +52,13 @@ class FrameTask {
  private:
   void trace(TracingFarm& farm);
   void take(const NewTiles& news);
-  void finish(JobResult result);
+  std::shared_ptr<RenderedPicture> finished(JobResult result) const;
+  void end(std::shared_ptr<RenderedPicture> picture, std::exception_ptr failure);
 
   const RenderOptions options_;
-  LoadedScene loaded_;
-  const v1::FrameSettings settings_;
+  FrameScene scene_;
   const v1::Output output_;
-  const std::string scene_digest_;
-  const double parse_seconds_;
+  const FrameRender frame_;
   uint64_t peak_worker_bytes_ = 0;
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   std::atomic<bool> stop_{false};

@@ -1,4 +1,4 @@
-#include "python/farm_thread.h"
+#include "front/farm_thread.h"
 
 #include <exception>
 #include <utility>

@@ -1,20 +1,31 @@
 #pragma once
 
+#include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "base/error.h"
 #include "base/process_owned.h"
 #include "client/farm_client.h"
 #include "front/farm_connection.h"
 #include "front/gather_job.h"
-#include "python/frame_task.h"
+#include "front/rendered_picture.h"
 
 namespace tessera {
 
-/// What Python asks of a farm elsewhere, one question after the other. Any thread; a call from
-/// another waits. Each call looks at `stop`. Throws RefusedError and UnreachableError.
+/// A frame of a job: whether it has ended, what is done of it and what it failed with.
+struct FetchedPicture {
+  bool has_ended = false;
+  std::shared_ptr<RenderedPicture> picture{};  ///< null: nothing is done, or it has not ended
+  std::optional<Error> failure{};
+};
+
+/// A farm elsewhere, which is asked one question after the other. Any thread; a call from another
+/// waits. Each call ends soon after `stop` is set. Throws RefusedError and UnreachableError.
 class FarmAccess {
  public:
   /// Reads the keys and begins to connect. Throws usage_error for a key that is missing or wrong.
@@ -22,17 +33,17 @@ class FarmAccess {
 
   /// The job's number.
   uint64_t submit(const SubmittedJob& job, const std::atomic<bool>& stop);
-  /// The number of the job that `text`, a number or a name, means.
-  uint64_t find(const std::string& text, const std::atomic<bool>& stop);
+  /// The number of the job that `text` means; as find_job().
+  uint64_t find(const std::string& text, const std::function<void(const std::string&)>& tell,
+                const std::atomic<bool>& stop);
   /// The objects of `tessera status --json`: of all jobs, or of one.
   std::string list(const std::atomic<bool>& stop);
   std::string status(uint64_t job, const std::atomic<bool>& stop);
-  /// Throws render_error where it was not followed, usage_error where the job has ended.
+  /// As give_order() and forget_job().
   void order(uint64_t job, v1::JobQuery::Action action, std::optional<int> priority,
              const std::atomic<bool>& stop);
-  /// The picture of a frame, counted from 0; null while it is not done. Throws what it failed with.
-  std::shared_ptr<RenderedPicture> fetch(uint64_t job, uint32_t frame,
-                                         const std::atomic<bool>& stop);
+  /// A frame, counted from 0; as fetch_frame().
+  FetchedPicture fetch(uint64_t job, uint32_t frame, bool denoises, const std::atomic<bool>& stop);
   /// What is done of one that is being traced; null where nothing is.
   std::shared_ptr<RenderedPicture> snapshot(uint64_t job, uint32_t frame,
                                             const std::atomic<bool>& stop);
@@ -43,10 +54,11 @@ class FarmAccess {
   FarmClient client(const std::atomic<bool>& stop) {
     return FarmClient(*transport_, connection_.endpoint, stop, connection_.patience);
   }
-  static v1::JobStatus known(FarmClient& client, const v1::JobQuery& query);
+  /// Throws once `stop` is set.
+  std::unique_lock<std::timed_mutex> lock(const std::atomic<bool>& stop);
 
   FarmConnection connection_;
-  std::mutex mutex_;
+  std::timed_mutex mutex_;
   ProcessOwned<ClientTransport> transport_;
 };
 

@@ -1,0 +1,141 @@
+#include "front/frame_task.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "front/picture_warnings.h"
+#include "front/statistics.h"
+
+namespace tessera {
+namespace {
+
+/// Copies the light of a tile between films of one frame.
+void copy_light(const NewTiles& from, const PixelRect& tile, Film& to) {
+  const auto channels = static_cast<size_t>(from.channels);
+  std::vector<float> row;
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    const size_t first =
+        static_cast<size_t>(y - from.film.y0) * static_cast<size_t>(from.film.width()) +
+        static_cast<size_t>(tile.x0 - from.film.x0);
+    row.clear();
+    for (size_t pixel = first; pixel < first + static_cast<size_t>(tile.width()); ++pixel) {
+      const auto light = from.values.subspan(pixel * channels, kFilmChannels);
+      row.insert(row.end(), light.begin(), light.end());
+    }
+    to.write(tile, y, 1, row);
+  }
+}
+
+}  // namespace
+
+FrameTask::FrameTask(RenderOptions options, FrameScene scene, std::optional<int> frame)
+    : options_(std::move(options)),
+      scene_(std::move(scene)),
+      output_(scene_.loaded.scene.settings().output()),
+      frame_(options_, scene_, frame) {}
+
+bool FrameTask::wait(std::chrono::microseconds time) const {
+  std::unique_lock lock(mutex_);
+  return ended_.wait_for(lock, time, [this] { return is_done_; });
+}
+
+JobProgress FrameTask::progress() const {
+  const std::lock_guard lock(mutex_);
+  return progress_;
+}
+
+void FrameTask::keep_tiles() { keeps_tiles_ = true; }
+
+std::vector<PixelRect> FrameTask::take_tiles() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(new_tiles_, {});
+}
+
+std::shared_ptr<RenderedPicture> FrameTask::snapshot() const {
+  const std::lock_guard lock(mutex_);
+  if (picture_) return picture_;
+  if (!partial_) return nullptr;
+  return std::make_shared<RenderedPicture>(
+      RenderedPicture{.film = partial_->with_only({}), .output = output_});
+}
+
+std::shared_ptr<RenderedPicture> FrameTask::picture() const {
+  const std::lock_guard lock(mutex_);
+  return picture_;
+}
+
+void FrameTask::throw_failure() const {
+  const std::lock_guard lock(mutex_);
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+std::vector<std::string> FrameTask::warnings() const {
+  const std::lock_guard lock(mutex_);
+  return picture_ ? report_warnings(picture_->report) : std::vector<std::string>();
+}
+
+void FrameTask::run(TracingFarm& farm) {
+  try {
+    trace(farm);
+  } catch (...) {
+    fail(std::current_exception());
+  }
+}
+
+void FrameTask::fail(std::exception_ptr failure) { end(nullptr, std::move(failure)); }
+
+void FrameTask::take(const NewTiles& news) {
+  const std::lock_guard lock(mutex_);
+  if (!partial_) partial_.emplace(news.film);
+  for (const PixelRect& tile : news.tiles) copy_light(news, tile, *partial_);
+  new_tiles_.insert(new_tiles_.end(), news.tiles.begin(), news.tiles.end());
+}
+
+void FrameTask::trace(TracingFarm& farm) {
+  farm.watch_tiles(keeps_tiles_ ? TileCallback([this](const NewTiles& news) { take(news); })
+                                : TileCallback());
+  JobResult result = frame_.trace(
+      farm, scene_.loaded,
+      [this](const JobProgress& progress) {
+        const std::lock_guard lock(mutex_);
+        progress_ = progress;
+      },
+      stop_);
+  peak_worker_bytes_ = farm.peak_worker_bytes();
+  // It is not needed while the picture is denoised, which takes memory too.
+  scene_.loaded = {};
+  const std::optional<Error> failure = frame_.failure(result.report);
+  std::shared_ptr<RenderedPicture> picture;
+  if (result.report.tiles_done > 0 || !failure) picture = finished(std::move(result));
+  end(std::move(picture), failure ? std::make_exception_ptr(*failure) : nullptr);
+}
+
+std::shared_ptr<RenderedPicture> FrameTask::finished(JobResult result) const {
+  auto picture = std::make_shared<RenderedPicture>(frame_.picture(std::move(result)));
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - began_;
+  const PhaseSeconds seconds{
+      .parse = scene_.read_seconds, .write = 0, .total = scene_.read_seconds + taken.count()};
+  FrameStatistics statistics = frame_.statistics(*picture, seconds, peak_worker_bytes_);
+  statistics.pixels_sha256 = picture->film.pixels_sha256();
+  picture->statistics = statistics_json(statistics).dump();
+  return picture;
+}
+
+void FrameTask::end(std::shared_ptr<RenderedPicture> picture, std::exception_ptr failure) {
+  scene_.loaded = {};
+  const std::lock_guard lock(mutex_);
+  if (picture) {
+    progress_.tiles_done = std::max(progress_.tiles_done, picture->report.tiles_done);
+    progress_.tiles_total = picture->report.tiles_total;
+    partial_.reset();
+  }
+  progress_.remaining_seconds = 0;
+  progress_.waiting_for.clear();
+  picture_ = std::move(picture);
+  failure_ = std::move(failure);
+  is_done_ = true;
+  ended_.notify_all();
+}
+
+}  // namespace tessera

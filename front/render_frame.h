@@ -1,0 +1,58 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "base/error.h"
+#include "front/render_options.h"
+#include "front/rendered_picture.h"
+#include "front/statistics.h"
+#include "front/tracing_farm.h"
+#include "scenes/import/loaded_scene.h"
+
+namespace tessera {
+
+/// A scene as frames of it are rendered.
+struct FrameScene {
+  LoadedScene loaded;
+  std::string digest{};     ///< of the description
+  double read_seconds = 0;  ///< what reading its file took
+};
+/// The scene in the file of the options, at that frame of its animation. Throws as load_frame().
+FrameScene read_frame_scene(const RenderOptions& options, int frame);
+/// One that is in no file.
+FrameScene make_frame_scene(const RenderOptions& options, LoadedScene loaded);
+
+/// One frame on its way from options and scene to its picture, for every front end.
+class FrameRender {
+ public:
+  /// Throws usage_error for options that do not go with the scene. `options` must outlive it.
+  FrameRender(const RenderOptions& options, const FrameScene& scene, std::optional<int> frame);
+  /// The same with so many samples a pixel.
+  FrameRender with_samples(uint32_t samples) const;
+
+  const v1::FrameSettings& settings() const { return settings_; }
+  /// How many samples all of it takes, at the most.
+  uint64_t sample_count() const;
+
+  /// Has it traced until `stop` is set. `scene` is the one that it was made with.
+  JobResult trace(TracingFarm& farm, LoadedScene& scene, const ProgressCallback& progress,
+                  const std::atomic<bool>& stop) const;
+  /// What it failed with; nothing where it is done.
+  std::optional<Error> failure(const JobReport& report) const;
+  /// What was asked for of what was traced, without statistics.
+  RenderedPicture picture(JobResult result) const;
+  /// What --stats tells of it, but for the digest of its pixels.
+  FrameStatistics statistics(const RenderedPicture& picture, const PhaseSeconds& seconds,
+                             uint64_t peak_worker_bytes) const;
+
+ private:
+  const RenderOptions* options_;
+  v1::Output output_;
+  std::string scene_digest_;
+  v1::FrameSettings settings_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "job/job.h"
+#include "proto/tessera/v1/scene.pb.h"
+#include "renderer/film/film.h"
+#include "renderer/image/image_file.h"
+
+namespace tessera {
+
+/// A finished picture, or what was done of one: the film and what files and statistics tell of it.
+/// Nobody changes one that was handed out.
+struct RenderedPicture {
+  Film film;
+  v1::Output output;  ///< what the scene asks of its numbers
+  ImageMetadata metadata{};
+  JobReport report{};
+  std::string statistics{};  ///< as `--stats` writes; empty: of no render
+};
+
+}  // namespace tessera
