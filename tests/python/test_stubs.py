@@ -205,7 +205,7 @@ def test_frames_and_jobs_take_the_options_of_render():
                 "x3d_two_sided"}
     assert options(ts.render) - options(ts.Scene.frames) == {"scene", "time", "frame", "wait", *of_files}
     assert options(ts.render) - options(ts.Farm.submit) == {
-        "frame", "wait", "workers", "threads", "verify", "farm", "progress", "on_tile"}
+        "frame", "wait", "workers", "threads", "verify", "farm", "progress", "on_tile", "denoise", "resume"}
 
 
 def public_members(made):
