@@ -6,7 +6,6 @@
 #include <type_traits>
 #include <vector>
 
-#include "base/blake2b_lanes.h"
 #include "base/hex.h"
 #include "base/parallel.h"
 #include "base/process.h"
@@ -54,31 +53,13 @@ Digest of_chunk(std::span<const std::byte> chunk) {
   return digest;
 }
 
-/// The digests of up to four chunks, of which the last of a blob may be shorter. Four at once take
-/// less time than two one after another, so that whole ones go together, if only with themselves.
-void digests_of_chunks(std::span<const std::byte> data, Digest* digests) {
-  constexpr size_t kLength = Digest::kChunkBytes;
-  const size_t whole = data.size() / kLength;
-  if (whole >= 2 && has_blake2b_lanes()) {
-    std::array<const std::byte*, 4> chunks;
-    for (size_t i = 0; i < 4; ++i) chunks[i] = data.data() + std::min(i, whole - 1) * kLength;
-    const std::array<Digest, 4> made = blake2b_of_four(chunks, kLength);
-    digests = std::copy_n(made.begin(), whole, digests);
-    data = data.subspan(whole * kLength);
-  }
-  for (; !data.empty(); data = data.subspan(std::min(kLength, data.size()))) {
-    *digests++ = of_chunk(data.first(std::min(kLength, data.size())));
-  }
-}
-
 }  // namespace
 
 Digest Digest::of(std::span<const std::byte> data) {
   if (data.size() <= kChunkBytes) return of_chunk(data);
   std::vector<Digest> chunks((data.size() + kChunkBytes - 1) / kChunkBytes);
-  constexpr size_t kFourChunks = 4 * kChunkBytes;
-  for_each_piece_parallel(data.size(), kFourChunks, core_count(), [&](size_t from, size_t to) {
-    digests_of_chunks(data.subspan(from, to - from), &chunks[from / kChunkBytes]);
+  for_each_piece_parallel(data.size(), kChunkBytes, core_count(), [&](size_t from, size_t to) {
+    chunks[from / kChunkBytes] = of_chunk(data.subspan(from, to - from));
   });
   crypto_generichash_state state;
   begin_tree(&state);

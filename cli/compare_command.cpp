@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <numeric>
@@ -10,7 +9,9 @@
 #include <vector>
 
 #include "base/lower_case.h"
+#include "bench/error/difference.h"
 #include "bench/error/metrics.h"
+#include "bench/error/ssim.h"
 #include "cli/command_line.h"
 #include "cli/say.h"
 #include "front/option_values.h"
@@ -26,55 +27,6 @@ struct CompareOptions {
   bool metrics = false;
 };
 
-struct Difference {
-  double greatest = 0, sum = 0, sum_of_squares = 0;
-  std::vector<double> greatest_of;  ///< of each channel
-  size_t worst_pixel = 0;           ///< counts from the first row's left
-  PixelRect unequal{};              ///< around the pixels that differ
-  size_t pixels_beyond = 0;         ///< with a channel that differs by more than allowed
-  size_t pixels_unequal = 0;
-};
-
-/// Numbers that are both no number count as equal, one that is none as infinitely far.
-double channel_difference(float a, float b) {
-  if (std::isnan(a) || std::isnan(b)) return std::isnan(a) && std::isnan(b) ? 0 : INFINITY;
-  return a == b ? 0 : std::abs(double{a} - double{b});
-}
-
-void include(int x, int y, bool is_first, PixelRect& rect) {
-  if (is_first) rect = {x, y, x + 1, y + 1};
-  rect = {std::min(rect.x0, x), std::min(rect.y0, y), std::max(rect.x1, x + 1),
-          std::max(rect.y1, y + 1)};
-}
-
-Difference difference_of(const FloatImage& a, const FloatImage& b, double allowed) {
-  const size_t channels = a.channels.size();
-  Difference result;
-  result.greatest_of.resize(channels);
-  const size_t width = static_cast<size_t>(a.width), pixels = width * static_cast<size_t>(a.height);
-  for (size_t pixel = 0; pixel < pixels; ++pixel) {
-    double worst = 0;
-    for (size_t i = 0; i < channels; ++i) {
-      const double d =
-          channel_difference(a.values[pixel * channels + i], b.values[pixel * channels + i]);
-      result.greatest_of[i] = std::max(result.greatest_of[i], d);
-      worst = std::max(worst, d);
-      result.sum += d;
-      result.sum_of_squares += d * d;
-    }
-    if (worst > result.greatest) {
-      result.greatest = worst;
-      result.worst_pixel = pixel;
-    }
-    if (worst > 0) {
-      include(static_cast<int>(pixel % width), static_cast<int>(pixel / width),
-              result.pixels_unequal++ == 0, result.unequal);
-    }
-    if (worst > allowed) ++result.pixels_beyond;
-  }
-  return result;
-}
-
 void print_where(const FloatImage& a, const FloatImage& b, const Difference& d) {
   const size_t channels = a.channels.size();
   const auto value = [&](const FloatImage& image) {
@@ -85,7 +37,7 @@ void print_where(const FloatImage& a, const FloatImage& b, const Difference& d) 
     return fmt::format("({})", fmt::join(numbers, ", "));
   };
   const auto width = static_cast<size_t>(a.width);
-  say("all of them in    {},{},{},{}\n", d.unequal.x0, d.unequal.y0, d.unequal.x1, d.unequal.y1);
+  say("all of them in    {},{},{},{}\n", d.x0, d.y0, d.x1, d.y1);
   say("the worst pixel   {},{}: {} and {}\n", d.worst_pixel % width, d.worst_pixel / width,
       value(a), value(b));
 }
@@ -142,13 +94,15 @@ Picture linear_picture(const FloatImage& image, const std::string& path) {
 }
 
 void print_metrics(const CompareOptions& options, const FloatImage& a, const FloatImage& b) {
-  const PictureError e =
-      picture_error(linear_picture(a, options.first), linear_picture(b, options.second));
+  const Picture first = linear_picture(a, options.first),
+                second = linear_picture(b, options.second);
+  const PictureError e = picture_error(first, second);
   say("linear rmse       {:.9g}\n", e.rmse);
   say("relMSE            {:.9g}, {:.9g} without the worst thousandth\n", e.rel_mse,
       e.trimmed_rel_mse);
   say("SMAPE             {:.9g}\n", e.smape);
   say("FLIP              {:.9g}\n", e.flip);
+  say("SSIM              {:.9g}\n", mean_ssim(first, second));
   say("99.9 % are within {:.9g}\n", e.error_99_9);
   say("mean ratio        {:.9g}\n", e.mean_ratio);
   if (e.not_finite > 0) say("not finite        {} values\n", e.not_finite);
@@ -168,12 +122,12 @@ ExitCode compare(const CompareOptions& options) {
   const FloatImage a = read_picture(options.first);
   const FloatImage b = read_picture(options.second);
   check_comparable(options, a, b);
-  const Difference d = difference_of(a, b, options.max_difference);
-  const auto values = static_cast<double>(a.values.size());
+  const Difference d = difference_of(a.values, b.values, a.channels.size(),
+                                     static_cast<size_t>(a.width), options.max_difference);
   say("size              {}x{}\n", a.width, a.height);
   say("max difference    {:.9g}\n", d.greatest);
-  say("mean difference   {:.9g}\n", d.sum / values);
-  say("rmse              {:.9g}\n", std::sqrt(d.sum_of_squares / values));
+  say("mean difference   {:.9g}\n", d.mean);
+  say("rmse              {:.9g}\n", d.rmse);
   say("differing pixels  {} of {}\n", d.pixels_unequal, int64_t{a.width} * a.height);
   if (d.pixels_unequal > 0) {
     print_where(a, b, d);
@@ -221,7 +175,7 @@ void add_compare_command(CLI::App& app, Action& action) {
           "The greatest difference of a channel that still counts as equal [0]")
       ->type_name("X");
   command->add_flag("--metrics", options->metrics,
-                    "Tell relMSE, SMAPE, FLIP and their like of A with B as the truth, too");
+                    "Tell relMSE, SMAPE, FLIP, SSIM and their like of A with B as the truth, too");
   command->callback([options, &action] { action = [options] { return compare(*options); }; });
 }
 

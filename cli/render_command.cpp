@@ -67,7 +67,7 @@ class RenderRun {
   ExitCode run() {
     check_render_options(options_);
     check_outputs(options_);
-    if (options_.resume) store_ = std::make_shared<SqliteTileStore>(store_path());
+    if (options_.resume) store_ = std::make_shared<SqliteTileStore>(kept_tiles_path(options_));
     const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
     // Workers get ready while the scene is read, and so does what writes PNG, which waits for
     // little.
@@ -102,16 +102,11 @@ class RenderRun {
     const uint64_t others = store_->end();
     if (others > 0 && !options_.quiet) {
       say_warning(fmt::format("{} of other scenes or settings stay in '{}'",
-                              counted(others, "tile"), store_path().string()));
+                              counted(others, "tile"), kept_tiles_path(options_).string()));
     }
   }
 
   bool by_farm() const { return !options_.connection.endpoint.empty(); }
-
-  /// Where finished tiles are kept, beside the first picture.
-  std::filesystem::path store_path() const {
-    return output_place(picture_paths(options_).front()).string() + ".tiles";
-  }
 
   std::filesystem::path path_for(const std::filesystem::path& path,
                                  std::optional<int> frame) const {
@@ -202,9 +197,10 @@ class RenderRun {
 
   std::string what_was_written(const JobReport& report) const {
     const std::string kept =
-        store_ ? fmt::format("{} of {} tiles are kept in '{}': --resume goes on from there",
-                             report.tiles_done, report.tiles_total, store_path().string())
-               : "no tile was kept: --resume keeps those that are finished";
+        store_
+            ? fmt::format("{} of {} tiles are kept in '{}': --resume goes on from there",
+                          report.tiles_done, report.tiles_total, kept_tiles_path(options_).string())
+            : "no tile was kept: --resume keeps those that are finished";
     if (!options_.frames && pass_samples_ > 0) {
       return fmt::format("the picture has {} a pixel; {}", counted(pass_samples_, "sample"), kept);
     }

@@ -20,7 +20,8 @@ JobSpec picture_job(const RenderOptions& options, const LoadedScene& loaded,
           .blobs = loaded.blobs,
           .frame = settings,
           .crop = crop_window(options, settings),
-          .tile_size = options.tile_size};
+          .tile_size = options.tile_size,
+          .kept_tiles = options.resume ? kept_tiles_path(options) : std::filesystem::path()};
 }
 
 bool is_denoised(const RenderOptions& options, const JobReport& report,

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/plural.h"
 #include "front/located.h"
 #include "front/placement.h"
@@ -290,6 +291,10 @@ void add_render_options(OptionList& list, RenderOptions& options) {
 std::vector<std::filesystem::path> picture_paths(const RenderOptions& options) {
   if (!options.outputs.empty()) return options.outputs;
   return {std::filesystem::path(options.scene).stem().concat(".png")};
+}
+
+std::filesystem::path kept_tiles_path(const RenderOptions& options) {
+  return output_place(picture_paths(options).front()).string() + ".tiles";
 }
 
 bool stats_to_standard_output(const RenderOptions& options) { return options.stats == "-"; }

@@ -66,6 +66,9 @@ void add_scene_options(OptionList& list, RenderOptions& options);
 /// folder.
 std::vector<std::filesystem::path> picture_paths(const RenderOptions& options);
 
+/// Where --resume keeps finished tiles: beside the first picture.
+std::filesystem::path kept_tiles_path(const RenderOptions& options);
+
 /// "--stats -": then nothing else is printed there.
 bool stats_to_standard_output(const RenderOptions& options);
 

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "base/error.h"
+#include "bench/error/difference.h"
 #include "bench/error/metrics.h"
+#include "bench/error/ssim.h"
 #include "front/output_settings.h"
 #include "python/bindings.h"
 #include "python/picture.h"
@@ -102,9 +104,9 @@ py::tuple read_file(const std::string& path) {
                         Array(std::move(image.values), {image.height, image.width, channels}));
 }
 
-/// Light of the same size, (h, w, 3) float32 in a row each: the greatest, mean and root mean square
-/// difference, then relMSE and FLIP with the second as the reference.
-py::tuple compare(const py::buffer& first, const py::buffer& second) {
+/// Light of the same size, (h, w, 3) float32 in a row each, the second as the reference: the fields
+/// of `tessera.Metrics` by their names.
+py::dict compare(const py::buffer& first, const py::buffer& second) {
   const auto taken = [](const py::buffer& buffer) {
     const py::buffer_info info = buffer.request();
     const auto* values = static_cast<const float*>(info.ptr);
@@ -112,15 +114,26 @@ py::tuple compare(const py::buffer& first, const py::buffer& second) {
                    std::vector<float>(values, values + info.size)};
   };
   const Picture a = taken(first), b = taken(second);
-  const py::gil_scoped_release release;
-  double sum = 0;
-  for (size_t i = 0; i < a.values.size(); ++i) {
-    sum += std::abs(double{a.values[i]} - double{b.values[i]});
+  const auto width = static_cast<size_t>(a.width);
+  Difference difference;
+  PictureError error;
+  double ssim = 0;
+  {
+    const py::gil_scoped_release release;
+    difference = difference_of(a.values, b.values, kFilmChannels, width);
+    error = picture_error(a, b);
+    ssim = mean_ssim(a, b);
   }
-  const PictureError error = picture_error(a, b);
-  const py::gil_scoped_acquire acquire;
-  return py::make_tuple(error.max_error, sum / static_cast<double>(a.values.size()), error.rmse,
-                        error.rel_mse, error.flip);
+  using namespace py::literals;
+  return py::dict(
+      "max"_a = difference.greatest, "mean"_a = difference.mean, "rmse"_a = difference.rmse,
+      "rel_mse"_a = error.rel_mse, "flip"_a = error.flip, "ssim"_a = ssim,
+      "trimmed_rel_mse"_a = error.trimmed_rel_mse, "smape"_a = error.smape,
+      "error_99_9"_a = error.error_99_9, "mean_ratio"_a = error.mean_ratio,
+      "not_finite"_a = error.not_finite, "max_of"_a = py::tuple(py::cast(difference.greatest_of)),
+      "differing"_a = difference.pixels_unequal,
+      "where"_a = py::make_tuple(difference.x0, difference.y0, difference.x1, difference.y1),
+      "worst"_a = py::make_tuple(difference.worst_pixel % width, difference.worst_pixel / width));
 }
 
 }  // namespace

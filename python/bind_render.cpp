@@ -11,6 +11,7 @@
 #include "client/refusal.h"
 #include "front/load_frame.h"
 #include "front/render_options.h"
+#include "front/tile_keeping_farm.h"
 #include "python/array.h"
 #include "python/bindings.h"
 #include "python/errors.h"
@@ -92,12 +93,14 @@ std::shared_ptr<FarmThread> local_farm(std::optional<int> workers, int threads, 
                            .threads = threads,
                            .quiet = true,
                            .verify = verify};
-  return std::make_shared<FarmThread>([options] { return start_local_workers(options); });
+  return std::make_shared<FarmThread>(
+      [options] { return keep_finished_tiles(start_local_workers(options)); });
 }
 
 std::shared_ptr<FarmThread> threads_here(std::optional<int> threads) {
-  return std::make_shared<FarmThread>(
-      [count = threads.value_or(core_count())] { return start_in_process(count); });
+  return std::make_shared<FarmThread>([count = threads.value_or(core_count())] {
+    return keep_finished_tiles(start_in_process(count));
+  });
 }
 
 FarmConnection connection_of(const std::string& endpoint, const std::string& key,
@@ -196,6 +199,10 @@ void bind_access(py::module_& module) {
       .def("fetch",
            [](FarmAccess& farm, uint64_t job, uint32_t frame) {
              return run_interruptibly([&](Stop stop) { return farm.fetch(job, frame, stop); });
+           })
+      .def("snapshot",
+           [](FarmAccess& farm, uint64_t job, uint32_t frame) {
+             return run_interruptibly([&](Stop stop) { return farm.snapshot(job, frame, stop); });
            })
       .def("frames", [](FarmAccess& farm, uint64_t job) {
         return run_interruptibly([&](Stop stop) { return farm.frames(job, stop); });

@@ -17,6 +17,7 @@ void bind_load(pybind11::module_& module);
 void bind_transforms(pybind11::module_& module);
 void bind_textures(pybind11::module_& module);
 void bind_picture(pybind11::module_& module);
+void bind_picture_state(pybind11::module_& module);
 void bind_render(pybind11::module_& module);
 /// From here on what C++ logs waits for `take_log()`.
 void bind_log(pybind11::module_& module);

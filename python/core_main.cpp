@@ -24,6 +24,7 @@ void fill(py::module_& module) {
   tessera::bind_transforms(module);
   tessera::bind_textures(module);
   tessera::bind_picture(module);
+  tessera::bind_picture_state(module);
   tessera::bind_render(module);
   tessera::bind_log(module);
   tessera::bind_program(module);

@@ -4,34 +4,42 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <future>
-#include <utility>
+#include <optional>
+#include <thread>
+
+#include "base/signal_stack.h"
 
 namespace tessera {
 
-/// Runs `work(stop)` on a thread of its own without the GIL, and looks every 20 ms for signals: a
-/// Python exception, such as KeyboardInterrupt, sets `stop`, waits for the work to end, and is
-/// raised. Needs the GIL. Throws what `work` throws.
+/// Runs work(cancelled) without the GIL, which the caller must hold, on a thread of its own, and
+/// looks for Ctrl-C every 20 ms meanwhile. What a signal handler raises is thrown once `work` has
+/// returned, which it is to do soon after `cancelled` is set. Returns or throws what `work` does.
 template <typename Work>
-auto run_interruptibly(Work work) {
-  std::atomic<bool> stop{false};
-  auto running = std::async(std::launch::async, [&] { return work(stop); });
-  for (;;) {
-    bool is_done;
-    {
-      const pybind11::gil_scoped_release release;
-      is_done = running.wait_for(std::chrono::milliseconds(20)) == std::future_status::ready;
+auto run_interruptibly(const Work& work) {
+  namespace py = pybind11;
+  std::atomic<bool> cancelled{false};
+  std::packaged_task task([&] {
+    const SignalStack stack;
+    return work(cancelled);
+  });
+  auto result = task.get_future();
+  std::optional<py::error_already_set> interrupt;
+  {
+    const py::gil_scoped_release release;
+    const std::jthread worker(std::ref(task));
+    while (result.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
+      if (cancelled) continue;
+      const py::gil_scoped_acquire acquire;
+      if (PyErr_CheckSignals() != 0) {
+        interrupt.emplace();
+        cancelled = true;
+      }
     }
-    if (is_done) return running.get();
-    if (PyErr_CheckSignals() == 0) continue;
-    pybind11::error_already_set interrupt;
-    stop = true;
-    {
-      const pybind11::gil_scoped_release release;
-      running.wait();
-    }
-    throw interrupt;
   }
+  if (interrupt) throw *interrupt;
+  return result.get();
 }
 
 }  // namespace tessera

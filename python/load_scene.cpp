@@ -3,11 +3,13 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "front/check_buildable.h"
 #include "front/option_list.h"
 #include "front/placement.h"
 #include "front/read_options.h"
 #include "front/texture_decoder.h"
 #include "python/bindings.h"
+#include "python/interruptible.h"
 #include "python/scene_values.h"
 #include "scenes/formats/read_scene.h"
 #include "scenes/formats/scene_summary.h"
@@ -47,10 +49,22 @@ py::tuple summary_of(py::handle scene) {
   return py::make_tuple(counts, summary.unused, summary.undefined);
 }
 
+/// Throws what a render of the scene would throw before it traces.
+void check(py::handle scene) {
+  SceneWithBlobs made = message_of(scene);
+  LoadedScene loaded;
+  loaded.scene = std::move(made.scene);
+  loaded.blobs = std::move(made.blobs);
+  RenderOptions options;
+  options.scene = "scene";
+  run_interruptibly([&](const std::atomic<bool>&) { check_buildable(options, loaded); });
+}
+
 }  // namespace
 
 void bind_load(py::module_& module) {
   module.def("load", &load, "Reads a scene from a file.");
+  module.def("check", &check, "Raises what a render of a scene would raise before it traces.");
   module.def("readable_endings", &readable_endings, "The endings of files that `load` reads.");
   module.def("summary", &summary_of, "What a scene holds.");
 }

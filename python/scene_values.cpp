@@ -21,6 +21,13 @@ SceneWithBlobs message_of(py::handle scene) {
   return made;
 }
 
+std::vector<NamedPart> named_parts(py::handle scene) {
+  SceneWithBlobs made;
+  ValueReader reader(made.scene, made.blobs);
+  reader.read(scene, made.scene);
+  return reader.take_named_parts();
+}
+
 py::object value_of(const SceneWithBlobs& scene) { return write_value(scene.scene, scene.blobs); }
 
 namespace {
@@ -79,6 +86,16 @@ void bind_scene(py::module_& module) {
   module.def("describe", &describe, "Bytes that are equal for equal values.");
   module.def("digest", &digest_of, "The digest that names a scene.");
   module.def("save", &save, "Writes a scene to a file.");
+  module.def(
+      "named_parts",
+      [](py::handle scene) {
+        py::list out;
+        for (const NamedPart& part : named_parts(scene)) {
+          out.append(py::make_tuple(part.kind, part.name, part.path, part.value));
+        }
+        return out;
+      },
+      "The materials, textures and objects of a scene: (kind, name, path, value).");
   module.def("to_json", &to_json, "A scene in protobuf's JSON mapping.");
   module.def("from_json", &from_json, "The scene of such a text, and of arrays by their digests.");
   module.def(

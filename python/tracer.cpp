@@ -3,11 +3,12 @@
 
 #include <cstring>
 
+#include "base/digest.h"
 #include "python/array.h"
 #include "python/bindings.h"
 #include "python/errors.h"
+#include "python/interruptible.h"
 #include "python/scene_values.h"
-#include "python/wait.h"
 #include "renderer/query/ray_queries.h"
 
 namespace py = pybind11;
@@ -158,25 +159,6 @@ SceneWithBlobs scene_of(const py::object& scene) {
   return message_of(scene);
 }
 
-/// A scene of one mesh, of float32 positions and uint32 indices in C order.
-SceneWithBlobs scene_of_mesh(const py::object& positions, const py::object& triangles) {
-  SceneWithBlobs made;
-  v1::TriangleMesh& mesh = *made.scene.add_nodes()->mutable_shape()->mutable_mesh();
-  const auto put = [&](const char* name, const py::object& object, char code, v1::BlobRef& ref) {
-    const py::buffer_info view = view_of(name, object);
-    if (view.format.size() != 1 || (view.format[0] == 'f') != (code == 'f') || view.itemsize != 4 ||
-        PyBuffer_IsContiguous(view.view(), 'C') == 0)
-      fail_array(name, code == 'f' ? "float32 in C order" : "uint32 in C order");
-    const auto* const first = static_cast<const std::byte*>(view.ptr);
-    std::vector<std::byte> bytes(first, first + view.size * view.itemsize);
-    ref.set_size(bytes.size());
-    ref.set_digest(made.blobs.put(std::move(bytes)).hex());
-  };
-  put("positions", positions, 'f', *mesh.mutable_positions());
-  put("triangles", triangles, 'I', *mesh.mutable_triangles());
-  return made;
-}
-
 template <typename T>
 Array array_of(std::vector<T> values, py::ssize_t width = 0) {
   const auto count = static_cast<py::ssize_t>(values.size());
@@ -324,12 +306,6 @@ void bind_tracer(py::module_& module) {
         const SceneWithBlobs made = scene_of(scene);
         return make_queries(made, frame_of(time, camera, accelerator, made), threads);
       }))
-      .def_static("of_mesh",
-                  [](const py::object& positions, const py::object& triangles,
-                     const std::string& accelerator, int threads) {
-                    const SceneWithBlobs made = scene_of_mesh(positions, triangles);
-                    return make_queries(made, frame_of({}, {}, accelerator, made), threads);
-                  })
       .def("scene",
            [](const RayQueries& queries) {
              return py::bytes(

@@ -103,6 +103,8 @@ std::string ValueReader::collect(py::handle thing, const ValueClass& made) {
   if (is_new) {
     const Field* list = list_of(made.message);
     scene_.GetReflection()->AddMessage(&scene_, list)->CopyFrom(*message);
+    named_parts_.push_back({lower_case(made.message->name()), name, path_text(),
+                            py::reinterpret_borrow<py::object>(thing)});
   }
   return name;
 }

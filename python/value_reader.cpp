@@ -58,15 +58,19 @@ bool is_picture(py::handle value) {
 
 }  // namespace
 
-void ValueReader::fail(const std::string& found, const std::string& expected) const {
+std::string ValueReader::path_text() const {
   std::string path;
   for (const Step& step : path_) {
     if (step.name) path += (path.empty() ? "" : ".") + *step.name;
     if (step.index >= 0) path += fmt::format("[{}]", step.index);
   }
+  return path;
+}
+
+void ValueReader::fail(const std::string& found, const std::string& expected) const {
   PyErr_Clear();
   const py::object error = parts().errors.attr("scene_error")(
-      found, expected, path,
+      found, expected, path_text(),
       values_.empty() ? py::none() : py::reinterpret_borrow<py::object>(values_.back()));
   PyErr_SetObject(py::type::of(error).ptr(), error.ptr());
   throw py::error_already_set();
@@ -205,9 +209,7 @@ void ValueReader::read_message(py::handle held, const Field& field, Message& mes
   if (type == v1::Vec3::descriptor() || type == v1::Vec2::descriptor()) {
     read_numbers(held, message);
   } else if (type == v1::Color::descriptor()) {
-    read_numbers(py::isinstance<py::str>(held) ? parts().color(held)
-                                               : py::reinterpret_borrow<py::object>(held),
-                 message);
+    read_color(held, static_cast<v1::Color&>(message));
   } else if (type == v1::ColorInput::descriptor() || type == v1::FloatInput::descriptor()) {
     read_input(held, message);
   } else if (type == v1::BlobRef::descriptor()) {
@@ -238,6 +240,24 @@ void ValueReader::read_input(py::handle held, Message& message) {
     fail(describe_found(held), is_color ? "a colour or a Texture" : "a number or a Texture");
   } else {
     read_one(held, *type->FindFieldByName("value"), message);
+  }
+}
+
+/// A name, a grey number or three numbers.
+void ValueReader::read_color(py::handle held, v1::Color& color) {
+  if (py::isinstance<py::str>(held)) {
+    py::object known;
+    try {
+      known = parts().color(held);
+    } catch (const py::error_already_set& error) {
+      fail(py::str(error.value()), "");
+    }
+    read_numbers(known, color);
+  } else if (PyNumber_Check(held.ptr()) && !PySequence_Check(held.ptr())) {
+    const double grey = to_number(held);
+    color.set_r(grey), color.set_g(grey), color.set_b(grey);
+  } else {
+    read_numbers(held, color);
   }
 }
 

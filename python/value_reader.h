@@ -5,6 +5,7 @@
 
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "proto/tessera/v1/scene.pb.h"
@@ -20,6 +21,14 @@ const google::protobuf::Descriptor* named_type(const google::protobuf::FieldDesc
 /// What a value is, for messages: a number or text itself, or "a Sphere".
 std::string describe_found(pybind11::handle value);
 
+/// A material, texture or object of a scene.
+struct NamedPart {
+  std::string kind;  ///< "material" ...
+  std::string name;  ///< its own, or what it got by its digest
+  std::string path;  ///< where it was first met: "nodes[3].materials[0]"
+  pybind11::object value;
+};
+
 /// Makes the description of a scene from Python values. Whatever does not fit is told as a
 /// SceneError with the way to it ("nodes[3].shape.radius") and where the value was made. Needs the
 /// GIL.
@@ -33,6 +42,8 @@ class ValueReader {
 
   /// Fills `message` from a value of its class.
   void read(pybind11::handle value, google::protobuf::Message& message);
+  /// Those that were read, each once.
+  std::vector<NamedPart> take_named_parts() { return std::move(named_parts_); }
 
  private:
   using Field = google::protobuf::FieldDescriptor;
@@ -48,6 +59,7 @@ class ValueReader {
   };
   class Within;
 
+  std::string path_text() const;
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
   void read_fields(pybind11::handle value, const ValueClass& made, Message& message);
   void read_field(pybind11::handle held, const Field& field, Message& message);
@@ -56,6 +68,7 @@ class ValueReader {
   void read_one(pybind11::handle held, const Field& field, Message& message);
   void read_message(pybind11::handle held, const Field& field, Message& message);
   void read_input(pybind11::handle held, Message& message);
+  void read_color(pybind11::handle held, v1::Color& color);
   void read_numbers(pybind11::handle held, Message& message);
   void read_array(pybind11::handle held, const Field& field, v1::BlobRef& message);
   void read_node(pybind11::handle held, v1::Node& node);
@@ -74,6 +87,7 @@ class ValueReader {
   std::vector<Step> path_;
   std::vector<pybind11::handle> values_;  ///< those being read, the outermost first
   std::unordered_map<const google::protobuf::Descriptor*, Collection> collections_;
+  std::vector<NamedPart> named_parts_;
   std::vector<pybind11::object> made_here_;  ///< keeps alive what name_of has addresses of
 };
 

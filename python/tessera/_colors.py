@@ -5,7 +5,8 @@ import colorsys
 from typing import NamedTuple
 
 from ._types import ColorLike
-from ._value import _nearest
+from ._value import nearest
+from .errors import SceneError
 
 
 class Color(NamedTuple):
@@ -17,9 +18,12 @@ class Color(NamedTuple):
 
 
 def color(given: ColorLike) -> Color:
-    """The colour of a name ("red"), of "#c33" or "#cc3333" (sRGB, decoded), or of three numbers."""
+    """The colour of a name ("red"), of "#c33" or "#cc3333" (sRGB, decoded), of three numbers, or grey
+    of one."""
     if isinstance(given, str):
         return _from_text(given)
+    if not hasattr(given, "__iter__"):
+        return Color(*3 * (float(given),))
     r, g, b = (float(c) for c in given)
     return Color(r, g, b)
 
@@ -31,7 +35,7 @@ def hsl(hue: float, saturation: float, lightness: float) -> Color:
 
 def _decoded(value: float) -> float:
     """From sRGB to linear, IEC 61966-2-1."""
-    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+    return float(value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4)
 
 
 def _from_text(text: str) -> Color:
@@ -41,7 +45,7 @@ def _from_text(text: str) -> Color:
     if len(digits) == 3:
         digits = "".join(2 * digit for digit in digits)
     if len(digits) != 6 or not set(digits) <= set("0123456789abcdef"):
-        hint = _nearest(word, list(COLORS))
-        raise ValueError(f"'{text}': no colour; expected a name or '#rrggbb'{hint}")
+        hint = nearest(word, list(COLORS))
+        raise SceneError(f"'{text}': no colour; expected a name or '#rrggbb'{hint}")
     r, g, b = (_decoded(int(digits[i:i + 2], 16) / 255) for i in (0, 2, 4))
     return Color(r, g, b)

@@ -4,6 +4,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any, Optional, Tuple
 
+from . import _core
+from ._messages import Shape
 from ._value import where
 from .errors import SceneError
 
@@ -12,8 +14,8 @@ if TYPE_CHECKING:
 
 _SEGMENT = re.compile(r"(\w+)(?: '(.*)'| (\d+))?")
 _LISTS = {"node": ("nodes", "children", "operands"), "operand": ("operands",),
-          "camera": ("cameras",), "material": ("materials",), "texture": ("textures",),
-          "object": ("objects",)}
+          "camera": ("cameras",)}
+_NAMED = ("material", "texture", "object")
 
 
 def _step(value: Any, segment: str) -> Optional[Tuple[Any, str]]:
@@ -22,6 +24,8 @@ def _step(value: Any, segment: str) -> Optional[Tuple[Any, str]]:
     if found is None:
         return None
     kind, name, number = found.groups()
+    if kind == "shape" and isinstance(value, Shape):
+        return value, ""  # which stands in a list of nodes by itself
     for attribute in _LISTS.get(kind, ()):
         parts = getattr(value, attribute, None) or []
         for index, part in enumerate(parts):
@@ -32,6 +36,14 @@ def _step(value: Any, segment: str) -> Optional[Tuple[Any, str]]:
     return None if part is None else (part, kind)
 
 
+def _named_part(scene: "Scene", kind: str, name: str) -> Optional[Tuple[Any, str]]:
+    """The material, texture or object of that name, or that got it by its digest, and its path."""
+    for of_kind, of_name, path, value in _core.named_parts(scene):
+        if (of_kind, of_name) == (kind, name):
+            return value, path
+    return None
+
+
 def located(scene: "Scene", error: SceneError) -> SceneError:
     """The error with the script's line and the path of what it names; itself where those are not
     known. Errors of the renderer read "node 'hall' > node 3 > shape: sphere.radius is -1; ..."."""
@@ -40,7 +52,12 @@ def located(scene: "Scene", error: SceneError) -> SceneError:
     value: Any = scene
     path = []
     for segment in beginning.split(" > "):
-        step = _step(value, segment)
+        kind, _, name = segment.partition(" ")
+        if kind in _NAMED:  # which may stand anywhere in the scene
+            path.clear()
+            step = _named_part(scene, kind, name.strip("'"))
+        else:
+            step = _step(value, segment)
         if step is None:
             return error
         value = step[0]
@@ -52,5 +69,5 @@ def located(scene: "Scene", error: SceneError) -> SceneError:
     if place is None:
         return error
     line = f"{place[0]}:{place[1]}"
-    whole = ".".join(path)
+    whole = ".".join(filter(None, path))
     return SceneError(f"{line}: {whole}: {rest}", place=line, path=whole)

@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -94,6 +95,14 @@ std::string format_of(const std::string& path, const std::string& asked) {
   return found;
 }
 
+/// How a file of that format holds a scene of our own; nothing for what is imported.
+std::optional<SceneEncoding> own_encoding(const std::string& format) {
+  if (format == "tessera") return SceneEncoding::text;
+  if (format == "tesserab") return SceneEncoding::binary;
+  if (format == "json") return SceneEncoding::json;
+  return std::nullopt;
+}
+
 LoadedScene read_format(const std::string& path, const std::string& format,
                         const ReadOptions& options) {
   if (format == "obj") return read_obj(path, options);
@@ -102,13 +111,11 @@ LoadedScene read_format(const std::string& path, const std::string& format,
   if (format == "gltf" || format == "glb") return read_gltf(path, options);
   if (format == "x3d" || format == "x3dv" || format == "wrl") return read_x3d(path, options);
   if (format == "crt") return read_crt(path, options);
-  const SceneEncoding encoding = format == "json"       ? SceneEncoding::json
-                                 : format == "tesserab" ? SceneEncoding::binary
-                                                        : SceneEncoding::text;
   // The blobs beside a file that is outside of the assets are as much outside as it is.
   const fs::path own = AssetFolder(path).root;
   const AssetFolder assets(path, options.assets);
-  SceneWithBlobs read = read_scene_file(path, encoding, assets.folder == own ? assets.root : own);
+  SceneWithBlobs read =
+      read_scene_file(path, *own_encoding(format), assets.folder == own ? assets.root : own);
   LoadedScene loaded;
   loaded.scene = std::move(read.scene);
   loaded.blobs = std::move(read.blobs);
@@ -216,9 +223,9 @@ LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
     else
       resolver.place(loaded, placement, read_whole);
   }
-  if (std::find(kModels.begin(), kModels.end(), format_of(path, options.format)) != kModels.end())
-    add_default_view(loaded);
-  if (loaded.scene.metadata().source_file().empty())
+  const std::string format = format_of(path, options.format);
+  if (std::find(kModels.begin(), kModels.end(), format) != kModels.end()) add_default_view(loaded);
+  if (!own_encoding(format) && loaded.scene.metadata().source_file().empty())
     loaded.scene.mutable_metadata()->set_source_file(to_utf8(fs::path(path).filename().string()));
   check_scene(loaded.scene, path);
   return loaded;

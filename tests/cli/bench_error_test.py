@@ -50,9 +50,10 @@ class BenchError(TesseraTest):
         peer = json.loads((self.folder / "s.json").read_text())["peers"][0]
         self.run_program("render", "s.tessera", "--spp", "1", "-o", "one.exr")
         told = self.run_program("compare", "one.exr", "s.exr", "--metrics").out
-        for name in ("relMSE", "SMAPE", "FLIP"):
+        for name in ("relMSE", "SMAPE", "FLIP", "SSIM"):
             self.assertRegex(told, rf"{name} +0\.\d*[1-9]")
-        self.assertRegex(self.run_program("compare", "s.exr", "s.exr", "--metrics").out, r"FLIP +0\n")
+        same = self.run_program("compare", "s.exr", "s.exr", "--metrics").out
+        self.assertRegex(same, r"FLIP +0\nSSIM +1\n")
         for name in ("one", "s"):
             (self.folder / f"{name}.exr").rename(self.folder / f"{name}.EXR")
         self.assertEqual(told, self.run_program("compare", "one.EXR", "s.EXR", "--metrics").out)

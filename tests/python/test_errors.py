@@ -1,7 +1,11 @@
 """What is wrong is told: the class, the place in the script, the way to it, the nearest name."""
+import pathlib
+
 import pytest
 
 import tessera as ts
+
+LINES = pathlib.Path(__file__).read_text(encoding="utf-8").splitlines()
 
 
 def digest(*nodes, **fields):
@@ -37,10 +41,22 @@ def test_a_wrong_value_tells_its_place_and_path():
     (lambda: ts.Sphere(material=ts.Box()), "a Material or the name of one"),
     (lambda: ts.Sphere(material=ts.Classic(diffuse="rde")), "did you mean 'red'"),
     (lambda: ts.PointLight(color=(1, 2, "x")), "'x'; expected a number"),
+    (lambda: ts.PointLight(color=float("nan")), "color: nan; expected a finite number"),
+    (lambda: ts.PointLight(color=None.__class__), "expected 3 numbers"),
 ])
 def test_wrong_values(make, expected):
     with pytest.raises(ValueError, match=expected):
         digest(make())
+
+
+def test_a_wrong_colour_tells_its_place_and_the_nearest_name():
+    material = ts.Classic(diffuse="rde")
+    line = test_a_wrong_colour_tells_its_place_and_the_nearest_name.__code__.co_firstlineno + 1
+    with pytest.raises(ts.SceneError) as told:
+        digest(ts.Sphere(material=material))
+    assert str(told.value) == (f"{__file__}:{line}: nodes[0].materials[0].diffuse: 'rde': no colour; expected a "
+                               "name or '#rrggbb'; did you mean 'red'?")
+    assert told.value.place == f"{__file__}:{line}" and told.value.suggestion == "red"
 
 
 def test_whole_numbers_have_bounds():
@@ -90,6 +106,27 @@ def test_files(tmp_path):
         ts.Scene().save(tmp_path / "scene.png")
     with pytest.raises(ts.SceneError, match="rde"):
         ts.Scene(materials=[ts.Classic(name="red")], nodes=[ts.Sphere(material="rde")]).check()
+
+
+@pytest.mark.parametrize("wrong, path, found", [
+    (lambda: ts.Sphere(material=ts.Physical(roughness=3)), "nodes[0].materials[0].roughness", "3"),
+    (lambda: ts.Sphere(material=ts.Classic(name="m", shininess=-3)), "nodes[0].materials[0].shininess", "-3"),
+    (lambda: ts.Sphere(material=ts.Classic(sides="back_material", back=ts.Classic(shininess=-2))),
+     "nodes[0].materials[0].back.shininess", "-2"),
+    (lambda: ts.Csg("union", [ts.Box(), ts.Sphere(material=ts.Unlit(opacity=2))]),
+     "nodes[0].operands[1].materials[0].opacity", "2"),
+    (lambda: ts.Sphere(material=ts.Unlit(color=ts.ImageTexture(width=7))), "nodes[0].materials[0].color.height",
+     "0"),
+    (lambda: ts.Object(nodes=[ts.Node(), ts.Sphere(radius=-1)]), "nodes[0].nodes[1].radius", "-1"),
+])
+def test_what_the_renderer_refuses_of_parts_without_names_has_its_line_in_the_script(wrong, path, found):
+    scene = ts.Scene(nodes=[wrong()])
+    for use in (lambda: scene.render(size=(4, 4), workers=0), scene.check):
+        with pytest.raises(ts.SceneError, match=f" is {found}; expected") as caught:
+            use()
+        assert caught.value.path == path
+        line = int(caught.value.place.rpartition(":")[2])
+        assert caught.value.place == f"{__file__}:{line}" and "lambda: " in LINES[line - 1]
 
 
 @pytest.mark.parametrize("wrong, path, found", [

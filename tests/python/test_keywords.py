@@ -9,7 +9,7 @@ INSTEAD = {
     "output": "Image.save", "stats": "Image.stats", "quiet": "nothing is printed",
     "progressive": "Task.snapshot", "frames": "Scene.frames", "connect": "farm", "key": "Farm(key=)",
     "server-key": "Farm(server_key=)", "trace": "the command line", "tev": "on_tile",
-    "resume": "Farm.submit", "help": "help()",
+    "help": "help()",
 }
 OUTPUT = {"exposure", "tone-map", "transfer", "gamma", "ocio-view", "ocio-display", "ocio-space",
           "ocio-input"}  # keywords of save() and to_srgb()

@@ -1,7 +1,10 @@
 """Pictures as arrays and files."""
+import copy
+import functools
 import json
 import pathlib
 import pickle
+import re
 import struct
 import zlib
 
@@ -135,7 +138,7 @@ def test_pictures_are_compared():
     a = ts.Image.from_array(np.full((8, 8, 3), .5))
     b = ts.Image.from_array(np.full((8, 8, 3), .25))
     same = ts.compare(a, a)
-    assert same == (0, 0, 0, 0, 0)
+    assert same == (0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, (0, 0, 0), 0, None, None)
     metrics = ts.compare(a, b)
     assert metrics.max == metrics.mean == metrics.rmse == .25
     assert metrics.rel_mse == pytest.approx(.0625 / (.0625 + .01)) and metrics.flip > 0
@@ -143,10 +146,113 @@ def test_pictures_are_compared():
         ts.compare(a, ts.Image.from_array(np.zeros((1, 1, 3))))
 
 
-def test_pictures_pickle():
-    made = ts.Image.from_array(np.arange(27.).reshape(3, 3, 3))
-    for protocol in range(2, 6):
-        assert pickle.loads(pickle.dumps(made, protocol)) == made
+def test_a_comparison_has_what_the_command_line_tells(image, tmp_path, tessera):
+    other = image.linear.copy()
+    other[7:9, 20] += (.1, 0, 0)
+    other[30, 11] = (0, .9, np.nan)
+    paths = [tmp_path / "a.exr", tmp_path / "b.exr"]
+    ts.Image.from_array(other).save(paths[0])
+    ts.Image.from_array(image.linear).save(paths[1])
+    told = tessera("compare", *paths, "--metrics", "--max-diff", "1e9", check=False)
+    ours = ts.compare(*paths)
+    assert ts.compare(ts.Image.from_array(other), image) == ours
+
+    def numbers(label):
+        text = re.search(rf"^{re.escape(label)} +(.*)$", told, re.M).group(1)
+        return [float(number) for number in re.findall(r"inf|-?\d+\.?\d*(?:e-?\d+)?", text)]
+    for label, value in {"max difference": ours.max, "mean difference": ours.mean, "rmse": ours.rmse,
+                         "SMAPE": ours.smape, "FLIP": ours.flip, "SSIM": ours.ssim,
+                         "99.9 % are within": ours.error_99_9, "mean ratio": ours.mean_ratio,
+                         "not finite": ours.not_finite}.items():
+        assert numbers(label) == [pytest.approx(value, rel=1e-8)], label
+    assert numbers("relMSE") == pytest.approx([ours.rel_mse, ours.trimmed_rel_mse], rel=1e-8)
+    assert numbers("differing pixels") == [ours.differing, 60 * 40] == [3, 60 * 40]
+    assert numbers("all of them in") == list(ours.where) == [11, 7, 21, 31]
+    assert numbers("the worst pixel")[:2] == list(ours.worst) == [11, 30]
+    assert ours.max_of[2] == np.inf and ours.max_of[0] >= np.float32(.1) - 1e-6
+
+    for path in (tmp_path / "a.png", tmp_path / "b.png"):
+        (image if path.name == "b.png" else ts.Image.from_array(image.linear * .9)).save(path)
+    told = tessera("compare", tmp_path / "a.png", tmp_path / "b.png", "--metrics", check=False)
+    ours = ts.compare(tmp_path / "a.png", tmp_path / "b.png")
+    for label, value in {"linear rmse": ours.rmse, "SSIM": ours.ssim, "FLIP": ours.flip}.items():
+        assert numbers(label) == [pytest.approx(value, rel=1e-8)], label
+
+
+def ssim_of(a, b):
+    """Wang et al. 2004, window by window."""
+    def shown(light):
+        grey = np.clip(light.astype("f8"), 0, 1) @ (.2126, .7152, .0722)
+        return np.where(grey <= .0031308, 12.92 * grey, 1.055 * grey ** (1 / 2.4) - .055)
+    a, b = shown(a), shown(b)
+    line = np.exp(-np.arange(-5, 6) ** 2 / (2 * 1.5 ** 2))
+    weights = np.outer(line, line) / line.sum() ** 2
+    found = []
+    for y in range(a.shape[0] - 10):
+        for x in range(a.shape[1] - 10):
+            p, q = a[y:y + 11, x:x + 11], b[y:y + 11, x:x + 11]
+            mp, mq = (weights * p).sum(), (weights * q).sum()
+            vp, vq, c = ((weights * d).sum() for d in ((p - mp) ** 2, (q - mq) ** 2, (p - mp) * (q - mq)))
+            found.append((2 * mp * mq + 1e-4) * (2 * c + 9e-4) / ((mp ** 2 + mq ** 2 + 1e-4) * (vp + vq + 9e-4)))
+    return np.mean(found)
+
+
+@pytest.mark.parametrize("height, width", [(11, 11), (17, 23)])
+def test_structural_similarity_is_that_of_the_paper(height, width):
+    random = np.random.default_rng(height)
+    a = random.uniform(-.1, 1.3, (height, width, 3)).astype("f4")
+    b = (a + random.normal(0, .2, a.shape)).astype("f4")
+    one, other = ts.Image.from_array(a), ts.Image.from_array(b)
+    assert ts.compare(one, other).ssim == pytest.approx(ssim_of(a, b), rel=1e-12)
+    assert ts.compare(other, one).ssim == ts.compare(one, other).ssim
+    assert ts.compare(one, ts.Image.from_array(1 - a)).ssim < 0
+
+
+def test_structural_similarity_of_small_pictures():
+    dark, bright = (ts.Image.from_array([[value]]) for value in (0., 1.))
+    assert ts.compare(dark, bright).ssim == pytest.approx(1e-4 / (1 + 1e-4))
+    assert ts.compare(dark, dark).ssim == 1
+
+
+def pickled(image, protocol):
+    return pickle.loads(pickle.dumps(image, protocol))
+
+
+def pickled_out_of_band(image):
+    buffers = []
+    data = pickle.dumps(image, 5, buffer_callback=buffers.append)
+    assert sum(buffer.raw().nbytes for buffer in buffers) == 60 * 40 * 18 * 4 and len(data) < 10_000
+    return pickle.loads(data, buffers=[bytes(buffer.raw()) for buffer in buffers])
+
+
+@pytest.mark.parametrize("again_of", [copy.copy, copy.deepcopy, pickled_out_of_band,
+                                      *(functools.partial(pickled, protocol=p) for p in (2, 3, 4, 5))])
+def test_pictures_copy_and_pickle_with_all_that_they_know(image, again_of):
+    again = again_of(image)
+    assert again == image and again.sha256 == image.sha256 and again.aovs == image.aovs
+    for name in image.aovs:
+        assert np.array_equal(again.aov(name), image.aov(name)), name
+    assert again.stats == image.stats and again.holes == image.holes
+    assert again._picture.encode("x.exr", []) == image._picture.encode("x.exr", [])  # with what files tell
+
+
+def test_a_picture_keeps_what_its_scene_asks_of_it():
+    scene = ts.Scene(width=4, height=4, exposure=2, tone_map="filmic", background=(.3, .2, .1))
+    image = scene.render(workers=0)
+    again = pickle.loads(pickle.dumps(image))
+    assert (again.to_srgb() == image.to_srgb()).all()
+    assert (again.to_srgb() != ts.Image.from_array(image.linear).to_srgb()).any()
+
+
+@pytest.mark.parametrize("at, wrong", [
+    (0, ts.Array.from_bytes(b"", "f", [0, 4, 3])), (0, ts.Array.from_bytes(bytes(48), "f", [4, 3])),
+    (0, ts.Array.from_bytes(bytes(96), "d", [2, 2, 3])), (1, 2**31 - 1), (2, -1), (3, 1), (3, 2**31), (4, b"?"),
+])
+def test_a_state_of_no_picture_is_refused(at, wrong):
+    state = list(ts._core.picture_state(ts.Image.from_array(np.ones((2, 2, 3)))._picture))
+    state[at] = wrong
+    with pytest.raises(ts.UsageError, match="of no picture"):
+        ts._core.picture_of_state(tuple(state))
 
 
 def test_denoising_has_the_bits_of_the_command_line(tmp_path, tessera):

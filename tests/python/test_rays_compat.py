@@ -6,6 +6,8 @@ import pytest
 from rays_scenes import cube
 from tessera.compat import MeshIntersector
 
+import tessera as ts
+
 #: The arguments of trimesh 4's RayMeshIntersector, with their defaults.
 SIGNATURES = {
     "intersects_id": [("ray_origins",), ("ray_directions",), ("return_locations", False),
@@ -64,6 +66,13 @@ def test_intersects_first_and_any(box):
 def test_nothing_hit_gives_empty_arrays(box):
     points, rays, triangles = box.intersects_location(ORIGINS[2:], DIRECTIONS[2:])
     assert points.shape == (0, 3) and rays.shape == triangles.shape == (0,)
+
+
+def test_positions_that_lose_precision_are_told():
+    vertices, faces = cube(1, 1.0)
+    with pytest.warns(ts.PrecisionWarning, match="rounded by up to") as told:
+        MeshIntersector(vertices.astype("f8") + 1e7 + .1, faces)
+    assert [warning.filename for warning in told] == [__file__]
 
 
 def test_contains_points(box):

@@ -29,6 +29,10 @@ def test_a_sample_there_and_back(path, tmp_path):
     assert ts.load_dict(scene.to_dict()) == scene
     if "<Array" not in repr(scene):  # long arrays are told, not shown
         assert eval(repr(scene), vars(ts)) == scene
+    for ending in ("tessera", "tesserab", "json"):
+        scene.save(tmp_path / f"again.{ending}")
+        again = load(tmp_path / f"again.{ending}")
+        assert again == scene and again.digest == scene.digest, ending
     scene.save(tmp_path / "ours.json")
     subprocess.run([PROGRAM, "convert", path, tmp_path / "theirs.json"], check=True, capture_output=True)
     assert (tmp_path / "ours.json").read_bytes() == (tmp_path / "theirs.json").read_bytes()
@@ -92,8 +96,21 @@ def test_colours():
     assert ts.color("red") == ts.color("#f00") == ts.color((1, 0, 0)) == (1, 0, 0)
     assert ts.color("#808080").r == pytest.approx(.21586, abs=1e-5)
     assert ts.hsl(120, 1, .5) == (0, 1, 0)
-    with pytest.raises(ValueError, match="did you mean 'crimson'"):
+    assert ts.color(.25) == ts.color(np.float32(.25)) == (.25, .25, .25)
+    with pytest.raises(ts.SceneError, match="did you mean 'crimson'") as told:
         ts.color("crimsn")
+    assert told.value.suggestion == "crimson"
+
+
+@pytest.mark.parametrize("grey", [.5, np.float32(.5), np.float64(.5), (.5, .5, .5), ts.color(.5)])
+def test_a_number_is_a_grey_colour(grey):
+    def made(value):
+        scene = ts.Scene(ambient=value, background=value)
+        scene.add(ts.Sphere(), material=ts.Classic(diffuse=value))
+        scene.add(ts.PointLight(color=value))
+        return scene
+    assert made(grey).digest == made((.5, .5, .5)).digest
+    assert made(1) == made("white") and made(0) != made(1)
 
 
 def test_settings_are_attributes():

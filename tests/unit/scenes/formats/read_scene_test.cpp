@@ -85,6 +85,11 @@ TEST_F(ReadScene, ReadsAnEndingInAnyCase) {
   EXPECT_EQ(read_scene(write("T.OBJ", kTriangle)).scene.metadata().source_file(), "T.OBJ");
 }
 
+TEST_F(ReadScene, NamesTheSourceOfWhatItImportsAlone) {
+  const std::string file = write("a.tessera", "nodes { shape { sphere {} } }");
+  EXPECT_FALSE(read_scene(file).scene.has_metadata());
+}
+
 TEST_F(ReadScene, FindsMaterialsBesideAnObj) {
   write("my colours.mtl", "newmtl red\nKd 1 0 0\n");
   write("sub/b.mtl", "newmtl blue\nKd 0 0 1\n");

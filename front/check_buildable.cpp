@@ -1,0 +1,19 @@
+#include "front/check_buildable.h"
+
+#include "base/process.h"
+#include "front/located.h"
+#include "renderer/scene/scene_builder.h"
+
+namespace tessera {
+
+void check_buildable(const RenderOptions& options, const LoadedScene& loaded) {
+  const v1::FrameSettings settings = frame_settings(options, loaded.scene, std::nullopt);
+  try {
+    build_scene(loaded.scene, loaded.blobs, settings, core_count());
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::bad_scene) throw;
+    throw located(options.scene, error.what());
+  }
+}
+
+}  // namespace tessera
