@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "base/error.h"
+#include "client/partial_film.h"
 #include "client/refusal.h"
+#include "job/job_messages.h"
 #include "proto/wire/blob_transfer.h"
 #include "proto/wire/frame.h"
 
@@ -15,6 +17,14 @@ namespace {
 
 constexpr Time kAskAgain = std::chrono::seconds(1);
 constexpr std::chrono::milliseconds kLongestWait{50};
+
+/// The window of the job, or nothing where no job can have it.
+std::optional<PixelRect> crop_of(const v1::JobStatus& status) {
+  const PixelRect crop = rect_of(status.crop());
+  const bool sane = !crop.empty() && crop.width() <= kMaxFrameSide &&
+                    crop.height() <= kMaxFrameSide && crop.area() <= kMaxFramePixels;
+  return sane ? std::optional(crop) : std::nullopt;
+}
 
 }  // namespace
 
@@ -40,13 +50,13 @@ void FarmClient::receive(const Handler& handle, bool& done) {
   }
 }
 
-void FarmClient::converse(const v1::Envelope& question, const Handler& done) {
+void FarmClient::converse(Channel channel, const v1::Envelope& question, const Handler& done) {
   Time ask = monotonic_now();
   last_heard_ = ask;
   for (bool finished = false; !finished;) {
     const Time now = monotonic_now();
     if (now >= ask) {
-      transport_.send(Channel::control, encode(question));
+      transport_.send(channel, encode(question));
       ask = now + kAskAgain;
     }
     transport_.wait(kLongestWait);
@@ -67,7 +77,7 @@ v1::JobStatus FarmClient::submit(const SubmittedJob& job) {
   *question.mutable_submit_job() = job.request;
   v1::JobStatus result;
   TroublePatience trouble(patience_, monotonic_now());
-  converse(question, [&](Channel, const v1::Envelope& message) {
+  converse(Channel::control, question, [&](Channel, const v1::Envelope& message) {
     trouble.check(transport_, endpoint_, true, monotonic_now());
     if (message.has_blob_request()) {
       const auto digest = Digest::parse(message.blob_request().digest());
@@ -95,7 +105,7 @@ v1::JobStatus FarmClient::ask(const v1::JobQuery& query) {
   // was before this order.
   question.mutable_job_query()->set_question(++questions_);
   v1::JobStatus result;
-  converse(question, [&](Channel, const v1::Envelope& message) {
+  converse(Channel::control, question, [&](Channel, const v1::Envelope& message) {
     if (!message.has_job_status()) return false;
     const v1::JobStatus& status = message.job_status();
     const bool same = status.question() == questions_;
@@ -112,7 +122,7 @@ v1::JobList FarmClient::list() {
     v1::Envelope question;
     const uint64_t after = all.jobs().empty() ? 0 : all.jobs(all.jobs_size() - 1).job();
     question.mutable_job_list_query()->set_after(after);
-    converse(question, [&](Channel, const v1::Envelope& message) {
+    converse(Channel::control, question, [&](Channel, const v1::Envelope& message) {
       if (!message.has_job_list()) return false;
       const v1::JobList& part = message.job_list();
       // Questions are asked again while answers are on their way: of several, the first counts.
@@ -133,7 +143,7 @@ v1::EnrolAnswer FarmClient::enrol(const v1::Enrol& request) {
   v1::Envelope question;
   *question.mutable_enrol() = request;
   v1::EnrolAnswer result;
-  converse(question, [&](Channel, const v1::Envelope& message) {
+  converse(Channel::control, question, [&](Channel, const v1::Envelope& message) {
     if (message.has_enrol_answer()) result = message.enrol_answer();
     return message.has_enrol_answer();
   });
@@ -141,14 +151,11 @@ v1::EnrolAnswer FarmClient::enrol(const v1::Enrol& request) {
 }
 
 std::optional<Film> FarmClient::fetch_film(const v1::JobStatus& status) {
-  const v1::PixelRect& r = status.crop();
-  const PixelRect crop{r.x0(), r.y0(), r.x1(), r.y1()};
+  const auto crop = crop_of(status);
   const auto digest = Digest::parse(status.end().film_digest());
-  const bool sane = !crop.empty() && crop.width() <= kMaxFrameSide &&
-                    crop.height() <= kMaxFrameSide && crop.area() <= kMaxFramePixels;
   const AovSet aovs(status.frame().settings().aovs());
-  const uint64_t size = sane ? film_bytes(crop, aovs) : 0;
-  if (!digest || !sane || status.end().film_size() != size) {
+  const uint64_t size = crop ? film_bytes(*crop, aovs) : 0;
+  if (!digest || !crop || status.end().film_size() != size) {
     throw render_error("there is no picture; expected one that can be fetched");
   }
   transport_.connect_bulk(status.bulk_endpoint());
@@ -185,9 +192,35 @@ std::optional<Film> FarmClient::fetch_film(const v1::JobStatus& status) {
       throw UnreachableError(fmt::format("no word from the coordinator at {}", endpoint_));
     }
   }
-  Film film(crop, aovs);
+  Film film(*crop, aovs);
   std::memcpy(film.values().data(), store.find(*digest)->data(), static_cast<size_t>(size));
   return film;
+}
+
+std::optional<Film> FarmClient::fetch_done(const v1::JobStatus& status, uint32_t frame) {
+  const auto crop = crop_of(status);
+  if (!crop || status.state() != v1::JobStatus::RUNNING) return std::nullopt;
+  transport_.connect_bulk(status.bulk_endpoint());
+  v1::DoneTilesQuery query;
+  query.set_job(status.job());
+  query.set_frame(frame);
+  PartialFilm partial(query, *crop);
+  bool any = false;
+  TroublePatience trouble(patience_, monotonic_now());
+  while (!partial.is_up_to_date()) {
+    v1::Envelope message;
+    *message.mutable_done_tiles_query() = *partial.question(monotonic_now());
+    converse(Channel::bulk, message, [&](Channel, const v1::Envelope& answer) {
+      trouble.check(transport_, endpoint_, true, monotonic_now());
+      if (!answer.has_done_tiles() ||
+          answer.done_tiles().question() != message.done_tiles_query().question()) {
+        return false;
+      }
+      any |= !partial.on_answer(answer.done_tiles(), monotonic_now()).empty();
+      return true;
+    });
+  }
+  return any ? std::optional(partial.film().with_only({})) : std::nullopt;
 }
 
 void FarmClient::wait(Time time) {

@@ -42,13 +42,16 @@ class FarmClient {
   /// what has become of the job is to be asked then. Throws render_error where it cannot be
   /// fetched.
   std::optional<Film> fetch_film(const v1::JobStatus& status);
+  /// The light of a frame that is being traced, as far as it is done, the rest black; the frame is
+  /// the one that the status was asked of. Nothing where none is done, or it is not traced now.
+  std::optional<Film> fetch_done(const v1::JobStatus& status, uint32_t frame);
   /// Lets some time pass.
   void wait(Time time);
 
  private:
   using Handler = std::function<bool(Channel, const v1::Envelope&)>;
   /// Sends `question`, again each second until `done` is true of what came.
-  void converse(const v1::Envelope& question, const Handler& done);
+  void converse(Channel channel, const v1::Envelope& question, const Handler& done);
   void receive(const Handler& handle, bool& done);
 
   ClientTransport& transport_;

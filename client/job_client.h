@@ -30,6 +30,7 @@ class JobClient {
   std::vector<std::pair<Channel, v1::Envelope>> take_outgoing();
   /// Where to send bulk messages, once it is known.
   const std::string& bulk_endpoint() const { return status_.bulk_endpoint(); }
+  bool is_traced() const { return status_.state() == v1::JobStatus::RUNNING; }
   /// Whether it sends its scene or fetches its picture.
   bool moves_blobs() const {
     return status_.state() == v1::JobStatus::FETCHING || status_.state() == v1::JobStatus::ENDED;

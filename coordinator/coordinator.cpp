@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "base/plural.h"
 
+#include "coordinator/done_tiles.h"
 #include "coordinator/jobs/memory_job_store.h"
 #include "coordinator/tiles/identity.h"
 #include "proto/wire/blob_transfer.h"
@@ -110,6 +111,9 @@ void Coordinator::on_message(Channel channel, const PeerId& peer, const v1::Enve
   if (of_submission) jobs_->set_threads(workers().present_threads());
   if (channel == Channel::bulk) {
     if (message.has_blob_request()) return on_blob_request(peer, message.blob_request());
+    if (message.has_done_tiles_query()) {
+      return on_done_tiles_query(peer, message.done_tiles_query());
+    }
     if (message.has_blob_chunk()) clients_->on_chunk(message.blob_chunk(), now);
     if (message.has_blob_missing()) clients_->on_missing(message.blob_missing(), now);
   } else if (!clients_->on_control(peer, message, now, sender)) {
@@ -137,6 +141,18 @@ void Coordinator::on_blob_request(const PeerId& peer, const v1::BlobRequest& req
     blob.of->report().bytes_scene += bytes;
     bytes_scene_ += bytes;
   }
+  outgoing_.push_back(std::move(answer));
+}
+
+void Coordinator::on_done_tiles_query(const PeerId& peer, const v1::DoneTilesQuery& query) {
+  OutgoingMessage answer{Channel::bulk, peer, {}};
+  v1::DoneTiles& tiles = *answer.message.mutable_done_tiles();
+  tiles.set_question(query.question());
+  const FarmJob* const job = query.submission() != 0 ? jobs_->find_submission(query.submission())
+                                                     : jobs_->find(query.job());
+  const ActiveJob* const active =
+      job && !job->local() ? jobs_->running(job->id(), query.frame()) : nullptr;
+  if (active) add_done_tiles(*active, options_.opening, query, tiles);
   outgoing_.push_back(std::move(answer));
 }
 

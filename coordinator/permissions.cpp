@@ -25,6 +25,7 @@ std::optional<Role> needed_role(const v1::Envelope& message) {
     case v1::Envelope::kJobRelease:
     case v1::Envelope::kBlobChunk:
     case v1::Envelope::kBlobMissing:
+    case v1::Envelope::kDoneTilesQuery:
       return Role::submitter;
     case v1::Envelope::kJobQuery:
       return is_question(message.job_query()) ? Role::viewer : Role::submitter;

@@ -5,10 +5,11 @@
 import sys
 
 import numpy as np
+import numpy.typing as npt
 import tessera as ts
 
 
-def sky_share(tracer, hits, rays, seed=1):
+def sky_share(tracer: ts.Tracer, hits: ts.Hits, rays: int, seed: int = 1) -> npt.NDArray[np.float64]:
     """The share of an evenly bright sky that lights each hit, estimated by so many rays."""
     random = np.random.default_rng(seed)
     free = np.zeros(hits.shape)
@@ -20,7 +21,7 @@ def sky_share(tracer, hits, rays, seed=1):
     return free / rays
 
 
-def main(width=640, rays=64):
+def main(width: int = 640, rays: int = 64) -> None:
     scene = ts.Scene(width=width, height=width * 9 // 16)
     scene.camera = ts.Camera.look_at(eye=(0, 2, 6), target=(0, 0.8, 0), fov=35)
     scene.add(ts.Plane())

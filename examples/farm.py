@@ -14,7 +14,7 @@ frames = max(2, int(sys.argv[1])) if len(sys.argv) > 1 else 24
 width = int(sys.argv[2]) if len(sys.argv) > 2 else 640
 
 
-def program(stack, *arguments):
+def program(stack: contextlib.ExitStack, *arguments: str) -> subprocess.Popen[str]:
     """Starts the program `tessera`, which is ended with the stack."""
     process = stack.enter_context(subprocess.Popen([ts.program(), *arguments], text=True,
                                                    stdout=subprocess.PIPE, stderr=subprocess.DEVNULL))
@@ -22,9 +22,10 @@ def program(stack, *arguments):
     return process
 
 
-def small_farm(stack):
+def small_farm(stack: contextlib.ExitStack) -> str:
     """Starts a coordinator and a worker; returns where they are."""
     serve = program(stack, "serve", "--bind", "tcp://127.0.0.1:*")
+    assert serve.stdout is not None
     endpoint = serve.stdout.readline().split()[-1]  # "serving at tcp://127.0.0.1:PORT"
     program(stack, "worker", "--connect", endpoint)
     return endpoint

@@ -11,9 +11,8 @@ size = int(sys.argv[1]) if len(sys.argv) > 1 else 1400
 file = sys.argv[2] if len(sys.argv) > 2 else "toolbox.png"
 
 
-def matt(colour, **others):
-    return ts.Classic.toolbox(**{"diffuse": .5, "ambient": .35, "highlight": .15, "roughness": .1,
-                                 "colour": colour, **others})
+def matt(colour: str, highlight: float = .15) -> ts.Classic:
+    return ts.Classic.toolbox(diffuse=.5, ambient=.35, highlight=highlight, roughness=.1, colour=colour)
 
 
 scene = ts.Scene(width=size, height=size, ambient=(.4, .4, .4), response=ts.LIGHT_1, max_depth=100,

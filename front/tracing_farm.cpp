@@ -254,13 +254,15 @@ class RemoteFarm : public TracingFarm {
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {
-    return run_remote_job(*transport_, endpoint_, job, progress, stop, patience_);
+    return run_remote_job(*transport_, endpoint_, job, progress, stop, patience_, tiles_);
   }
+  void watch_tiles(TileCallback done) override { tiles_ = std::move(done); }
 
  private:
   std::string endpoint_;
   Time patience_;
   std::unique_ptr<ClientTransport> transport_;
+  TileCallback tiles_;
 };
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -13,16 +12,6 @@
 #include "job/job.h"
 
 namespace tessera {
-
-/// Tiles that were done since the last call, and the film that has them: `channels` values a pixel
-/// of `film`, rows from the top, valid during the call.
-struct NewTiles {
-  PixelRect film;
-  int channels = 0;
-  std::span<const float> values;
-  std::vector<PixelRect> tiles;
-};
-using TileCallback = std::function<void(const NewTiles&)>;
 
 /// Whoever traces the frames of one command: started early, to get ready while a long scene
 /// is still being read. Used by one thread; its destructor leaves nothing running.
@@ -33,8 +22,8 @@ class TracingFarm {
   virtual JobResult run(JobSpec job, const ProgressCallback& progress,
                         const std::atomic<bool>& stop) = 0;
   /// From now on `done` is called, on the thread that runs, with tiles of the running frame a few
-  /// times a second; empty: no more. A farm elsewhere tells none.
-  virtual void watch_tiles(TileCallback /*done*/) {}
+  /// times a second; empty: no more.
+  virtual void watch_tiles(TileCallback done) = 0;
   /// Where finished tiles of jobs to come are kept and found, by those who trace them here.
   virtual void keep_tiles(std::shared_ptr<TileStore>) {}
   /// Moves blobs of jobs to come to where its workers can share them.

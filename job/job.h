@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -68,10 +69,10 @@ struct JobResult {
   Film film;  ///< of the crop; holes are marked
 };
 
-/// Told to whoever watches; called on the thread that runs the job.
 /// Of a job's name, in bytes; those of files fit in however they are written.
 inline constexpr size_t kMostName = 1000;
 
+/// Told to whoever watches; called on the thread that runs the job.
 struct JobProgress {
   uint64_t tiles_done = 0, tiles_total = 0;
   int workers = 0;                                    ///< now connected
@@ -79,6 +80,16 @@ struct JobProgress {
   std::string waiting_for{};                          ///< "workers" ...; empty: tiles are traced
 };
 using ProgressCallback = std::function<void(const JobProgress&)>;
+
+/// Tiles that were done since the last call, and the film that has them: `channels` values a pixel
+/// of `film`, rows from the top, valid during the call.
+struct NewTiles {
+  PixelRect film;
+  int channels = 0;
+  std::span<const float> values;
+  std::vector<PixelRect> tiles;
+};
+using TileCallback = std::function<void(const NewTiles&)>;
 
 /// For JobProgress: seconds until `left` tiles are done, where `done` took `elapsed`. Not known
 /// before some dozens, or a quarter of all, tell what one takes in the mean.

@@ -93,6 +93,8 @@ std::string show(const py::object& self) {
 }
 
 /// An array of that type from the bytes of a buffer, which it shares where nobody can write to it.
+/// Indices are copied all the same: memory that cannot be written to here may be by its owner, and
+/// who changes an index after it was checked must not reach the renderer.
 Array from_bytes(const py::buffer& given, const std::string& code, Array::Shape shape) {
   const ArraySource source = array_source(
       py::module_::import("builtins").attr("memoryview")(given).attr("cast")("B"), "Array");
@@ -107,7 +109,9 @@ Array from_bytes(const py::buffer& given, const std::string& code, Array::Shape 
     throw py::value_error("Array: " + std::to_string(source.count()) + " bytes; expected " +
                           std::to_string(bytes));
   }
-  if (source.read_only) return {source.owner, source.data, type, std::move(shape)};
+  const bool may_be_indices = type.code == kElementOf<uint32_t>.code;
+  if (source.read_only && !may_be_indices)
+    return {source.owner, source.data, type, std::move(shape)};
   const auto copy =
       std::make_shared<const std::vector<std::byte>>(source.data, source.data + bytes);
   return {copy, copy->data(), type, std::move(shape)};

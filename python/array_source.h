@@ -2,6 +2,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -55,7 +56,8 @@ float half_to_float(uint16_t half);
 template <class From, bool kSwapped>
 From load(const std::byte* at) {
   std::byte bytes[sizeof(From)];
-  for (size_t i = 0; i < sizeof(From); ++i) bytes[i] = at[kSwapped ? sizeof(From) - 1 - i : i];
+  std::memcpy(bytes, at, sizeof bytes);
+  if constexpr (kSwapped) std::ranges::reverse(bytes);
   From value;
   std::memcpy(&value, bytes, sizeof value);
   return value;

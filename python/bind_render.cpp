@@ -183,6 +183,10 @@ void bind_access(py::module_& module) {
            [](FarmAccess& farm, uint64_t job, uint32_t frame) {
              return run_interruptibly([&](Stop stop) { return farm.fetch(job, frame, stop); });
            })
+      .def("snapshot",
+           [](FarmAccess& farm, uint64_t job, uint32_t frame) {
+             return run_interruptibly([&](Stop stop) { return farm.snapshot(job, frame, stop); });
+           })
       .def("frames", [](FarmAccess& farm, uint64_t job) {
         return run_interruptibly([&](Stop stop) { return farm.frames(job, stop); });
       });

@@ -118,6 +118,20 @@ std::shared_ptr<RenderedPicture> FarmAccess::fetch(uint64_t job, uint32_t frame,
       .report = std::move(report)});
 }
 
+std::shared_ptr<RenderedPicture> FarmAccess::snapshot(uint64_t job, uint32_t frame,
+                                                      const std::atomic<bool>& stop) {
+  const std::lock_guard lock(mutex_);
+  FarmClient asking = client(stop);
+  v1::JobQuery query;
+  query.set_job(job);
+  query.set_frame(frame);
+  const v1::JobStatus status = known(asking, query);
+  std::optional<Film> film = asking.fetch_done(status, frame);
+  if (!film) return nullptr;
+  return std::make_shared<RenderedPicture>(
+      RenderedPicture{.film = std::move(*film), .output = status.frame().output()});
+}
+
 std::vector<int> FarmAccess::frames(uint64_t job, const std::atomic<bool>& stop) {
   const std::lock_guard lock(mutex_);
   FarmClient asking = client(stop);

@@ -32,6 +32,9 @@ class FarmAccess {
   /// The picture of a frame, counted from 0; null while it is not done. Throws what it failed with.
   std::shared_ptr<RenderedPicture> fetch(uint64_t job, uint32_t frame,
                                          const std::atomic<bool>& stop);
+  /// What is done of one that is being traced; null where nothing is.
+  std::shared_ptr<RenderedPicture> snapshot(uint64_t job, uint32_t frame,
+                                            const std::atomic<bool>& stop);
   /// The numbers of a job's frames in its animation.
   std::vector<int> frames(uint64_t job, const std::atomic<bool>& stop);
 

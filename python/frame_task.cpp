@@ -161,6 +161,7 @@ void FrameTask::finish(JobResult result) {
   progress_.tiles_done = std::max(progress_.tiles_done, picture ? picture->report.tiles_done : 0);
   if (picture) progress_.tiles_total = picture->report.tiles_total;
   progress_.remaining_seconds = 0;
+  progress_.waiting_for.clear();
   picture_ = std::move(picture);
   partial_.reset();
   failure_ = std::move(failure);

@@ -45,8 +45,8 @@ class FrameTask {
   void keep_tiles();
   /// Tiles that became done since the last call.
   std::vector<PixelRect> take_tiles();
-  /// What is done of the picture, the rest black. Null where that is not known: before the first
-  /// tile, without keep_tiles(), and of a farm elsewhere.
+  /// What is done of the picture, the rest black. Null before the first tile, and without
+  /// keep_tiles().
   std::shared_ptr<RenderedPicture> snapshot() const;
 
   /// The picture, or what was done of it; null where there is none. Once it is done.

@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <array>
 #include <map>
+#include <memory>
 
+#include "python/array_kernels.h"
 #include "python/array_source.h"
 #include "python/bindings.h"
 
@@ -41,31 +42,38 @@ Array::Shape blob_shape(const ArraySource& source, py::ssize_t columns) {
   return columns == 0 ? Array::Shape{rows} : Array::Shape{rows, columns};
 }
 
+/// Copies indices as uint32; returns whether each is less than `limit`.
+bool narrow_indices(const ArraySource& source, uint64_t limit, uint32_t* out) {
+  const auto count = static_cast<size_t>(source.count());
+  if (!source.swapped && source.is_contiguous()) {
+    if (source.item_size == 4 && limit <= uint64_t{1} << 31) {
+      return copy_indices<uint32_t>(source.data, count, limit, out);
+    }
+    if (source.item_size == 8) return copy_indices<uint64_t>(source.data, count, limit, out);
+  }
+  uint64_t worst = 0;  // a negative number is a huge one here
+  for_each_element<uint64_t>(source, 0, source.count(), [&](uint64_t index) {
+    worst = std::max(worst, index);
+    *out++ = static_cast<uint32_t>(index);
+  });
+  return worst < limit || count == 0;
+}
+
 /// Indices as uint32, each held against `limit` before it is made narrow.
-std::vector<uint32_t> to_indices(const ArraySource& source, const std::string& field,
-                                 uint64_t limit, const char* of_what) {
+std::shared_ptr<const uint32_t[]> to_indices(const ArraySource& source, const std::string& field,
+                                             uint64_t limit, const char* of_what) {
   if (source.kind != 'i' && source.kind != 'u' && source.count() > 0) {
     throw py::type_error(fmt::format("{}: {}; expected an integer type", field,
                                      source.kind == 'f' ? "floats" : "booleans"));
   }
-  std::vector<uint32_t> indices(static_cast<size_t>(source.count()));
-  uint64_t worst = 0;  // a negative number is a huge one here
+  const auto indices =
+      std::make_shared_for_overwrite<uint32_t[]>(static_cast<size_t>(source.count()));
+  bool all_fit;
   {
     const py::gil_scoped_release unlocked;
-    if (source.is_plain(kElementOf<uint32_t>)) {
-      std::memcpy(indices.data(), source.data, indices.size() * sizeof(uint32_t));
-      uint32_t largest = 0;
-      for (const uint32_t index : indices) largest = std::max(largest, index);
-      worst = largest;
-    } else {
-      uint32_t* out = indices.data();
-      for_each_element<uint64_t>(source, 0, source.count(), [&](uint64_t index) {
-        worst = std::max(worst, index);
-        *out++ = static_cast<uint32_t>(index);
-      });
-    }
+    all_fit = narrow_indices(source, limit, indices.get());
   }
-  if (indices.empty() || worst < limit) return indices;
+  if (all_fit) return indices;
   py::ssize_t at = 0, bad = -1;
   for_each_element<uint64_t>(source, 0, source.count(), [&](uint64_t index) {
     if (index >= limit && bad < 0) bad = at;
@@ -132,6 +140,25 @@ Array copy_texels(const ArraySource& source, ElementType type) {
   return {kept, kept->data(), type, source.shape};
 }
 
+/// Writes all vertices less `middle` in single precision.
+VertexBounds round_all(const ArraySource& source, const std::array<double, 3>& middle, float* out) {
+  VertexBounds bounds;
+  if (source.is_plain(kElementOf<double>)) {
+    round_vertices(source.data, static_cast<size_t>(source.count() / 3), middle, out, bounds);
+    return bounds;
+  }
+  // Other elements are made doubles, some at a time.
+  std::array<double, 3 * 512> some;
+  for (py::ssize_t at = 0; at < source.count(); at += some.size()) {
+    const py::ssize_t length = std::min<py::ssize_t>(some.size(), source.count() - at);
+    double* next = some.data();
+    for_each_element<double>(source, at, length, [&](double number) { *next++ = number; });
+    round_vertices(reinterpret_cast<const std::byte*>(some.data()), static_cast<size_t>(length / 3),
+                   middle, out + at, bounds);
+  }
+  return bounds;
+}
+
 /// Positions as single precision with the middle of their bounds taken off, if that is wanted:
 /// (array, middle or None, largest move by rounding, extent).
 py::tuple take_positions(py::handle given, py::handle copy, bool recenter) {
@@ -141,36 +168,24 @@ py::tuple take_positions(py::handle given, py::handle copy, bool recenter) {
   if (!recenter && (refuses_copy || (source.kind == 'f' && source.item_size <= 4))) {
     return py::make_tuple(take_blob_array(given, "positions", copy), py::none(), 0.0, 0.0);
   }
-  std::vector<double> exact;
-  double least[3], most[3], middle[3] = {}, extent = 0, worst = 0;
-  std::fill(least, least + 3, std::numeric_limits<double>::infinity());
-  std::fill(most, most + 3, -std::numeric_limits<double>::infinity());
-  std::vector<float> rounded(static_cast<size_t>(source.count()));
-  const auto each = [&](auto use) {
-    size_t i = 0;
-    for_each_element<double>(source, 0, source.count(), [&](double x) { use(i, i % 3, x), ++i; });
-  };
+  const auto count = static_cast<size_t>(source.count());
+  const auto rounded = std::make_shared_for_overwrite<float[]>(count);
+  std::array<double, 3> middle{};
+  VertexBounds bounds;
   {
     const py::gil_scoped_release unlocked;
-    each([&](size_t, size_t axis, double x) {
-      least[axis] = std::min(least[axis], x);
-      most[axis] = std::max(most[axis], x);
-    });
-    for (int axis = 0; axis < 3; ++axis) {
-      if (recenter && !rounded.empty()) middle[axis] = least[axis] + (most[axis] - least[axis]) / 2;
-      extent = std::max(extent, most[axis] - least[axis]);
+    bounds = round_all(source, middle, rounded.get());
+    if (recenter && count > 0) {
+      for (size_t axis = 0; axis < 3; ++axis)
+        middle[axis] = bounds.least[axis] + (bounds.most[axis] - bounds.least[axis]) / 2;
+      bounds = round_all(source, middle, rounded.get());
     }
-    each([&](size_t i, size_t axis, double x) {
-      const double moved = x - middle[axis];
-      rounded[i] = static_cast<float>(moved);
-      worst = std::max(worst, std::abs(static_cast<double>(rounded[i]) - moved));
-    });
   }
-  const Array array(std::move(rounded), blob_shape(source, 3));
+  const Array array(rounded, rounded.get(), kElementOf<float>, blob_shape(source, 3));
   return py::make_tuple(array,
                         recenter ? py::object(py::make_tuple(middle[0], middle[1], middle[2]))
                                  : py::object(py::none()),
-                        worst, extent);
+                        bounds.largest_move, bounds.extent());
 }
 
 }  // namespace
@@ -197,8 +212,10 @@ py::object take_blob_array(py::handle given, const std::string& field, py::handl
   }
   const Array::Shape shape = is_texels ? source.shape : blob_shape(source, columns);
   const bool is_index = type.code == 'I';
-  const std::string obstacle =
-      is_index ? "indices are checked and kept apart" : what_prevents_sharing(source, type);
+  // The memory of an Array of indices is its own, and without `rows` there is nothing to check.
+  const bool is_kept = py::isinstance<Array>(given) && rows < 0;
+  const std::string obstacle = is_index && !is_kept ? "indices are checked and kept apart"
+                                                    : what_prevents_sharing(source, type);
   const bool refuses = !copy.is_none() && !copy.cast<bool>();
   if (py::isinstance<Array>(given) && obstacle.empty() && shape == source.shape) {
     return py::reinterpret_borrow<py::object>(given);
@@ -210,7 +227,8 @@ py::object take_blob_array(py::handle given, const std::string& field, py::handl
   if (is_index) {
     const uint64_t limit =
         field == "triangles" && rows >= 0 ? static_cast<uint64_t>(rows) : uint64_t{1} << 32;
-    return py::cast(Array(to_indices(source, field, limit, rows >= 0 ? ", a vertex" : ""), shape));
+    const auto indices = to_indices(source, field, limit, rows >= 0 ? ", a vertex" : "");
+    return py::cast(Array(indices, indices.get(), type, shape));
   }
   const bool with_alpha = field == "colors" && source.shape.size() == 2 && source.shape[1] == 3;
   return py::cast(Array(to_floats(source, with_alpha), shape));

@@ -317,10 +317,6 @@ void bind_tracer(py::module_& module) {
              return py::bytes(
                  encode_scene(queries.description(), queries.blobs(), SceneEncoding::binary));
            })
-      .def("digest",
-           [](const RayQueries& queries) {
-             return Digest::of(serialize_scene(queries.description())).hex();
-           })
       .def("camera_rays", camera_rays)
       .def("size",
            [](const RayQueries& queries) {

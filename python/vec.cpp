@@ -125,7 +125,9 @@ void bind_vec(py::module_& module) {
           "The vector product.")
       .def_property_readonly(
           "length", [](const Vec& v) { return length(v); }, "The Euclidean length.")
-      .def("normalized", normalized, "The vector of length 1 in this direction.")
+      .def(
+          "normalized", [](const Vec& v) { return normalized(v); },
+          "The vector of length 1 in this direction.")
       .def("__reduce__", [](const py::object& self) {
         return py::make_tuple(py::type::of(self), py::tuple(self));
       });

@@ -84,7 +84,7 @@ ActiveJob::ActiveJob(const FrameName& name, JobSpec& spec, Prepared prepared,
       assembler_(spec.crop, cut_tiles(spec.crop, tile_size_), AovSet(spec.frame.aovs())),
       scheduler_(assembler_.tiles(), tile_size_, rules, &keys),
       verifier_(assembler_.tiles().size(), rules.verify, rules.verify_key ^ id_, &keys),
-      submitted_(now),
+      begun_(now),
       scene_failures_(std::move(failures)) {
   start_ = start_of(name, frame_id_of(name.job_id, id_, key_, tile_size_), spec, prepared.digest,
                     prepared.scene.size());
@@ -331,7 +331,7 @@ void ActiveJob::note_span(FrameTrace::Kind kind, WorkerId worker, const std::str
   trace_.workers.try_emplace(worker, name);
   const bool of_tile = kind != FrameTrace::Kind::scene;
   trace_.spans.push_back({worker, kind, tile, of_tile ? assembler_.tiles()[tile] : PixelRect{},
-                          to_seconds(begin - submitted_), to_seconds(now - submitted_)});
+                          to_seconds(begin - begun_), to_seconds(now - begun_)});
 }
 
 std::vector<TileSnapshot> ActiveJob::tiles(Time now) const {
@@ -362,7 +362,7 @@ JobProgress ActiveJob::progress(Time now) const {
   JobProgress progress;
   progress.tiles_done = assembler_.tiles_done();
   progress.tiles_total = assembler_.tiles().size();
-  progress.elapsed_seconds = to_seconds(now - submitted_);
+  progress.elapsed_seconds = to_seconds(now - begun_);
   progress.remaining_seconds = -1;
   const uint64_t untraced = report_.tiles_restored + report_.filled;
   if (first_assignment_ && progress.tiles_done > untraced) {

@@ -75,6 +75,7 @@ class ActiveJob {
   const std::string& frame_id() const { return start_.frame_id(); }
   /// Under which its tiles are kept.
   const Digest& key() const { return key_; }
+  Time begun() const { return begun_; }
   const v1::JobStart& start_message() const { return start_; }
   v1::Assign assignment(const Lease& lease) const;
   /// Notes that a worker could not build the scene. The frame fails once two voices say that the
@@ -205,7 +206,7 @@ class ActiveJob {
   TileScheduler scheduler_;
   TileVerifier verifier_;
   JobReport report_;
-  Time submitted_;
+  Time begun_;
   std::optional<Time> first_assignment_, last_result_;
   bool ended_ = false;
   SceneFailures scene_failures_;

@@ -239,6 +239,7 @@ void Assembler::complete_tile(uint32_t index, std::vector<uint64_t> counts, Work
     partial_.erase(partial);
   }
   ++tiles_done_;
+  done_order_.push_back(index);
 }
 
 std::optional<std::vector<uint64_t>> Assembler::counts_of(const Partial& partial,

@@ -65,6 +65,9 @@ class Assembler {
   /// Whose pixels completed it; 0: it is not complete.
   WorkerId done_by(uint32_t tile) const { return done_by_[tile]; }
   uint64_t tiles_done() const { return tiles_done_; }
+  /// Tiles in the order in which they became complete. One that was reopened stands there for each
+  /// time.
+  const std::vector<uint32_t>& done_order() const { return done_order_; }
   /// Sums over complete tiles, which stop at the largest number, and what building the scene
   /// counted.
   CounterMap counters() const;
@@ -111,6 +114,7 @@ class Assembler {
   std::vector<std::vector<uint64_t>> counts_;  ///< by complete tile
   CounterMap build_counters_;
   uint64_t tiles_done_ = 0;
+  std::vector<uint32_t> done_order_;
 };
 
 }  // namespace tessera

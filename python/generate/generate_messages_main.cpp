@@ -11,12 +11,17 @@ constexpr const char* kHead =
     R"("""The messages of a scene as classes. Generated from scene.proto: do not edit."""
 from __future__ import annotations
 
-from typing import Dict, Iterable, List, Literal, Mapping, NoReturn, Optional, Union
+from typing import (TYPE_CHECKING, Dict, Iterable, List, Literal, Mapping, NoReturn, Optional, Tuple,
+                    Union)
 
 from ._shape_methods import ShapeMethods
-from ._types import (ArrayLike, ColorInputLike, ColorLike, FloatInputLike, NodeLike,
-                     VectorLike)
+from ._types import (Accelerator, ArrayLike, ColorInputLike, ColorLike, FloatInputLike, Integrator,
+                     NodeLike, VectorLike)
 from ._value import Value, here, refuse_keywords
+
+if TYPE_CHECKING:
+    from . import _transforms, _view
+
 )";
 
 }  // namespace
@@ -34,7 +39,7 @@ int main(int count, char** arguments) {
   google::protobuf::DescriptorPool pool;
   const google::protobuf::FileDescriptor* file = pool.BuildFile(files.file(0));
   if (!file) return 1;
-  std::string text = kHead;
+  std::string text = kHead + tessera::enumerations(*file);
   const std::vector<tessera::PythonClass> classes = tessera::python_classes(*file);
   for (const tessera::PythonClass& made : classes) text += tessera::to_python(made);
   text += "\n\n__all__ = [\n";

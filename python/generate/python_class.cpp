@@ -21,9 +21,17 @@ const std::map<std::string, std::string> kPlain = {{"Vec2", "VectorLike"},
                                                    {"Color", "ColorLike"},
                                                    {"BlobRef", "ArrayLike"},
                                                    {"Blob", ""}};
-/// What is taken beside the class itself.
-const std::map<std::string, std::string> kTaken = {
-    {"ColorInput", "ColorInputLike"}, {"FloatInput", "FloatInputLike"}, {"Node", "NodeLike"}};
+/// What is taken beside the class itself, or the class derived from it that users see.
+const std::map<std::string, std::string> kTaken = {{"ColorInput", "ColorInputLike"},
+                                                   {"FloatInput", "FloatInputLike"},
+                                                   {"Node", "NodeLike"},
+                                                   {"Transform", "_transforms.Transform"},
+                                                   {"Background", "_view.Background"},
+                                                   {"Camera", "_view.Camera"},
+                                                   {"Lens", "_view.Lens"}};
+/// String fields that are words of the command line.
+const std::map<std::string, std::string> kWords = {{"Settings.accelerator", "Accelerator"},
+                                                   {"IntegratorSettings.kind", "Integrator"}};
 const std::map<std::string, std::string> kRenamed = {{"TriangleMesh", "Mesh"},
                                                      {"Texture.GradientRamp", "GradientTexture"},
                                                      {"Light.Cylinder", "BeamLight"}};
@@ -73,12 +81,9 @@ std::string comment(const D& described) {
   return escaped;
 }
 
-std::string enum_type(const pb::EnumDescriptor& type) {
-  std::string names;
-  for (int i = 0; i < type.value_count(); ++i) {
-    names += fmt::format("{}\"{}\"", i ? ", " : "", python_name(*type.value(i)));
-  }
-  return "Literal[" + names + "]";
+/// "SamplingFilter" for the enumeration Sampling.Filter.
+std::string enum_name(const pb::EnumDescriptor& type) {
+  return type.containing_type() ? class_name(*type.containing_type()) + type.name() : type.name();
 }
 
 std::string element_type(const pb::FieldDescriptor& field) {
@@ -89,10 +94,11 @@ std::string element_type(const pb::FieldDescriptor& field) {
     case pb::FieldDescriptor::CPPTYPE_BOOL:
       return "bool";
     case pb::FieldDescriptor::CPPTYPE_ENUM:
-      return enum_type(*field.enum_type());
+      return enum_name(*field.enum_type());
     case pb::FieldDescriptor::CPPTYPE_STRING: {
-      const auto named = kNames.find(short_name(field.full_name()));
-      return named == kNames.end() ? "str" : fmt::format("Union[str, {}]", named->second);
+      const std::string name = short_name(field.full_name());
+      if (kWords.contains(name)) return kWords.at(name);
+      return kNames.contains(name) ? fmt::format("Union[str, {}]", kNames.at(name)) : "str";
     }
     case pb::FieldDescriptor::CPPTYPE_MESSAGE: {
       const std::string name = short_name(field.message_type()->full_name());
@@ -105,14 +111,14 @@ std::string element_type(const pb::FieldDescriptor& field) {
   }
 }
 
-/// The field's comment, and those of the values that it can have.
+/// The field's comment, and the values that it can have with theirs.
 std::string field_doc(const pb::FieldDescriptor& field) {
   std::string doc = comment(field);
   const pb::EnumDescriptor* type = field.enum_type();
   for (int i = 0; type && i < type->value_count(); ++i) {
     const std::string said = comment(*type->value(i));
-    if (said.empty()) continue;
-    doc += fmt::format("{}\"{}\": {}", doc.empty() ? "" : "; ", python_name(*type->value(i)), said);
+    doc += fmt::format("{}\"{}\"{}{}", doc.empty() ? "" : "; ", python_name(*type->value(i)),
+                       said.empty() ? "" : ": ", said);
   }
   return doc;
 }
@@ -137,6 +143,21 @@ std::vector<PythonField> fields_of(const pb::Descriptor& message, bool with_kind
   return fields;
 }
 
+/// The types of a message's enumerations, and of those of messages in it.
+void add_enumerations(const pb::Descriptor& message, std::string& text) {
+  for (int i = 0; i < message.nested_type_count(); ++i) {
+    add_enumerations(*message.nested_type(i), text);
+  }
+  for (int i = 0; i < message.enum_type_count(); ++i) {
+    const pb::EnumDescriptor& type = *message.enum_type(i);
+    std::vector<std::string> names;
+    for (int k = 0; k < type.value_count(); ++k) {
+      names.push_back(fmt::format("\"{}\"", python_name(*type.value(k))));
+    }
+    text += fmt::format("{} = Literal[{}]\n", enum_name(type), fmt::join(names, ", "));
+  }
+}
+
 const pb::OneofDescriptor* kinds_of(const pb::Descriptor& message) {
   return message.real_oneof_decl_count() == 1 ? message.oneof_decl(0) : nullptr;
 }
@@ -152,7 +173,7 @@ void add_union(const pb::Descriptor& message, std::vector<PythonClass>& classes)
   if (message.name() == "Shape") {
     base.base = "ShapeMethods, Value";
     base.common.push_back({.name = "transform",
-                           .type = "Transform",
+                           .type = kTaken.at("Transform"),
                            .doc = "Comes behind the transform of the node that holds the shape."});
   }
   classes.push_back(base);
@@ -288,6 +309,12 @@ std::vector<PythonClass> python_classes(const pb::FileDescriptor& file) {
   return classes;
 }
 
+std::string enumerations(const pb::FileDescriptor& file) {
+  std::string text;
+  for (int i = 0; i < file.message_type_count(); ++i) add_enumerations(*file.message_type(i), text);
+  return text;
+}
+
 std::string to_python(const PythonClass& made) {
   const bool is_base = made.kind.empty() && !made.common.empty();
   const std::vector<PythonField>& slots = is_base ? made.common : made.own;
@@ -295,7 +322,8 @@ std::string to_python(const PythonClass& made) {
   text += docstring(made);
   text += fmt::format("    __slots__ = ({})\n", quoted(slots));
   text += fmt::format("    _MESSAGE = \"{}\"\n    _KIND = \"{}\"\n", made.message, made.kind);
-  text += fmt::format("    _FIELDS = ({})\n", quoted(made.own) + quoted(made.common));
+  text +=
+      fmt::format("    _FIELDS: Tuple[str, ...] = ({})\n", quoted(made.own) + quoted(made.common));
   for (const PythonField& field : slots) {
     text += fmt::format("    {}: {}\n", field.name, attribute_type(field));
   }

@@ -34,6 +34,9 @@ bool is_union(const google::protobuf::Descriptor& message);
 /// The classes of all messages of a file, bases before what derives from them.
 std::vector<PythonClass> python_classes(const google::protobuf::FileDescriptor& file);
 
+/// The types of all enumerations of a file, as lines of source text: `FogKind = Literal[...]`.
+std::string enumerations(const google::protobuf::FileDescriptor& file);
+
 /// The source text of a class.
 std::string to_python(const PythonClass& made);
 

@@ -4,8 +4,9 @@ import sys
 
 from . import program
 
-try:
-    _path = program()
-except ImportError as _error:
-    sys.exit(f"tessera: {_error}")
-os.execv(_path, ["tessera", *sys.argv[1:]])
+if __name__ == "__main__":
+    try:
+        _path = program()
+    except ImportError as _error:
+        sys.exit(f"tessera: {_error}")
+    os.execv(_path, ["tessera", *sys.argv[1:]])

@@ -5,7 +5,7 @@ import colorsys
 from typing import NamedTuple
 
 from ._types import ColorLike
-from ._value import _nearest
+from ._value import nearest
 from .errors import SceneError
 
 
@@ -35,7 +35,7 @@ def hsl(hue: float, saturation: float, lightness: float) -> Color:
 
 def _decoded(value: float) -> float:
     """From sRGB to linear, IEC 61966-2-1."""
-    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+    return float(value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4)
 
 
 def _from_text(text: str) -> Color:
@@ -45,7 +45,7 @@ def _from_text(text: str) -> Color:
     if len(digits) == 3:
         digits = "".join(2 * digit for digit in digits)
     if len(digits) != 6 or not set(digits) <= set("0123456789abcdef"):
-        hint = _nearest(word, list(COLORS))
+        hint = nearest(word, list(COLORS))
         raise SceneError(f"'{text}': no colour; expected a name or '#rrggbb'{hint}")
     r, g, b = (_decoded(int(digits[i:i + 2], 16) / 255) for i in (0, 2, 4))
     return Color(r, g, b)

@@ -1,12 +1,14 @@
 """The graph of a scene beyond what its messages have: many instances in one value."""
 from __future__ import annotations
 
-from typing import Any, List, Optional, Sequence, Tuple, Union
+from typing import Any, List, Optional, Sequence, TypeVar, Union
 
 from . import _core, _messages
 from ._messages import Object
-from ._types import ArrayLike
+from ._types import PartsLike, TransformsLike
 from ._value import Value, here
+
+T = TypeVar("T")
 
 
 class Instances(Value):
@@ -21,18 +23,19 @@ class Instances(Value):
     __slots__ = ("object", "transforms", "names")
     _FIELDS = ("object", "transforms", "names")
     object: Union[str, Object]
-    transforms: Any
+    transforms: _core.Array
     names: Optional[List[str]]
 
-    def __init__(self, object: Union[str, Object, _messages.Shape, Sequence[Any]],
-                 transforms: ArrayLike, names: Optional[Sequence[str]] = None, *,
+    def __init__(self, object: Union[str, PartsLike], transforms: TransformsLike,
+                 names: Optional[Sequence[str]] = None, *,
                  material: Optional[Union[str, _messages.Material]] = None) -> None:
         self._place = here()
         self.object = object if isinstance(object, (str, Object)) else to_object(object, material)
+        matrices: Any = transforms
         if isinstance(transforms, (list, tuple)) and transforms and all(
                 isinstance(each, _messages.Transform) for each in transforms):
-            transforms = [_core.transform_matrix(each) for each in transforms]
-        self.transforms = _core.take_matrices(transforms, "transforms")
+            matrices = [_core.transform_matrix(each) for each in transforms]
+        self.transforms = _core.take_matrices(matrices, "transforms")
         self.names = None if names is None else [str(name) for name in names]
         if self.names is not None and len(self.names) != len(self):
             raise ValueError(f"names: {len(self.names)}; expected {len(self)}, one an instance")
@@ -47,7 +50,8 @@ class Instances(Value):
                     (other.object, other.transforms, other.names))
 
 
-def to_object(things: Any, material: Any = None) -> Object:
+def to_object(things: PartsLike,
+              material: Optional[Union[str, _messages.Material]] = None) -> Object:
     """An object without a name, which gets one by its digest, of shapes and nodes."""
     return Object(nodes=[with_material(thing, material) for thing in flat(things)])
 
@@ -62,10 +66,10 @@ def flat(things: Any) -> List[Any]:
     return [leaf for thing in things for leaf in flat(thing)]
 
 
-def with_material(thing: Any, material: Any) -> Any:
+def with_material(thing: T, material: Optional[Union[str, _messages.Material]]) -> T:
     """The thing; a copy of it with that material where one is given and it is a shape."""
     if material is None or not isinstance(thing, _messages.Shape):
         return thing
-    copy = thing.__copy__()
+    copy: Any = thing.__copy__()
     copy.material = material
-    return copy
+    return copy  # type: ignore[no-any-return]

@@ -4,20 +4,19 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from typing import Any, Dict, List, Literal, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _core
-from .errors import SceneWarning, UsageError
+from ._types import Path, X3dColor, X3dShadows, X3dTexture
+from .errors import SceneWarning
 from .rendering import checked_scene
 from .scene import Scene
 
 
-def load(path: Union[str, "os.PathLike[str]"], *,
-         assets: Optional[Union[str, "os.PathLike[str]"]] = None, frame: int = 0,
+def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
          place: Union[str, Sequence[str]] = (), strict: bool = False,
-         x3d_color: Literal["display", "linear"] = "display",
-         x3d_shadows: Literal["on", "file", "off"] = "on",
-         x3d_texture: Literal["version", "replace", "modulate"] = "version",
+         x3d_color: X3dColor = "display", x3d_shadows: X3dShadows = "on",
+         x3d_texture: X3dTexture = "version",
          x3d_weld: Optional[float] = None, x3d_two_sided: bool = False) -> Scene:
     """Reads a scene from a file of any format that Tessera knows, by its ending.
 
@@ -33,7 +32,8 @@ def load(path: Union[str, "os.PathLike[str]"], *,
     :param x3d_weld: points this near share the normals that are made.
     :param x3d_two_sided: shows back faces, which files that leave `solid` out hide.
     """
-    name = checked_scene(os.fspath(path))
+    name = os.fspath(path)
+    checked_scene(name)
     places = [place] if isinstance(place, str) else list(place)
     given: List[Tuple[str, Any]] = [("place", text) for text in places]
     given += [("assets", assets if assets is None else os.fspath(assets)), ("x3d-color", x3d_color),
@@ -44,7 +44,7 @@ def load(path: Union[str, "os.PathLike[str]"], *,
     scene, told = _core.load(name, texts, frame)
     for warning in told:
         warnings.warn(warning, SceneWarning, stacklevel=2)
-    return scene  # type: ignore[no-any-return]
+    return scene
 
 
 def load_dict(description: Mapping[str, Any]) -> Scene:
@@ -53,7 +53,7 @@ def load_dict(description: Mapping[str, Any]) -> Scene:
     """
     arrays: Dict[str, Any] = {}
     scene = _core.from_json(json.dumps(_without_arrays(description, arrays, "")), arrays)
-    return scene  # type: ignore[no-any-return]
+    return scene
 
 
 def _without_arrays(part: Any, arrays: Dict[str, Any], field: str) -> Any:
@@ -66,7 +66,8 @@ def _without_arrays(part: Any, arrays: Dict[str, Any], field: str) -> Any:
         array = _core.take_array(part, _ARRAYS[field])
         digest = _core.blob_digest(array)
         arrays[digest] = array
-        return {"digest": digest, "size": str(memoryview(array).nbytes)}
+        size = memoryview(array).nbytes  # type: ignore[arg-type]
+        return {"digest": digest, "size": str(size)}
     return part.item() if hasattr(part, "item") else part
 
 

@@ -5,11 +5,13 @@ import atexit
 import os
 import warnings
 import weakref
-from typing import Any, Optional
+from typing import NoReturn, Optional, TypeVar
 
 from . import _core
 from ._program import program
 from .errors import UsageError
+
+F = TypeVar("F", bound="BaseFarm")
 
 
 class OfThisProcess:
@@ -43,12 +45,12 @@ class BaseFarm(OfThisProcess):
 
     __slots__ = ("_thread", "__weakref__")
 
-    def __init__(self, thread: Any) -> None:
+    def __init__(self, thread: _core.FarmThread) -> None:
         super().__init__()
-        self._thread: Any = thread
+        self._thread: Optional[_core.FarmThread] = thread
         _open_farms.add(self)
 
-    def _submit(self, task: Any) -> None:
+    def _submit(self, task: _core.Task) -> None:
         self._check_process()
         if self._thread is None:
             raise RuntimeError(f"{type(self).__name__}: it is closed; expected one that is open")
@@ -66,7 +68,7 @@ class BaseFarm(OfThisProcess):
         """Whether close() was called."""
         return self._thread is None
 
-    def __enter__(self) -> Any:
+    def __enter__(self: F) -> F:
         self._check_process()
         return self
 
@@ -78,7 +80,7 @@ class BaseFarm(OfThisProcess):
             warnings.warn(f"{self!r} was not closed", ResourceWarning, source=self)
             self.close()
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> NoReturn:
         raise TypeError(f"{type(self).__name__} cannot be pickled: it has threads and processes")
 
 
@@ -94,8 +96,9 @@ class LocalFarm(BaseFarm):
 
     def __init__(self, workers: Optional[int] = None, threads: int = 1, verify: float = 0) -> None:
         self._thread = None
-        self.workers = _count("workers", workers, 1)
-        self.threads = _count("threads", threads, 1)
+        _check_count("workers", workers, 1)
+        _check_count("threads", threads, 1)
+        self.workers, self.threads = workers, threads
         if not 0 <= verify <= 1:
             raise UsageError(f"verify: {verify}; expected a share from 0 to 1")
         if verify > 0 and (self.workers or os.cpu_count() or 1) < 2:
@@ -117,18 +120,18 @@ class Threads(BaseFarm):
 
     def __init__(self, count: Optional[int] = None) -> None:
         self._thread = None
-        self.count = _count("count", count, 1)
+        _check_count("count", count, 1)
+        self.count = count
         super().__init__(_core.threads_here(self.count))
 
     def __repr__(self) -> str:
         return f"Threads({self.count or ''})"
 
 
-def _count(name: str, value: Optional[int], least: int, most: int = 1024) -> Any:
+def _check_count(name: str, value: Optional[int], least: int, most: int = 1024) -> None:
     if value is None:
-        return None
+        return
     if isinstance(value, bool) or not isinstance(value, int):
         raise TypeError(f"{name}: {value!r}; expected a whole number")
     if not least <= value <= most:
         raise UsageError(f"{name}: {value}; expected a whole number from {least} to {most}")
-    return value

@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any, Iterable, Optional, Union
+from typing import (TYPE_CHECKING, Any, Generic, Iterable, NoReturn, Optional, TypeVar, Union,
+                    overload)
 
 from . import _core, _messages
 from ._transforms import Transform, as_ndarray
@@ -10,10 +11,19 @@ from ._types import ArrayLike
 from ._value import here, level_of_caller
 from .errors import PrecisionWarning
 
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Floats = npt.NDArray[np.float32]
+    Numbers = npt.NDArray[np.uint32]
+
+Given = TypeVar("Given")  # the array that a field hands out
+
 _LARGEST_SHARE = 2.0 ** -24  # of a mesh's extent that rounding may move a vertex by
 
 
-class _ArrayField:
+class _ArrayField(Generic[Given]):
     """A field that takes any array, checks it at once and hands out a read-only view."""
 
     def __init__(self, name: str, doc: str) -> None:
@@ -21,6 +31,10 @@ class _ArrayField:
         self._slot: Any = _messages.Mesh.__dict__[name]
         self.__doc__ = doc
 
+    @overload
+    def __get__(self, mesh: None, _: Any = None) -> _ArrayField[Given]: ...
+    @overload
+    def __get__(self, mesh: Mesh, _: Any = None) -> Optional[Given]: ...
     def __get__(self, mesh: Optional[Mesh], _: Any = None) -> Any:
         if mesh is None:
             return self
@@ -64,26 +78,38 @@ class Mesh(_messages.Mesh):
 
     __slots__ = ()
 
-    positions: Any = _ArrayField("positions", "Of the vertices, (v, 3) float32.")
-    triangles: Any = _ArrayField("triangles", "Of vertices, (t, 3) uint32.")
-    normals: Any = _ArrayField("normals", "Of the vertices, (v, 3) float32.")
-    uvs: Any = _ArrayField("uvs", "Texture coordinates of the vertices, (v, 2) float32.")
-    colors: Any = _ArrayField("colors", "Of the vertices, (v, 4) float32.")
-    face_materials: Any = _ArrayField("face_materials", "Of the triangles, (t,) uint32.")
+    positions: _ArrayField[Floats] = _ArrayField(  # type: ignore[assignment]
+        "positions", "Of the vertices, (v, 3) float32.")
+    triangles: _ArrayField[Numbers] = _ArrayField(  # type: ignore[assignment]
+        "triangles", "Of vertices, (t, 3) uint32.")
+    normals: _ArrayField[Floats] = _ArrayField(  # type: ignore[assignment]
+        "normals", "Of the vertices, (v, 3) float32.")
+    uvs: _ArrayField[Floats] = _ArrayField(  # type: ignore[assignment]
+        "uvs", "Texture coordinates of the vertices, (v, 2) float32.")
+    colors: _ArrayField[Floats] = _ArrayField(  # type: ignore[assignment]
+        "colors", "Of the vertices, (v, 4) float32.")
+    face_materials: _ArrayField[Numbers] = _ArrayField(  # type: ignore[assignment]
+        "face_materials", "Of the triangles, (t,) uint32.")
 
     def __init__(self, positions: Optional[ArrayLike] = None, triangles: Optional[ArrayLike] = None, *,
                  normals: Optional[ArrayLike] = None, uvs: Optional[ArrayLike] = None,
                  colors: Optional[ArrayLike] = None, face_materials: Optional[ArrayLike] = None,
                  materials: Iterable[Union[str, _messages.Material]] = (), closed: bool = False,
                  recenter: bool = False, copy: Optional[bool] = None, name: Optional[str] = None,
-                 material: Optional[Union[str, _messages.Material]] = None, **fields: Any) -> None:
+                 material: Optional[Union[str, _messages.Material]] = None,
+                 flip_normals: Optional[bool] = None, transform: Optional[Transform] = None,
+                 inline_positions: Optional[Iterable[float]] = None,
+                 inline_triangles: Optional[Iterable[int]] = None,
+                 inline_normals: Optional[Iterable[float]] = None,
+                 inline_uvs: Optional[Iterable[float]] = None, **unknown: NoReturn) -> None:
         super().__init__(materials=materials, closed=closed or None, name=name, material=material,
-                         **fields)
+                         flip_normals=flip_normals, transform=transform,
+                         inline_positions=inline_positions, inline_triangles=inline_triangles,
+                         inline_normals=inline_normals, inline_uvs=inline_uvs, **unknown)
         self._place = here()
         if positions is not None:
-            self._take_positions(positions, copy, recenter)
+            count = self._take_positions(positions, copy, recenter)
             if triangles is None:
-                count = len(self.positions)
                 if count % 3:
                     raise ValueError(f"positions: {count} without triangles; expected a multiple of 3")
                 triangles = [(i, i + 1, i + 2) for i in range(0, count, 3)]
@@ -91,7 +117,8 @@ class Mesh(_messages.Mesh):
                              ("colors", colors), ("face_materials", face_materials)):
             Mesh.__dict__[field].put(self, given, copy)
 
-    def _take_positions(self, given: Any, copy: Optional[bool], recenter: bool) -> None:
+    def _take_positions(self, given: ArrayLike, copy: Optional[bool], recenter: bool) -> int:
+        """Returns how many there are."""
         taken, middle, moved, extent = _core.take_positions(given, copy, recenter)
         Mesh.__dict__["positions"].put(self, taken, None)
         if moved > extent * _LARGEST_SHARE:
@@ -100,9 +127,17 @@ class Mesh(_messages.Mesh):
         if middle is not None:
             step = _messages.TransformStep(translate=middle)
             self.transform = Transform([*(self.transform.steps if self.transform else []), step])
+        return len(taken)
 
     @classmethod
-    def from_(cls, source: Any, **options: Any) -> Mesh:
+    def from_(cls, source: Any, *, normals: Optional[ArrayLike] = None,
+              uvs: Optional[ArrayLike] = None, colors: Optional[ArrayLike] = None,
+              face_materials: Optional[ArrayLike] = None,
+              materials: Iterable[Union[str, _messages.Material]] = (), closed: bool = False,
+              recenter: bool = False, copy: Optional[bool] = None, name: Optional[str] = None,
+              material: Optional[Union[str, _messages.Material]] = None,
+              flip_normals: Optional[bool] = None, transform: Optional[Transform] = None,
+              **unknown: NoReturn) -> Mesh:
         """The mesh of an object that has `vertices` or `points`, and `faces`, `triangles` or `cells`:
         those of trimesh, Open3D and meshio.
         """
@@ -115,4 +150,7 @@ class Mesh(_messages.Mesh):
         if positions is None or triangles is None:
             raise TypeError(f"a {type(source).__name__}; expected vertices or points, and faces, "
                             "triangles or cells")
-        return cls(positions, triangles, **options)
+        return cls(positions, triangles, normals=normals, uvs=uvs, colors=colors,
+                   face_materials=face_materials, materials=materials, closed=closed,
+                   recenter=recenter, copy=copy, name=name, material=material,
+                   flip_normals=flip_normals, transform=transform, **unknown)

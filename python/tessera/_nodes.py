@@ -1,25 +1,24 @@
 """Nodes of the scene graph, with what they can do."""
 from __future__ import annotations
 
-from typing import Any
-
 from . import _messages
-from ._placing import Placed, _behind
+from ._placing import Placed, behind
+from ._transforms import Transform
 from ._value import here
 
 
 class Node(Placed, _messages.Node):
     """A place in the scene graph, with a shape, a light, an instance or other nodes in it.
 
-    The fields are those of the message; see `tessera._messages.Node`. Lengths are metres.
+    Lengths are metres.
     """
 
     __slots__ = ()
 
-    def _place_by(self, outer: Any) -> Node:
+    def _place_by(self, outer: Transform) -> Node:
         if not self.keys:
             return super()._place_by(outer)
-        self.keys = [_messages.TransformKey(key.time, _behind(outer, key.transform))
+        self.keys = [_messages.TransformKey(key.time, behind(outer, key.transform))
                      for key in self.keys]
         return self
 

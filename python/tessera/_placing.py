@@ -1,13 +1,14 @@
 """What shapes and nodes can both do: be moved, copied, mirrored, turned inside out, combined and hit."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Iterator, List, Optional, TypeVar
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optional, Tuple, TypeVar, Union
 
 from ._core import Vec
-from ._types import VectorLike
+from ._types import ArrayLike, Cull, HitField, VectorLike
 
 if TYPE_CHECKING:
-    from ._messages import Csg, Plane, Transform
+    from ._messages import Csg, CsgOperation, Plane
+    from ._transforms import Transform
     from .rays import Hits
 
 T = TypeVar("T", bound="Placed")
@@ -48,7 +49,10 @@ class Placed:
             setattr(self, name, held)
         return self
 
-    def intersect(self, origin: Any, direction: Any, **options: Any) -> Hits:
+    def intersect(self, origin: ArrayLike, direction: ArrayLike, *,
+                  t_min: Union[float, ArrayLike] = 0.0, t_max: Union[float, ArrayLike] = float("inf"),
+                  cull: Cull = "none", threads: Optional[int] = None,
+                  fields: Union[None, HitField, Iterable[HitField]] = None) -> Hits:
         """The closest hits of rays with this alone; t counts lengths of the direction.
 
         Each call builds what it needs anew: many rays are better given at once, as arrays
@@ -60,8 +64,8 @@ class Placed:
                  if isinstance(material, str)}
         alone: Any = self
         scene = Scene(nodes=[alone], materials=[_messages.Classic(name=name) for name in sorted(names)])
-        hits: Hits = scene.tracer(threads=1).intersect(origin, direction, **options)
-        return hits
+        return scene.tracer(threads=1).intersect(origin, direction, t_min=t_min, t_max=t_max, cull=cull,
+                                                 threads=threads, fields=fields)
 
     def __or__(self, other: Placed) -> Csg:
         return _combined("union", self, other)
@@ -78,15 +82,15 @@ class Placed:
 
     def _place_by(self: T, outer: Transform) -> T:
         """Puts `outer` behind its transforms."""
-        self.transform = _behind(outer, self.transform)
+        self.transform = behind(outer, self.transform)
         return self
 
 
-def _behind(outer: Any, inner: Any) -> Any:
+def behind(outer: Transform, inner: Optional[Transform]) -> Transform:
     return outer if inner is None else outer @ inner
 
 
-def _combined(operation: Any, a: Any, b: Any) -> Csg:
+def _combined(operation: CsgOperation, a: Placed, b: Placed) -> Csg:
     from ._messages import Csg
     if not isinstance(b, Placed):
         return NotImplemented
@@ -94,13 +98,14 @@ def _combined(operation: Any, a: Any, b: Any) -> Csg:
     return Csg(operation, operands)
 
 
-def _in_parent(plane: Any) -> Any:
+def _in_parent(plane: Plane) -> Tuple[Vec, float]:
     """The unit normal of a plane and its distance from the origin, with its own transform."""
     normal = Vec((0, 1, 0) if plane.normal is None else plane.normal).normalized()
     offset = plane.offset or 0.0
     if plane.transform is not None:
         from ._core import transform_matrix
-        numbers = memoryview(transform_matrix(plane.transform)).cast("B").cast("d").tolist()
+        array = transform_matrix(plane.transform)
+        numbers = memoryview(array).cast("B").cast("d").tolist()  # type: ignore[arg-type]
         x, y, z = (Vec(numbers[i:i + 3]) for i in (0, 4, 8))
         foot = normal * offset
         moved = Vec(x.dot(foot), y.dot(foot), z.dot(foot)) + numbers[3::4]
@@ -127,7 +132,7 @@ def _shapes(thing: Any) -> Iterator[Any]:
         yield from _shapes(part)
 
 
-def _turned(thing: Any) -> Any:
+def _turned(thing: Any) -> Dict[str, Any]:
     """The fields that are others once its normals are turned. What other things share is copied."""
     from ._messages import Node, Object, Shape
     from ._graph import Instances

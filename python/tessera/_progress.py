@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import Any, Callable, NamedTuple, Optional, Union
+from typing import Any, Callable, NamedTuple, Optional, Protocol, Union, runtime_checkable
 
 SHOW_SECONDS = .1
 """From one look at a task to the next, for who shows it."""
@@ -26,7 +26,19 @@ class Progress(NamedTuple):
     """What it waits for, such as "workers"; empty while tiles are traced."""
 
 
-ProgressOption = Union[None, bool, Callable[[Progress], object], Any]
+@runtime_checkable
+class Bar(Protocol):
+    """What is used of a bar like tqdm's."""
+
+    total: Any
+    n: Any
+
+    def update(self, n: int) -> object: ...
+    def refresh(self) -> object: ...
+    def close(self) -> object: ...
+
+
+ProgressOption = Union[None, bool, Callable[[Progress], object], Bar]
 
 
 def progress_display(progress: ProgressOption) -> Callable[[Optional[Progress]], None]:
@@ -39,23 +51,23 @@ def progress_display(progress: ProgressOption) -> Callable[[Optional[Progress]],
         except ImportError:
             return _text_display()
         return _bar_display(tqdm(unit="tile"), closes=True)
-    if hasattr(progress, "update") and hasattr(progress, "refresh"):
+    if isinstance(progress, Bar):
         return _bar_display(progress, closes=False)
     if not callable(progress):
         raise TypeError(f"progress: {progress!r}; expected True, a function or a bar like tqdm's")
-
+    tell = progress
     last: Optional[Progress] = None
 
     def call(now: Optional[Progress]) -> None:
         nonlocal last
         if now is not None and now != last:
-            progress(now)
+            tell(now)
         last = now
 
     return call
 
 
-def _bar_display(bar: Any, closes: bool) -> Callable[[Optional[Progress]], None]:
+def _bar_display(bar: Bar, closes: bool) -> Callable[[Optional[Progress]], None]:
     def show(now: Optional[Progress]) -> None:
         if now is None:
             if closes:

@@ -12,9 +12,10 @@ if TYPE_CHECKING:
 class ShapeMethods(Placed):
     """Properties of every Shape; what Nodes have too is in `Placed`."""
 
-    __slots__ = ()
     if TYPE_CHECKING:
         materials: List[Union[str, Material]]
+    else:
+        __slots__ = ()
 
     @property
     def material(self) -> Optional[Union[str, Material]]:

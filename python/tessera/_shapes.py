@@ -1,12 +1,13 @@
 """Shapes by other means than their fields."""
 from __future__ import annotations
 
-from typing import Any, Sequence, Union
+from typing import Any, Dict, Iterable, NoReturn, Optional, Sequence, Union
 
 from . import _messages
 from ._core import Vec
 from ._mesh import Mesh
-from ._transforms import matrix
+from ._messages import Material
+from ._transforms import Transform, matrix
 from ._types import VectorLike
 from ._value import here
 from .errors import SceneError
@@ -18,8 +19,13 @@ class Plane(_messages.Plane):
     __slots__ = ()
 
     @classmethod
-    def through(cls, a: VectorLike, b: VectorLike, c: VectorLike, **fields: Any) -> Plane:
+    def through(cls, a: VectorLike, b: VectorLike, c: VectorLike, *, name: Optional[str] = None,
+                materials: Optional[Iterable[Union[str, Material]]] = None,
+                flip_normals: Optional[bool] = None, transform: Optional[Transform] = None,
+                material: Optional[Union[str, Material]] = None, **unknown: NoReturn) -> Plane:
         """The plane through three points; its normal is (b - a) x (c - a)."""
+        fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
+                                      flip_normals=flip_normals, transform=transform)
         corner = Vec(a)
         normal = (Vec(b) - corner).cross(Vec(c) - corner)
         if normal.length == 0:
@@ -33,17 +39,23 @@ class Plane(_messages.Plane):
 class Rectangle(_messages.Rectangle):
     """A parallelogram: corner + u edge_u + v edge_v, u and v in [0, 1].
 
-    The fields are those of the message; see `tessera._messages.Rectangle`. Lengths are metres.
+    Lengths are metres.
     """
 
     __slots__ = ()
 
     @classmethod
-    def from_corners(cls, a: VectorLike, b: VectorLike, c: VectorLike, d: VectorLike,
-                     **fields: Any) -> Union[Rectangle, _messages.Polygon]:
+    def from_corners(cls, a: VectorLike, b: VectorLike, c: VectorLike, d: VectorLike, *,
+                     name: Optional[str] = None,
+                     materials: Optional[Iterable[Union[str, Material]]] = None,
+                     flip_normals: Optional[bool] = None, transform: Optional[Transform] = None,
+                     material: Optional[Union[str, Material]] = None, **unknown: NoReturn,
+                     ) -> Union[Rectangle, _messages.Polygon]:
         """The flat convex shape with four corners, which go round counter-clockwise seen from its
         front: a Rectangle if they make a parallelogram, or else a Polygon.
         """
+        fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
+                                      flip_normals=flip_normals, transform=transform)
         corners = [Vec(corner) for corner in (a, b, c, d)]
         _check_flat(corners)
         a, b, c, d = corners
@@ -58,17 +70,23 @@ class Rectangle(_messages.Rectangle):
 class Box(_messages.Box):
     """All points between the corners `min` and `max`.
 
-    The fields are those of the message; see `tessera._messages.Box`. Lengths are metres.
+    Lengths are metres.
     """
 
     __slots__ = ()
 
     @classmethod
-    def from_corners(cls, corners: Sequence[VectorLike], **fields: Any) -> Union[Box, Mesh]:
+    def from_corners(cls, corners: Sequence[VectorLike], *, name: Optional[str] = None,
+                     materials: Optional[Iterable[Union[str, Material]]] = None,
+                     flip_normals: Optional[bool] = None, transform: Optional[Transform] = None,
+                     material: Optional[Union[str, Material]] = None, **unknown: NoReturn,
+                     ) -> Union[Box, Mesh]:
         """The solid with eight corners: four that go round one face, and opposite to each, in the
         same order, those of the other face. A Box if they make a parallelepiped, or else a closed
         Mesh in which each face is two triangles.
         """
+        fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
+                                      flip_normals=flip_normals, transform=transform)
         points = [Vec(corner) for corner in corners]
         if len(points) != 8:
             raise SceneError(f"corners: {len(points)}; expected 8")
@@ -96,10 +114,16 @@ class Box(_messages.Box):
         return made
 
 
-def Triangle(a: VectorLike, b: VectorLike, c: VectorLike, **fields: Any) -> _messages.Polygon:
+def Triangle(a: VectorLike, b: VectorLike, c: VectorLike, *, name: Optional[str] = None,
+             materials: Optional[Iterable[Union[str, Material]]] = None,
+             flip_normals: Optional[bool] = None, transform: Optional[Transform] = None,
+             material: Optional[Union[str, Material]] = None, **unknown: NoReturn,
+             ) -> _messages.Polygon:
     """The triangle with these corners, in metres, which go round counter-clockwise seen from its
     front. Its edges belong to it. Many triangles are better one `Mesh`.
     """
+    fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
+                                  flip_normals=flip_normals, transform=transform)
     made = _messages.Polygon([Vec(a), Vec(b), Vec(c)], **fields)
     made._place = here()
     return made

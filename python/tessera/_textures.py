@@ -2,35 +2,40 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Literal, Optional, Tuple, Union
+from typing import NoReturn, Optional, Union
 
 from . import _core, _messages
 from .errors import MissingFile
-from ._transforms import as_ndarray
-from ._types import ArrayLike
-from ._value import _slot, here
+from ._messages import ImageTextureEncoding, ImageTextureFilter, ImageTextureWrap, TextureMapping
+from ._transforms import Transform
+from ._types import ArrayLike, Path
+from ._value import here
 
-Wrap = Literal["repeat", "clamp", "mirror", "black"]
-Filter = Literal["trilinear", "bilinear", "nearest"]
 _BITS = {"B": 8, "e": 16, "f": 32}
 
 
 class ImageTexture(_messages.ImageTexture):
     """A picture, from an array (h, w) or (h, w, channels) of uint8, float16 or float32, or from a
     file, which is read here and now. Smaller levels for the trilinear filter are made of it.
-
-    The fields are those of the message; see `tessera._messages.ImageTexture`.
     """
 
     __slots__ = ()
 
-    def __init__(self, picture: Optional[Union[str, "os.PathLike[str]", ArrayLike]] = None, *,
-                 encoding: Optional[Literal["srgb", "linear"]] = None,
-                 wrap: Optional[Wrap] = None, filter: Optional[Filter] = None,
-                 **fields: Any) -> None:
-        if wrap is not None:
-            fields = {"wrap_s": wrap, "wrap_t": wrap, **fields}
-        super().__init__(encoding=encoding, filter=filter, **fields)
+    def __init__(self, picture: Optional[Union[Path, ArrayLike]] = None, *,
+                 encoding: Optional[ImageTextureEncoding] = None,
+                 wrap: Optional[ImageTextureWrap] = None,
+                 filter: Optional[ImageTextureFilter] = None,
+                 wrap_s: Optional[ImageTextureWrap] = None,
+                 wrap_t: Optional[ImageTextureWrap] = None,
+                 texels_at_corners: Optional[bool] = None, name: Optional[str] = None,
+                 mapping: Optional[TextureMapping] = None, transform: Optional[Transform] = None,
+                 texels: Optional[ArrayLike] = None, width: Optional[int] = None,
+                 height: Optional[int] = None, channels: Optional[int] = None,
+                 bits: Optional[int] = None, levels: Optional[int] = None,
+                 file: Optional[str] = None, **unknown: NoReturn) -> None:
+        super().__init__(texels, width, height, channels, bits, levels, wrap_s or wrap, wrap_t or wrap,
+                         encoding, filter, file, texels_at_corners, name=name, mapping=mapping,
+                         transform=transform, **unknown)
         self._place = here()
         if isinstance(picture, (str, os.PathLike)):
             self.file = os.fspath(picture)
@@ -43,7 +48,7 @@ class ImageTexture(_messages.ImageTexture):
         elif picture is not None:
             self._take(_core.take_array(picture, "texels"), encoding)
 
-    def _take(self, texels: Any, encoding: Optional[str]) -> None:
+    def _take(self, texels: _core.Array, encoding: Optional[str]) -> None:
         shape = texels.shape
         if len(shape) not in (2, 3) or 0 in shape or (len(shape) == 3 and not 1 <= shape[2] <= 4):
             raise ValueError(f"texels: shape {shape}; expected (h, w) or (h, w, c) with 1 to 4 channels")
@@ -61,6 +66,6 @@ class ImageTexture(_messages.ImageTexture):
         self.texels = texels
 
 
-def texture_from(picture: Any) -> ImageTexture:
+def texture_from(picture: ArrayLike) -> ImageTexture:
     """The texture that an array stands for, where a colour or number is wanted."""
     return ImageTexture(picture)

@@ -1,12 +1,14 @@
 """The words of a classic toolbox for ray tracing that are no words of a scene."""
 from __future__ import annotations
 
-from typing import Any, Optional
+from typing import NoReturn, Optional, Union
 
 from . import _messages
 from ._colors import color
 from ._core import Vec
-from ._types import ColorLike, VectorLike
+from ._messages import (ClassicDiffuseModel, ClassicTransmission, Material, MaterialAlpha,
+                        MaterialSides, Texture)
+from ._types import ColorInputLike, ColorLike, FloatInputLike, VectorLike
 from ._value import here
 
 #: Film responses (a, b, c) for `Scene(response=...)`: of light x in [0, 1] the picture shows
@@ -26,8 +28,6 @@ def reflect(v: VectorLike, n: VectorLike) -> Vec:
 
 class Classic(_messages.Classic):
     """The local illumination model of the classic ray tracers.
-
-    The fields are those of the message; see `tessera._messages.Classic`.
     """
 
     __slots__ = ()
@@ -35,7 +35,19 @@ class Classic(_messages.Classic):
     @classmethod
     def toolbox(cls, *, diffuse: Optional[float] = None, ambient: float = 0, highlight: float = 0,
                 colour: ColorLike = "white", roughness: float = 0, mirror: bool = False,
-                **fields: Any) -> Classic:
+                emission: Optional[ColorInputLike] = None,
+                transparency: Optional[FloatInputLike] = None,
+                refractive_index: Optional[float] = None,
+                transmission: Optional[ClassicTransmission] = None,
+                absorption: Optional[ColorLike] = None,
+                diffuse_model: Optional[ClassicDiffuseModel] = None,
+                diffuse_exponent: Optional[float] = None, flat: Optional[bool] = None,
+                name: Optional[str] = None, sides: Optional[MaterialSides] = None,
+                back: Optional[Union[str, Material]] = None,
+                normal_map: Optional[Union[str, Texture]] = None,
+                bump: Optional[FloatInputLike] = None, alpha: Optional[MaterialAlpha] = None,
+                alpha_cutoff: Optional[float] = None, opacity: Optional[FloatInputLike] = None,
+                normal_scale: Optional[float] = None, **unknown: NoReturn) -> Classic:
         """The material of a brightness: the ambient light of the scene times `ambient`, and for each
         light that is not hidden `diffuse` times the cosine of its angle, and `highlight` times that
         of its angle to the mirrored view (Phong, exponent 1, white).
@@ -52,6 +64,11 @@ class Classic(_messages.Classic):
         tint = Vec(color(colour))
         made = cls(diffuse=tint * diffuse, ambient=tint * ambient, specular=(highlight,) * 3,
                    specular_model="phong", shininess=1, grain=roughness,
-                   reflectivity=(1, 1, 1) if mirror else None, **fields)
+                   reflectivity=(1, 1, 1) if mirror else None, emission=emission,
+                   transparency=transparency, refractive_index=refractive_index,
+                   transmission=transmission, absorption=absorption, diffuse_model=diffuse_model,
+                   diffuse_exponent=diffuse_exponent, flat=flat, name=name, sides=sides, back=back,
+                   normal_map=normal_map, bump=bump, alpha=alpha, alpha_cutoff=alpha_cutoff,
+                   opacity=opacity, normal_scale=normal_scale, **unknown)
         made._place = here()
         return made

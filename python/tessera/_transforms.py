@@ -1,11 +1,15 @@
 """Transforms, written as on paper: `translate(...) @ rotate(...) @ scale(...)`."""
 from __future__ import annotations
 
-from typing import Any, Iterable, List, Optional, Tuple, Union, overload
+from typing import TYPE_CHECKING, Any, Iterable, List, Literal, Optional, Tuple, Union, overload
 
 from . import _core, _messages
 from ._messages import AxisAngle, LookAt, Matrix, TransformKey, TransformStep
 from ._types import ArrayLike, VectorLike
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 
 class Transform(_messages.Transform):
@@ -19,9 +23,10 @@ class Transform(_messages.Transform):
         return Transform([*self.steps, *other.steps])
 
     @property
-    def array(self) -> Any:
+    def array(self) -> npt.NDArray[np.float64]:
         """The three upper rows of the matrix: a (3, 4) array of float64."""
-        return as_ndarray(_core.transform_matrix(self))
+        array: npt.NDArray[np.float64] = as_ndarray(_core.transform_matrix(self))
+        return array
 
 
 def as_ndarray(array: Any) -> Any:
@@ -34,7 +39,7 @@ def as_ndarray(array: Any) -> Any:
 
 
 @overload
-def translate(x: VectorLike) -> Transform: ...
+def translate(x: VectorLike, y: None = None, z: None = None) -> Transform: ...
 @overload
 def translate(x: float, y: float, z: float) -> Transform: ...
 def translate(x: Any, y: Any = None, z: Any = None) -> Transform:
@@ -42,7 +47,7 @@ def translate(x: Any, y: Any = None, z: Any = None) -> Transform:
     return Transform([TransformStep(translate=x if y is None else (x, y, z))])
 
 
-def rotate(axis: Union[str, VectorLike], degrees: float) -> Transform:
+def rotate(axis: Union[Literal["x", "y", "z"], VectorLike], degrees: float) -> Transform:
     """Turns about an axis through the origin ("x", "y", "z" or a vector), by the right-hand rule."""
     axes = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
     if isinstance(axis, str) and axis not in axes:
@@ -52,7 +57,7 @@ def rotate(axis: Union[str, VectorLike], degrees: float) -> Transform:
 
 
 @overload
-def scale(x: Union[float, VectorLike]) -> Transform: ...
+def scale(x: Union[float, VectorLike], y: None = None, z: None = None) -> Transform: ...
 @overload
 def scale(x: float, y: float, z: float) -> Transform: ...
 def scale(x: Any, y: Any = None, z: Any = None) -> Transform:
@@ -69,7 +74,8 @@ def matrix(rows: ArrayLike) -> Transform:
     array = _core.take_matrices([rows] if isinstance(rows, (list, tuple)) else rows, "matrix")
     if array.shape[0] != 1:
         raise ValueError(f"matrix: {array.shape[0]} matrices; expected one")
-    return Transform([TransformStep(matrix=Matrix(memoryview(array).cast("B").cast("d").tolist()))])
+    numbers = memoryview(array).cast("B").cast("d").tolist()  # type: ignore[arg-type]
+    return Transform([TransformStep(matrix=Matrix(numbers))])
 
 
 def look_at(eye: VectorLike, target: VectorLike, up: Optional[VectorLike] = None) -> Transform:

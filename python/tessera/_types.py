@@ -1,18 +1,55 @@
-"""The types of what is taken, for annotations."""
+"""The types of what is taken and given, for annotations."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Sequence, Union
-
-from ._core import Array, Vec
+from typing import TYPE_CHECKING, Iterable, Literal, Sequence, Tuple, Union
 
 if TYPE_CHECKING:
-    from ._graph import Instances
-    from ._messages import ColorInput, FloatInput, Light, Node, Object, Shape, Texture
+    import os
+    from typing import Any, Protocol
 
-# numpy is neither needed nor imported: its arrays are taken by the buffer protocol.
-ArrayLike = Union[Array, Any]
-VectorLike = Union[Vec, Sequence[float], Any]
-ColorLike = Union[str, float, Sequence[float], Any]
-ColorInputLike = Union["ColorInput", "Texture", ColorLike]
-FloatInputLike = Union[float, "FloatInput", "Texture"]
+    import numpy as np
+    import numpy.typing as npt
+
+    from ._core import Array, Vec
+    from ._graph import Instances
+    from ._messages import ColorInput, FloatInput, Light, Object, Shape, Texture
+    from ._nodes import Node
+    from ._transforms import Transform
+    from .scene import Scene
+
+    class HasArray(Protocol):
+        """What converts itself, such as a tensor."""
+
+        def __array__(self) -> npt.NDArray[Any]: ...
+
+# numpy is not imported to take its arrays, which have the buffer protocol.
+Path = Union[str, "os.PathLike[str]"]
+VectorLike = Union["Vec", Sequence[float], "npt.NDArray[Any]"]
+ArrayLike = Union["Array", "npt.NDArray[Any]", "HasArray", memoryview,
+                  Sequence[Union[float, VectorLike, Sequence[VectorLike]]]]
+ColorLike = Union[str, float, VectorLike]
+ColorInputLike = Union["ColorInput", "Texture", ColorLike, "Array", "npt.NDArray[Any]"]
+FloatInputLike = Union[float, "FloatInput", "Texture", "Array", "npt.NDArray[Any]"]
 NodeLike = Union["Node", "Shape", "Light", "Object", "Instances"]
+PartLike = Union[NodeLike, "Scene"]
+PartsLike = Union[PartLike, Iterable[Union[PartLike, Iterable[PartLike]]]]
+TransformsLike = Union[ArrayLike, Sequence["Transform"]]
+
+Size = Union[str, Tuple[int, int]]
+Crop = Union[str, Tuple[int, int, int, int]]
+Aovs = Union["Aov", Literal["all"], Sequence["Aov"]]
+
+# Words of options and settings that are text in messages.
+Accelerator = Literal["bvh", "bvh-splits", "octree", "nonuniform-octree", "embree", "linear"]
+Integrator = Literal["auto", "whitted", "path", "normals", "depth", "albedo", "ids", "cost", "samples",
+                     "error"]
+FloatAov = Literal["albedo", "normal", "depth", "position", "variance", "samples"]
+Aov = Literal[FloatAov, "id"]
+Pattern = Literal["center", "owen-sobol", "centered-grid", "corner-grid", "independent", "blue-noise"]
+Cull = Literal["none", "back", "front"]
+HitField = Literal["t", "instance", "primitive", "uv"]
+ToneMap = Literal["clamp", "reinhard", "reinhard-luminance", "filmic", "linear"]
+Transfer = Literal["srgb", "display", "gamma"]
+X3dColor = Literal["display", "linear"]
+X3dShadows = Literal["on", "file", "off"]
+X3dTexture = Literal["version", "replace", "modulate"]

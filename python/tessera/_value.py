@@ -3,11 +3,12 @@ from __future__ import annotations
 
 import sys
 from types import CodeType
-from typing import Any, Dict, List, Mapping, NoReturn, Optional, Tuple, Type, Union
+from typing import Any, Dict, List, Mapping, NoReturn, Optional, Tuple, Type, TypeVar, Union
 
 from . import _core
 from .errors import SceneError
 
+V = TypeVar("V", bound="Value")
 Place = Tuple[Union[CodeType, str], int]
 
 # The class that users see, by message and kind.
@@ -24,8 +25,13 @@ class Value(_core.ValueBase):
     _place: Optional[Place]
 
     def __init_subclass__(cls) -> None:
-        if cls._MESSAGE and cls.__module__.startswith(__package__ + "."):
-            CLASSES[cls._MESSAGE, cls._KIND] = cls
+        if not (cls._MESSAGE and cls.__module__.startswith(__package__ + ".")):
+            return
+        generated = CLASSES.setdefault((cls._MESSAGE, cls._KIND), cls)
+        if generated is not cls and cls.__doc__:
+            _, heading, fields = (generated.__doc__ or "").partition("    Attributes:\n")
+            cls.__doc__ = f"{cls.__doc__.rstrip()}\n\n{heading}{fields}"
+        CLASSES[cls._MESSAGE, cls._KIND] = cls
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Value) or self._MESSAGE != other._MESSAGE:
@@ -47,21 +53,21 @@ class Value(_core.ValueBase):
         return [f"{name}={_shown(value)}" for name, value in held
                 if value is not None and not (isinstance(value, (list, dict)) and not value)]
 
-    def __copy__(self: Any) -> Any:
+    def __copy__(self: V) -> V:
         return _rebuild(type(self), {name: _copied(value) for name, value in _slots(self).items()},
                         self._place)
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> Tuple[Any, ...]:
         return _rebuild, (type(self), _slots(self), where(self))
 
 
 def _slots(value: Value) -> Dict[str, Any]:
     """What the slots hold, whatever properties hide them."""
     names = (name for base in type(value).__mro__ for name in base.__dict__.get("__slots__", ()))
-    return {name: _slot(type(value), name).__get__(value) for name in names if name != "_place"}
+    return {name: slot_of(type(value), name).__get__(value) for name in names if name != "_place"}
 
 
-def _slot(made: type, name: str) -> Any:
+def slot_of(made: type, name: str) -> Any:
     for base in made.__mro__:
         if name in base.__dict__.get("__slots__", ()):
             # A property of a derived class may hide the slot, never that of the class itself.
@@ -73,10 +79,10 @@ def _copied(value: Any) -> Any:
     return value.copy() if isinstance(value, (list, dict)) else value
 
 
-def _rebuild(made: type, slots: Mapping[str, Any], place: Optional[Place]) -> Any:
+def _rebuild(made: Type[V], slots: Mapping[str, Any], place: Optional[Place]) -> V:
     value = made.__new__(made)
     for name, held in slots.items():
-        _slot(made, name).__set__(value, held)
+        slot_of(made, name).__set__(value, held)
     value._place = place
     return value
 
@@ -125,7 +131,7 @@ def where(value: Any) -> Optional[Tuple[str, int]]:
 
 def refuse_name(value: Value, name: str) -> NoReturn:
     """Says that a class has no such attribute, and which is nearest."""
-    hint = _nearest(name, [n for n in dir(type(value)) if not n.startswith("_")])
+    hint = nearest(name, [n for n in dir(type(value)) if not n.startswith("_")])
     raise AttributeError(f"{type(value).__name__} has no attribute '{name}'{hint}")
 
 
@@ -137,9 +143,9 @@ def refuse_keywords(value: Value, unknown: Mapping[str, Any]) -> NoReturn:
 def refuse_unknown(function: str, unknown: Mapping[str, Any], known: List[str]) -> NoReturn:
     """Says that a function has no such keyword, and which is nearest."""
     name = next(iter(unknown))
-    raise TypeError(f"{function}() has no keyword '{name}'{_nearest(name, known)}")
+    raise TypeError(f"{function}() has no keyword '{name}'{nearest(name, known)}")
 
 
-def _nearest(name: str, known: List[str]) -> str:
+def nearest(name: str, known: List[str]) -> str:
     nearest = _core.nearest_name(name, known)
     return f"; did you mean '{nearest}'?" if nearest else ""

@@ -1,46 +1,65 @@
 """Cameras, lenses and backgrounds by the words that scripts have for them."""
 from __future__ import annotations
 
+import functools
 import math
-from typing import Any, Callable, Iterable, Literal, Optional, Tuple, Union
+from typing import (Any, Callable, Generic, Iterable, NoReturn, Optional, ParamSpec, TypeVar, overload)
 
 from . import _messages
 from ._core import Vec
 from ._messages import (BackgroundCube, BackgroundGradient, BackgroundPanorama, BackgroundRings,
-                        BackgroundSunAndSky, Perspective, Texture)
+                        BackgroundSunAndSky, LensFocalSurface, LensRadiusUnit, LensShape, Light,
+                        Orthographic, Panoramic, Perspective, PerspectiveAxis, TransformKey)
 from ._transforms import look_at
 from ._types import ColorLike, VectorLike
 from ._value import here
 
-Axis = Literal["smaller", "vertical", "horizontal", "larger"]
+Arguments = ParamSpec("Arguments")
+Field = TypeVar("Field")
 
 
 class Camera(_messages.Camera):
     """Where the picture is taken from. Looks along its own -z, with +y up in the picture.
-
-    The fields are those of the message; see `tessera._messages.Camera`.
     """
 
     __slots__ = ()
 
     @classmethod
-    def screen(cls, eye: VectorLike, centre: VectorLike, width: float, **fields: Any) -> Camera:
+    def screen(cls, eye: VectorLike, centre: VectorLike, width: float, *,
+               name: Optional[str] = None, description: Optional[str] = None,
+               keys: Optional[Iterable[TransformKey]] = None, lens: Optional[Lens] = None,
+               headlight: Optional[Light] = None, near_distance: Optional[float] = None,
+               far_distance: Optional[float] = None, frame_all: Optional[bool] = None,
+               **unknown: NoReturn) -> Camera:
         """A camera at `eye` that looks at `centre` through a screen half-way between them, `width`
         metres wide and as high as the picture's shape makes it; up is (0, 0, 1).
         """
         distance = (Vec(centre) - Vec(eye)).length
         angle = 2 * math.degrees(math.atan2(width, distance))
-        camera = cls.look_at(eye, centre, (0, 0, 1), angle, "horizontal", **fields)
+        camera = cls.look_at(eye, centre, (0, 0, 1), angle, "horizontal", name=name,
+                             description=description, keys=keys, lens=lens, headlight=headlight,
+                             near_distance=near_distance, far_distance=far_distance,
+                             frame_all=frame_all, **unknown)
         camera._place = here()
         return camera
 
     @classmethod
     def look_at(cls, eye: VectorLike, target: VectorLike, up: VectorLike = (0, 1, 0),
-                fov: Optional[float] = None, axis: Optional[Axis] = None, **fields: Any) -> Camera:
+                fov: Optional[float] = None, axis: Optional[PerspectiveAxis] = None, *,
+                name: Optional[str] = None, description: Optional[str] = None,
+                keys: Optional[Iterable[TransformKey]] = None,
+                perspective: Optional[Perspective] = None,
+                orthographic: Optional[Orthographic] = None, spherical: Optional[Panoramic] = None,
+                cylindrical: Optional[Panoramic] = None, lens: Optional[Lens] = None,
+                headlight: Optional[Light] = None, near_distance: Optional[float] = None,
+                far_distance: Optional[float] = None, frame_all: Optional[bool] = None,
+                **unknown: NoReturn) -> Camera:
         """A camera at `eye` that looks at `target`; `fov` in degrees spans the picture's `axis`."""
-        if fov is not None or axis is not None:
-            fields.setdefault("perspective", Perspective(fov, axis))
-        camera = cls(world_from_camera=look_at(eye, target, up), **fields)
+        if perspective is None and (fov is not None or axis is not None):
+            perspective = Perspective(fov, axis)
+        camera = cls(name, description, look_at(eye, target, up), keys, perspective, orthographic,
+                     spherical, cylindrical, lens, headlight, near_distance, far_distance, frame_all,
+                     **unknown)
         camera._place = here()
         return camera
 
@@ -48,37 +67,49 @@ class Camera(_messages.Camera):
 class Lens(_messages.Lens):
     """A lens, whose radius blurs what is not in focus.
 
-    The fields are those of the message, and two short ones: `radius` for both radii, `focus` for
-    the focal distance.
+    Two keywords are short: `radius` for both radii, `focus` for the focal distance.
     """
 
     __slots__ = ()
 
-    def __init__(self, *arguments: Any, radius: Optional[float] = None,
-                 focus: Optional[float] = None, **fields: Any) -> None:
+    def __init__(self, radius_x: Optional[float] = None, radius_y: Optional[float] = None,
+                 focal_distance: Optional[float] = None, shape: Optional[LensShape] = None,
+                 blades: Optional[int] = None, focal_surface: Optional[LensFocalSurface] = None,
+                 samples: Optional[int] = None, radius_unit: Optional[LensRadiusUnit] = None, *,
+                 radius: Optional[float] = None, focus: Optional[float] = None,
+                 **unknown: NoReturn) -> None:
         if radius is not None:
-            fields.update(radius_x=radius, radius_y=radius)
+            radius_x = radius_y = radius
         if focus is not None:
-            fields["focal_distance"] = focus
-        super().__init__(*arguments, **fields)
+            focal_distance = focus
+        super().__init__(radius_x, radius_y, focal_distance, shape, blades, focal_surface, samples,
+                         radius_unit, **unknown)
         self._place = here()
 
 
-class _FieldOrMaker:
+class _FieldOrMaker(Generic[Arguments, Field]):
     """On a value the field of that name, on the class the function that makes a value with it."""
 
-    def __init__(self, make: Callable[..., Any]) -> None:
-        self._make = make
-        self._slot: Any = _messages.Background.__dict__[make.__name__]
+    def __init__(self, name: str, make: Callable[Arguments, Field]) -> None:
+        self._name, self._make = name, make
+        self._slot: Any = _messages.Background.__dict__[name]
         self.__doc__ = make.__doc__
 
-    def __get__(self, background: Optional[Background], made: Any = None) -> Any:
-        if background is None:
-            return lambda *arguments, **fields: made(
-                **{self._make.__name__: self._make(*arguments, **fields)})
-        return self._slot.__get__(background)
+    @overload
+    def __get__(self, background: None, made: Any) -> Callable[Arguments, Background]: ...
+    @overload
+    def __get__(self, background: _Makers, made: Any = None) -> Optional[Field]: ...
+    def __get__(self, background: Optional[_Makers], made: Any = None) -> Any:
+        if background is not None:
+            return self._slot.__get__(background)
 
-    def __set__(self, background: Background, value: Any) -> None:
+        @functools.wraps(self._make, updated=())
+        def maker(*arguments: Arguments.args, **fields: Arguments.kwargs) -> Any:
+            return made(**{self._name: self._make(*arguments, **fields)})
+
+        return maker
+
+    def __set__(self, background: _Makers, value: Optional[Field]) -> None:
         self._slot.__set__(background, value)
 
 
@@ -87,22 +118,23 @@ def _solid(color: ColorLike) -> ColorLike:
     return color
 
 
-def _named(name: str, make: Callable[..., Any]) -> Any:
-    made: Any = lambda *arguments, **fields: make(*arguments, **fields)
-    made.__name__, made.__doc__ = name, make.__doc__
-    return _FieldOrMaker(made)
-
-
-class Background(_messages.Background):
-    """What rays see that meet nothing. `Background.solid("skyblue")`, `Background.gradient(...)` and
-    the like make one; the fields are those of the message.
-    """
+class _Makers:
+    """`Background.solid("skyblue")`, `Background.gradient(...)` and the like."""
 
     __slots__ = ()
 
-    solid: Any = _named("solid", _solid)
-    gradient: Any = _named("gradient", BackgroundGradient)
-    rings: Any = _named("rings", BackgroundRings)
-    panorama: Any = _named("panorama", BackgroundPanorama)
-    cube: Any = _named("cube", BackgroundCube)
-    sun_and_sky: Any = _named("sun_and_sky", BackgroundSunAndSky)
+    solid = _FieldOrMaker("solid", _solid)
+    gradient = _FieldOrMaker("gradient", BackgroundGradient)
+    rings = _FieldOrMaker("rings", BackgroundRings)
+    panorama = _FieldOrMaker("panorama", BackgroundPanorama)
+    cube = _FieldOrMaker("cube", BackgroundCube)
+    sun_and_sky = _FieldOrMaker("sun_and_sky", BackgroundSunAndSky)
+
+
+# The attributes of the two bases differ on purpose: a maker has the field's type on values alone.
+class Background(_Makers, _messages.Background):  # type: ignore[misc]
+    """What rays see that meet nothing. `Background.solid("skyblue")`, `Background.gradient(...)` and
+    the like make one.
+    """
+
+    __slots__ = ()

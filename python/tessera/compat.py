@@ -1,12 +1,18 @@
 """Stand-ins for classes of other packages."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Tuple
+from typing import TYPE_CHECKING, Any, Literal, Tuple, Union, overload
 
+from ._types import ArrayLike
 from .rays import tracer_from_mesh
 
 if TYPE_CHECKING:
     import numpy as np
+    import numpy.typing as npt
+
+    Bools = npt.NDArray[np.bool_]
+    Doubles = npt.NDArray[np.float64]
+    Integers = npt.NDArray[np.int64]
 
 __all__ = ["MeshIntersector"]
 
@@ -17,11 +23,20 @@ class MeshIntersector:
     through a shared edge or vertex hits each triangle there; a closed mesh contains what
     `Tracer.contains` says."""
 
-    def __init__(self, vertices: Any, faces: Any):
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
         self._tracer = tracer_from_mesh(vertices, faces)
 
-    def intersects_id(self, ray_origins: Any, ray_directions: Any, return_locations: bool = False,
-                      multiple_hits: bool = True, **_: Any) -> Tuple["np.ndarray", ...]:
+    @overload
+    def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
+                      return_locations: Literal[False] = False, multiple_hits: bool = True,
+                      **_: Any) -> Tuple[Integers, Integers]: ...
+    @overload
+    def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
+                      return_locations: Literal[True], multiple_hits: bool = True,
+                      **_: Any) -> Tuple[Integers, Integers, Doubles]: ...
+    def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
+                      return_locations: bool = False, multiple_hits: bool = True,
+                      **_: Any) -> Union[Tuple[Integers, Integers], Tuple[Integers, Integers, Doubles]]:
         """The triangles that are hit, and the ray of each; with `return_locations` the points too."""
         import numpy as np
         if multiple_hits:
@@ -36,22 +51,23 @@ class MeshIntersector:
         found = (triangle.astype(np.int64), ray.astype(np.int64))
         return found if points is None else found + (points,)
 
-    def intersects_location(self, ray_origins: Any, ray_directions: Any, multiple_hits: bool = True,
-                            **_: Any) -> Tuple["np.ndarray", "np.ndarray", "np.ndarray"]:
+    def intersects_location(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
+                            multiple_hits: bool = True, **_: Any) -> Tuple[Doubles, Integers, Integers]:
         """The points that are hit, the ray of each, and the triangle of each."""
         triangle, ray, points = self.intersects_id(ray_origins, ray_directions, True, multiple_hits)
         return points, ray, triangle
 
-    def intersects_first(self, ray_origins: Any, ray_directions: Any, **_: Any) -> "np.ndarray":
+    def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
+                         **_: Any) -> Integers:
         """The first triangle that each ray hits; -1 where there is none."""
         import numpy as np
         first = self._tracer.intersect(ray_origins, ray_directions, fields=("primitive",))
         return np.where(first.hit, first.primitive.astype(np.int64), -1)
 
-    def intersects_any(self, ray_origins: Any, ray_directions: Any, **_: Any) -> "np.ndarray":
+    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike, **_: Any) -> Bools:
         """Whether each ray hits anything."""
         return self._tracer.occluded(ray_origins, ray_directions)
 
-    def contains_points(self, points: Any) -> "np.ndarray":
+    def contains_points(self, points: ArrayLike) -> Bools:
         """Whether each point is inside the mesh; all False where it is not closed."""
         return self._tracer.contains(points)

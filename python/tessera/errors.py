@@ -91,7 +91,7 @@ def scene_error(found: str, expected: str, path: str, value: object) -> SceneErr
     return SceneError(message, place=place, path=path)
 
 
-_CLASS_OF_CODE = {1: SceneError, 2: UsageError, 3: RenderError, 4: Cancelled}
+_CLASS_OF_CODE: dict[int, type[Error]] = {1: SceneError, 2: UsageError, 3: RenderError, 4: Cancelled}
 
 
 def from_core(message: str, code: int) -> Error:

@@ -5,14 +5,16 @@ import json
 import os
 import time
 import warnings
-from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Iterator, List, NoReturn, Optional, Sequence, Tuple, Union
 
 from . import _core
 from ._html import table
 from .errors import SceneWarning, UsageError
-from .picture import Image, Path
+from .picture import Image
 from ._local_farms import BaseFarm
-from .rendering import _options, checked_scene
+from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Size, X3dColor, X3dShadows,
+                     X3dTexture)
+from .rendering import checked_scene, core_options
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -42,12 +44,12 @@ class Farm(BaseFarm):
         self.server_key = "" if server_key is None else os.fspath(server_key)
         self.timeout = float(timeout)
         arguments = (endpoint, self.key, self.server_key, self.timeout)
-        self._access = _core.FarmAccess(*arguments)
+        self._access: Optional[_core.FarmAccess] = _core.FarmAccess(*arguments)
         super().__init__(_core.remote_farm(*arguments))
 
-    def _ask(self) -> Any:
+    def _ask(self) -> _core.FarmAccess:
         self._check_process()
-        if self.closed:
+        if self._access is None:
             raise RuntimeError("Farm: it is closed; expected one that is open")
         return self._access
 
@@ -56,22 +58,33 @@ class Farm(BaseFarm):
         super().close()
         self._access = None
 
-    def submit(self, scene: Union["Scene", Path], *,
+    def submit(self, scene: Union[Scene, Path], *,
                frames: Union[None, str, int, Tuple[int, int]] = None, name: str = "",
-               priority: int = 0, weight: int = 1, **options: Any) -> "Job":
+               priority: int = 0, weight: int = 1, size: Optional[Size] = None,
+               crop: Optional[Crop] = None, camera: Optional[str] = None, pinhole: bool = False,
+               frame_all: bool = False, spp: Optional[int] = None,
+               target_error: Optional[float] = None, min_spp: Optional[int] = None,
+               filter: Optional[str] = None, pattern: Optional[Pattern] = None,
+               seed: Optional[int] = None, integrator: Optional[Integrator] = None,
+               accel: Optional[Accelerator] = None, aovs: Aovs = (), denoise: bool = False,
+               time: Optional[float] = None, place: Union[str, Sequence[str]] = (),
+               assets: Optional[Path] = None, x3d_color: Optional[X3dColor] = None,
+               x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
+               x3d_weld: Optional[float] = None, x3d_strict: bool = False,
+               x3d_two_sided: bool = False, tile: Optional[int] = None, **unknown: NoReturn) -> Job:
         """Leaves a scene, or the frames A to B of its animation, to the farm: returns once it has
         all of it. The options are those of `render` that say what to render."""
+        options = {name: value for name, value in locals().items() if name not in _OF_JOBS}
         access = self._ask()
         if not -1000 <= priority <= 1000:
             raise UsageError(f"priority: {priority}; expected a whole number from -1000 to 1000")
         if not 1 <= weight <= 1000:
             raise UsageError(f"weight: {weight}; expected a whole number from 1 to 1000")
-        unknown = set(options) & {"workers", "threads", "verify", "farm", "progress", "wait"}
-        if unknown:
-            raise UsageError(f"{min(unknown)}: cannot be chosen for a farm, which has its own")
-        scene = checked_scene(scene)
-        texts = _options({"frames": frames, **options})
-        number, told = access.submit(texts, scene, name, priority, weight)
+        refused = set(unknown) & {"workers", "threads", "verify", "farm", "progress", "wait"}
+        if refused:
+            raise UsageError(f"{min(refused)}: cannot be chosen for a farm, which has its own")
+        number, told = access.submit(core_options({**options, **unknown}), checked_scene(scene), name,
+                                     priority, weight)
         for warning in told:
             warnings.warn(warning, SceneWarning, stacklevel=2)
         return Job(self, number)
@@ -90,6 +103,9 @@ class Farm(BaseFarm):
 
     def __repr__(self) -> str:
         return f"Farm({self.endpoint!r})"
+
+
+_OF_JOBS = {"self", "scene", "name", "priority", "weight", "unknown"}
 
 
 class Job:
@@ -127,47 +143,58 @@ class Job:
 
     def frames(self) -> Sequence[int]:
         """The numbers of its frames; one that is no animation has frame 0."""
-        frames: List[int] = self.farm._ask().frames(self.number)
-        return frames
+        return self.farm._ask().frames(self.number)
 
     def fetch(self, frame: Optional[int] = None) -> Image:
         """The picture of a frame, of the first if left out.
 
         Raises RenderError with what the frame failed with, and TimeoutError while it is not done:
         `wait()` before."""
-        at = 0
-        if frame is not None:
-            numbers = list(self.frames())
-            if frame not in numbers:
-                raise UsageError(f"frame: {frame}; expected one from {numbers[0]} to {numbers[-1]}")
-            at = numbers.index(frame)
-        picture = self.farm._ask().fetch(self.number, at)
+        picture = self.farm._ask().fetch(self.number, self._place_of(frame))
         if picture is None:
             raise TimeoutError(f"job {self.number} is not done yet; expected wait() before fetch()")
         return Image._of(picture)
 
-    def _order(self, order: str, priority: Optional[int] = None) -> None:
-        self.farm._ask().order(self.number, getattr(_core.Order, order), priority)
+    def snapshot(self, frame: Optional[int] = None) -> Optional[Image]:
+        """What is done of a frame, of the first if left out; the rest is black. None where nothing is.
+
+        Raises as `fetch` does."""
+        at = self._place_of(frame)
+        access = self.farm._ask()
+        picture = access.fetch(self.number, at) or access.snapshot(self.number, at)
+        return None if picture is None else Image._of(picture)
+
+    def _place_of(self, frame: Optional[int]) -> int:
+        """Where the frame of that number stands among those of the job."""
+        if frame is None:
+            return 0
+        numbers = list(self.frames())
+        if frame not in numbers:
+            raise UsageError(f"frame: {frame}; expected one from {numbers[0]} to {numbers[-1]}")
+        return numbers.index(frame)
+
+    def _order(self, order: _core.Order, priority: Optional[int] = None) -> None:
+        self.farm._ask().order(self.number, order, priority)
 
     def pause(self) -> None:
         """Its tiles wait until `resume()`."""
-        self._order("pause")
+        self._order(_core.Order.pause)
 
     def resume(self) -> None:
         """It goes on."""
-        self._order("resume")
+        self._order(_core.Order.resume)
 
     def cancel(self) -> None:
         """It ends, with what is done of it."""
-        self._order("cancel")
+        self._order(_core.Order.cancel)
 
     def retry(self) -> None:
         """What failed is rendered again; what is held is tried now."""
-        self._order("retry")
+        self._order(_core.Order.retry)
 
     def forget(self) -> None:
         """The farm deletes the job, its tiles and its scene."""
-        self._order("forget")
+        self._order(_core.Order.forget)
 
     def __eq__(self, other: object) -> bool:
         return (isinstance(other, Job) and other.number == self.number
@@ -182,7 +209,7 @@ class Job:
     def _repr_html_(self) -> str:
         return table(self.status())
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> Tuple[Any, ...]:
         farm = self.farm
         return _unpickled, (farm.endpoint, farm.key, farm.server_key, farm.timeout, self.number)
 

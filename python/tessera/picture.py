@@ -4,12 +4,19 @@ from __future__ import annotations
 import functools
 import json
 import os
-from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import (TYPE_CHECKING, Any, Callable, List, Literal, NamedTuple, NoReturn, Optional, Tuple,
+                    Union, overload)
 
 from . import _core
+from ._types import Aov, ArrayLike, FloatAov, Path, ToneMap, Transfer
 from .errors import UsageError
 
-Path = Union[str, "os.PathLike[str]"]
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Floats = npt.NDArray[np.float32]
+
 _MOST_SHOWN = 2048  # columns of a picture in a notebook
 
 
@@ -83,22 +90,23 @@ class Image:
     """
 
     __slots__ = ("_picture", "__dict__")
+    _picture: _core.Picture
 
     def __init__(self) -> None:
         raise TypeError("Image: made by render(), read_image() or Image.from_array()")
 
     @classmethod
-    def _of(cls, picture: Any) -> "Image":
+    def _of(cls, picture: _core.Picture) -> "Image":
         image = cls.__new__(cls)
         image._picture = picture
         return image
 
     @classmethod
-    def from_array(cls, array: Any, linear: bool = True) -> "Image":
+    def from_array(cls, array: ArrayLike, linear: bool = True) -> "Image":
         """A picture of (h, w, 3) numbers, or (h, w) grey ones: linear light, or with linear=False
         what sRGB files hold, from 0 to 1 (integers: to their largest value)."""
         import numpy
-        values = numpy.asarray(array)
+        values: npt.NDArray[Any] = numpy.asarray(array)
         if values.ndim == 2:
             values = numpy.repeat(values[:, :, None], 3, axis=2)
         if values.ndim != 3 or values.shape[2] != 3 or 0 in values.shape:
@@ -116,40 +124,56 @@ class Image:
     @property
     def width(self) -> int:
         """Pixels a row, of the crop if there was one."""
-        return int(self._picture.width)
+        return self._picture.width
 
     @property
     def height(self) -> int:
         """Rows."""
-        return int(self._picture.height)
+        return self._picture.height
 
     @functools.cached_property
-    def linear(self) -> Any:
+    def linear(self) -> Floats:
         """Radiance as (h, w, 3) float32: a read-only view of the film."""
-        return as_numpy(self._picture.channels("light"))
+        view: Floats = as_numpy(self._picture.channels("light"))
+        return view
 
     @property
-    def aovs(self) -> List[str]:
+    def aovs(self) -> List[Aov]:
         """The names of what there is beside light."""
-        return list(self._picture.aovs)
+        return self._picture.aovs
 
-    def aov(self, name: str) -> Any:
+    @overload
+    def aov(self, name: Literal["id"]) -> npt.NDArray[np.uint32]: ...
+    @overload
+    def aov(self, name: FloatAov) -> Floats: ...
+    def aov(self, name: Aov) -> Any:
         """What was asked for by `aovs`: albedo, normal, position and variance are (h, w, 3) float32,
         depth and samples (h, w) float32, id (h, w) uint32."""
         return as_numpy(self._picture.channels(name))
 
-    def to_srgb(self, **output: Any) -> Any:
+    def to_srgb(self, *, exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
+                transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
+                **unknown: NoReturn) -> npt.NDArray[np.uint8]:
         """The bytes of the PNG as (h, w, 3) uint8."""
-        return as_numpy(self._picture.to_srgb(_texts(output)))
+        output = {"exposure": exposure, "tone_map": tone_map, "transfer": transfer, "gamma": gamma}
+        values: npt.NDArray[np.uint8] = as_numpy(self._picture.to_srgb(_texts({**output, **unknown})))
+        return values
 
-    def save(self, *paths: Path, **output: Any) -> None:
+    def save(self, *paths: Path, exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
+             transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
+             ocio_view: Optional[str] = None, ocio_display: Optional[str] = None,
+             ocio_space: Optional[str] = None, ocio_input: Optional[str] = None,
+             **unknown: NoReturn) -> None:
         """Writes files whose endings name their formats. Each appears whole or not at all."""
+        output = {"exposure": exposure, "tone_map": tone_map, "transfer": transfer, "gamma": gamma,
+                  "ocio_view": ocio_view, "ocio_display": ocio_display, "ocio_space": ocio_space,
+                  "ocio_input": ocio_input, **unknown}
         if not paths:
             raise TypeError("save: no path; expected at least one")
         for path in paths:
             self._picture.save(os.fspath(path), _texts(output))
 
-    def apply(self, f: Callable[[Any], Any]) -> "Image":
+    def apply(self, f: Callable[[Floats], ArrayLike]) -> "Image":
         """The picture with each channel's numbers replaced by f of them, which gets an array."""
         return Image.from_array(f(self.linear))
 
@@ -157,7 +181,8 @@ class Image:
     def stats(self) -> dict[str, Any]:
         """What was done, counted and timed; empty where the picture was not rendered."""
         text = self._picture.statistics
-        return json.loads(text) if text else {}
+        stats: dict[str, Any] = json.loads(text) if text else {}
+        return stats
 
     @property
     def holes(self) -> List[Rect]:
@@ -167,9 +192,9 @@ class Image:
     @functools.cached_property
     def sha256(self) -> str:
         """SHA-256 of the linear pixels, as `pixels_sha256` of the statistics."""
-        return str(self._picture.sha256())
+        return self._picture.sha256()
 
-    def __array__(self, dtype: Any = None) -> Any:
+    def __array__(self, dtype: Optional[npt.DTypeLike] = None) -> npt.NDArray[Any]:
         return self.linear if dtype is None else self.linear.astype(dtype)
 
     def __eq__(self, other: object) -> bool:
@@ -186,15 +211,15 @@ class Image:
     def _repr_png_(self) -> bytes:
         step = -(-self.width // _MOST_SHOWN)
         shown = self if step == 1 else Image.from_array(self.linear[::step, ::step])
-        return bytes(shown._picture.encode("shown.png", []))
+        return shown._picture.encode("shown.png", [])
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> Tuple[Any, ...]:
         return _unpickled, (_core.picture_state(self._picture),)
 
-    def __copy__(self) -> "Image":
+    def __copy__(self) -> Image:
         return self
 
-    def __deepcopy__(self, _: Any) -> "Image":
+    def __deepcopy__(self, _: object) -> Image:
         return self
 
 

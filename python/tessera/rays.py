@@ -4,32 +4,39 @@ from __future__ import annotations
 import difflib
 import operator
 import os
-from typing import TYPE_CHECKING, Any, Iterable, List, Optional, Sequence, Tuple, Union
+from typing import (TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, SupportsIndex, Tuple,
+                    Union)
 
 from . import _core
-from ._graph import Instances
 from ._html import table
 from ._mesh import Mesh
-from ._messages import Node, Shape
-from ._shown_by import instances_of
+from ._types import Accelerator, ArrayLike, Cull, HitField, VectorLike
 from .errors import UsageError
 
 if TYPE_CHECKING:
     import numpy as np
+    import numpy.typing as npt
+
+    from .scene import Scene
+
+    AnyArray = npt.NDArray[Any]
+    Bools = npt.NDArray[np.bool_]
+    Doubles = npt.NDArray[np.float64]
+    Integers = npt.NDArray[np.int64]
+    Numbers = npt.NDArray[np.uint32]
+    Rows = npt.NDArray[np.floating[Any]]  # (n, 3)
+    ArrayShape = Tuple[int, ...]
+    # Time, camera, accelerator and threads.
+    Options = Tuple[Optional[float], str, Accelerator, Optional[int]]
 
 __all__ = ["AllHits", "Hits", "Tracer", "tracer_from_scene"]
 
 _NONE = 0xFFFFFFFF
 _CULLS = ("none", "back", "front")
-_FIELDS = ("t", "instance", "primitive", "uv")
+_FIELDS: Tuple[HitField, ...] = ("t", "instance", "primitive", "uv")
 #: The numbers that each attribute of a hit has, and their type.
 _ATTRIBUTES = {"point": (3, "f8"), "point_error": (3, "f8"), "normal": (3, "f8"),
                "shading_normal": (3, "f8"), "texcoord": (2, "f8"), "material": (1, "u4")}
-
-
-def _numpy() -> Any:
-    import numpy
-    return numpy
 
 
 def _choice(keyword: str, found: str, known: Sequence[str]) -> str:
@@ -40,10 +47,10 @@ def _choice(keyword: str, found: str, known: Sequence[str]) -> str:
     raise UsageError(f"{keyword}: {found!r}; expected one of {', '.join(known)}{hint}")
 
 
-def _real(name: str, value: Any) -> "np.ndarray":
+def _real(name: str, value: Union[float, ArrayLike]) -> Rows:
     """`value` as an array of float64, or of float32 where it is that."""
-    np = _numpy()
-    array = np.asarray(value)
+    import numpy as np
+    array: AnyArray = np.asarray(value)
     if array.dtype == object or not np.can_cast(array.dtype, np.float64, "safe"):
         # Whole numbers of 64 bits lose their last bits by numpy's rule, and are taken all the same.
         if array.dtype.kind not in "iu":
@@ -52,47 +59,50 @@ def _real(name: str, value: Any) -> "np.ndarray":
     return array.astype(np.float32 if single else np.float64, copy=False)
 
 
-def _vectors(name: str, value: Any) -> "np.ndarray":
+def _vectors(name: str, value: ArrayLike) -> Rows:
     array = _real(name, value)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise UsageError(f"{name}: shape {array.shape}; expected (..., 3)")
     return array
 
 
-def _broadcast(named: Sequence[Tuple[str, Tuple[int, ...]]]) -> Tuple[int, ...]:
+def _broadcast(named: Sequence[Tuple[str, ArrayShape]]) -> ArrayShape:
     """The leading shape that all broadcast to."""
+    import numpy as np
     try:
-        return _numpy().broadcast_shapes(*(shape for _, shape in named))
+        return np.broadcast_shapes(*(shape for _, shape in named))
     except ValueError:
         told = ", ".join(f"{name} {shape}" for name, shape in named)
         raise UsageError(f"leading shapes: {told}; expected shapes that broadcast") from None
 
 
-def _rows(array: "np.ndarray", shape: Tuple[int, ...]) -> "np.ndarray":
+def _rows(array: Rows, shape: ArrayShape) -> Rows:
     """(n, 3), without a copy wherever one stride leads from row to row."""
-    return _numpy().broadcast_to(array, shape + (3,)).reshape(-1, 3)
+    import numpy as np
+    return np.broadcast_to(array, shape + (3,)).reshape(-1, 3)
 
 
 class _Rays:
     """Rays of one call: their leading shape, and arrays as `_core` takes them."""
 
-    def __init__(self, origins: Any, directions: Any, t_min: Any, t_max: Any):
+    def __init__(self, origins: ArrayLike, directions: ArrayLike, t_min: Union[float, ArrayLike],
+                 t_max: Union[float, ArrayLike]) -> None:
         o, d = _vectors("origins", origins), _vectors("directions", directions)
         ends = {name: _real(name, value) for name, value in (("t_min", t_min), ("t_max", t_max))}
         self.shape = _broadcast([("origins", o.shape[:-1]), ("directions", d.shape[:-1]),
                                  *((name, end.shape) for name, end in ends.items())])
         self.origins, self.directions = _rows(o, self.shape), _rows(d, self.shape)
-        self.ends = [self._end(end) for end in ends.values()]
+        self.ends = self._end(ends["t_min"]), self._end(ends["t_max"])
 
-    def _end(self, end: "np.ndarray") -> Any:
+    def _end(self, end: Rows) -> Union[float, Doubles]:
         """One number, or one for each ray."""
-        np = _numpy()
+        import numpy as np
         if end.ndim == 0:
             return float(end)
         return np.ascontiguousarray(np.broadcast_to(end, self.shape), np.float64).reshape(-1)
 
 
-def _frozen(array: "np.ndarray") -> "np.ndarray":
+def _frozen(array: AnyArray) -> AnyArray:
     array.flags.writeable = False
     return array
 
@@ -102,31 +112,31 @@ class _Found:
 
     __slots__ = ("_tracer", "_origins", "_directions", "_threads", "_arrays", "_shape", "_known")
 
-    def __init__(self, tracer: "Tracer", origins: Any, directions: Any, threads: Optional[int],
-                 arrays: dict, shape: Tuple[int, ...]):
+    def __init__(self, tracer: Tracer, origins: Rows, directions: Rows, threads: Optional[int],
+                 arrays: Dict[str, AnyArray], shape: ArrayShape) -> None:
         self._tracer, self._origins, self._directions = tracer, origins, directions
         self._threads, self._arrays, self._shape = threads, arrays, shape
-        self._known: dict = {}
+        self._known: Dict[str, AnyArray] = {}
 
-    def _field(self, name: str) -> "np.ndarray":
+    def _field(self, name: HitField) -> AnyArray:
         if name not in self._arrays:
             raise UsageError(f"{name}: not among the fields that were asked for; expected one of "
                              f"{', '.join(self._arrays)}")
         return self._arrays[name]
 
-    def _per_hit(self) -> Tuple[Any, Any]:
+    def _per_hit(self) -> Tuple[Rows, Rows]:
         """The ray of each hit."""
         return self._origins, self._directions
 
-    def _flat(self) -> tuple:
+    def _flat(self) -> Tuple[Doubles, Numbers, Numbers, Doubles]:
         """The four arrays as `_core` takes them."""
         count = len(self._per_hit()[0])
-        return tuple(self._field(name).reshape((count, 2) if name == "uv" else (count,))
-                     for name in _FIELDS)
+        return (self.t.reshape(count), self.instance.reshape(count), self.primitive.reshape(count),
+                self.uv.reshape(count, 2))
 
-    def _attribute(self, name: str) -> "np.ndarray":
+    def _attribute(self, name: str) -> AnyArray:
         if name not in self._known:
-            np = _numpy()
+            import numpy as np
             width, code = _ATTRIBUTES[name]
             shape = self._shape if width == 1 else self._shape + (width,)
             out = np.empty(shape, code)
@@ -136,32 +146,65 @@ class _Found:
             self._known[name] = _frozen(out)
         return self._known[name]
 
-    t = property(lambda self: self._field("t"), doc="Lengths of the direction; infinite: no hit.")
-    instance = property(lambda self: self._field("instance"),
-                        doc="Numbers into `tracer.instances`; 0xFFFFFFFF: no hit.")
-    primitive = property(lambda self: self._field("primitive"),
-                         doc="Of a mesh the row of its triangles; 0xFFFFFFFF: no hit.")
-    uv = property(lambda self: self._field("uv"), doc="Weights of a triangle's vertices 1 and 2.")
-    point = property(lambda self: self._attribute("point"), doc="Where the surface was hit.")
-    point_error = property(lambda self: self._attribute("point_error"),
-                           doc="A bound on the error of `point` on each axis.")
-    normal = property(lambda self: self._attribute("normal"),
-                      doc="Unit normals of the surface's front.")
-    shading_normal = property(lambda self: self._attribute("shading_normal"),
-                              doc="Unit normals, smoothed by those of vertices.")
-    texcoord = property(lambda self: self._attribute("texcoord"), doc="Texture coordinates.")
-    material = property(lambda self: self._attribute("material"),
-                        doc="Numbers into `tracer.materials`; 0xFFFFFFFF: no hit.")
+    @property
+    def t(self) -> Doubles:
+        """Lengths of the direction; infinite: no hit."""
+        return self._field("t")
 
-    def name(self, index: Any) -> Optional[str]:
+    @property
+    def instance(self) -> Numbers:
+        """Numbers into `tracer.instances`; 0xFFFFFFFF: no hit."""
+        return self._field("instance")
+
+    @property
+    def primitive(self) -> Numbers:
+        """Of a mesh the row of its triangles; 0xFFFFFFFF: no hit."""
+        return self._field("primitive")
+
+    @property
+    def uv(self) -> Doubles:
+        """Weights of a triangle's vertices 1 and 2."""
+        return self._field("uv")
+
+    @property
+    def point(self) -> Doubles:
+        """Where the surface was hit."""
+        return self._attribute("point")
+
+    @property
+    def point_error(self) -> Doubles:
+        """A bound on the error of `point` on each axis."""
+        return self._attribute("point_error")
+
+    @property
+    def normal(self) -> Doubles:
+        """Unit normals of the surface's front."""
+        return self._attribute("normal")
+
+    @property
+    def shading_normal(self) -> Doubles:
+        """Unit normals, smoothed by those of vertices."""
+        return self._attribute("shading_normal")
+
+    @property
+    def texcoord(self) -> Doubles:
+        """Texture coordinates."""
+        return self._attribute("texcoord")
+
+    @property
+    def material(self) -> Numbers:
+        """Numbers into `tracer.materials`; 0xFFFFFFFF: no hit."""
+        return self._attribute("material")
+
+    def name(self, index: Union[SupportsIndex, Tuple[SupportsIndex, ...]]) -> Optional[str]:
         """The name of the instance that was hit at that index; None where none was."""
         number = int(self.instance[index])
         return None if number == _NONE else self._tracer.instances[number]
 
-    def __getstate__(self) -> tuple:
+    def __getstate__(self) -> Tuple[Any, ...]:
         return tuple(getattr(self, name) for name in self._slots())
 
-    def __setstate__(self, state: tuple) -> None:
+    def __setstate__(self, state: Tuple[Any, ...]) -> None:
         for name, value in zip(self._slots(), state):
             setattr(self, name, value)
 
@@ -178,15 +221,18 @@ class Hits(_Found):
     __slots__ = ()
 
     @property
-    def hit(self) -> "np.ndarray":
+    def hit(self) -> Bools:
         """Whether anything was hit."""
+        import numpy as np
         for name in ("instance", "primitive"):
             if name in self._arrays:
-                return self._arrays[name] != _NONE
-        return _numpy().isfinite(self.t)
+                found: Bools = self._arrays[name] != _NONE
+                return found
+        return np.isfinite(self.t)
 
     @property
-    def shape(self) -> Tuple[int, ...]:
+    def shape(self) -> ArrayShape:
+        """The shape of the rays."""
         return self._shape
 
     def __len__(self) -> int:
@@ -196,7 +242,7 @@ class Hits(_Found):
         return f"<Hits {self._shape}: {int(self.hit.sum())} hit>"
 
     def _repr_html_(self) -> str:
-        rows = {"rays": self.hit.size, "hit": int(self.hit.sum())}
+        rows: Dict[str, float] = {"rays": self.hit.size, "hit": int(self.hit.sum())}
         if "t" in self._arrays and rows["hit"]:
             rows["nearest"], rows["farthest"] = self.t.min(), self.t[self.hit].max()
         return table(rows)
@@ -208,22 +254,24 @@ class AllHits(_Found):
 
     __slots__ = ("offsets", "ray_shape")
 
-    def __init__(self, offsets: "np.ndarray", ray_shape: Tuple[int, ...], *found: Any):
-        super().__init__(*found)
+    def __init__(self, offsets: Integers, ray_shape: ArrayShape, tracer: Tracer, origins: Rows,
+                 directions: Rows, threads: Optional[int], arrays: Dict[str, AnyArray]) -> None:
+        super().__init__(tracer, origins, directions, threads, arrays, (len(arrays["t"]),))
         self.offsets, self.ray_shape = offsets, ray_shape
 
     @property
-    def counts(self) -> "np.ndarray":
+    def counts(self) -> Integers:
         """How many hits each ray has, in the rays' shape."""
-        return _numpy().diff(self.offsets).reshape(self.ray_shape)
+        import numpy as np
+        return np.diff(self.offsets).reshape(self.ray_shape)
 
     @property
-    def ray(self) -> "np.ndarray":
+    def ray(self) -> Integers:
         """The number of each hit's ray."""
-        np = _numpy()
+        import numpy as np
         return np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
 
-    def _per_hit(self) -> Tuple[Any, Any]:
+    def _per_hit(self) -> Tuple[Rows, Rows]:
         ray = self.ray
         return self._origins[ray], self._directions[ray]
 
@@ -243,18 +291,18 @@ class Tracer:
     their material lets through; hidden nodes are not there. A ray with a NaN, or without a
     direction, hits nothing."""
 
-    __slots__ = ("_core", "_options", "_names", "_scene")
+    __slots__ = ("_core", "_options", "_names")
 
-    def __init__(self, core: Any, options: tuple, scene: Any = None):
-        self._core, self._options, self._names = core, options, None
-        self._scene = scene
+    def __init__(self, core: _core.Tracer, options: Options) -> None:
+        self._core, self._options = core, options
+        self._names: Optional[List[str]] = None
 
     @classmethod
-    def _of(cls, scene: Any, options: tuple) -> "Tracer":
+    def _of(cls, scene: Union[Scene, str, bytes], options: Options) -> Tracer:
         """Of a Scene, of its text form (str) or of its binary form (bytes)."""
         time, camera, accel, threads = options
         core = _core.Tracer(scene, time, camera, accel, threads or len(os.sched_getaffinity(0)))
-        return cls(core, options, None if isinstance(scene, (str, bytes)) else scene)
+        return cls(core, options)
 
     def _threads(self, threads: Optional[int]) -> int:
         chosen = threads if threads is not None else self._options[-1]
@@ -264,20 +312,21 @@ class Tracer:
             raise UsageError(f"threads: {chosen!r}; expected a whole number from 1 to 4096")
         return chosen
 
-    def intersect(self, origins: Any, directions: Any, *, t_min: Any = 0.0,
-                  t_max: Any = float("inf"), cull: str = "none", threads: Optional[int] = None,
-                  fields: Optional[Iterable[str]] = None) -> Hits:
+    def intersect(self, origins: ArrayLike, directions: ArrayLike, *,
+                  t_min: Union[float, ArrayLike] = 0.0, t_max: Union[float, ArrayLike] = float("inf"),
+                  cull: Cull = "none", threads: Optional[int] = None,
+                  fields: Union[None, HitField, Iterable[HitField]] = None) -> Hits:
         """The closest hit of each ray. `fields` names what is wanted of t, instance, primitive and
         uv; all, if it is left out."""
-        np = _numpy()
+        import numpy as np
         wanted = _FIELDS if fields is None else ((fields,) if isinstance(fields, str)
                                                  else tuple(fields))
         for name in wanted:
             _choice("fields", name, _FIELDS)
         rays = _Rays(origins, directions, t_min, t_max)
         types = {"t": "f8", "instance": "u4", "primitive": "u4", "uv": "f8"}
-        arrays = {name: np.empty(rays.shape + ((2,) if name == "uv" else ()), types[name])
-                  for name in wanted}
+        arrays: Dict[str, AnyArray] = {
+            name: np.empty(rays.shape + ((2,) if name == "uv" else ()), types[name]) for name in wanted}
         self._core.intersect(rays.origins, rays.directions, *rays.ends,
                              _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads),
                              *(arrays.get(name) for name in _FIELDS))
@@ -285,45 +334,48 @@ class Tracer:
             _frozen(array)
         return Hits(self, rays.origins, rays.directions, threads, arrays, rays.shape)
 
-    def occluded(self, origins: Any, directions: Any, *, t_min: Any = 0.0,
-                 t_max: Any = float("inf"), cull: str = "none",
-                 threads: Optional[int] = None) -> "np.ndarray":
+    def occluded(self, origins: ArrayLike, directions: ArrayLike, *,
+                 t_min: Union[float, ArrayLike] = 0.0,
+                 t_max: Union[float, ArrayLike] = float("inf"), cull: Cull = "none",
+                 threads: Optional[int] = None) -> Bools:
         """Whether each ray hits anything."""
+        import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
-        out = _numpy().empty(rays.shape, bool)
+        out = np.empty(rays.shape, bool)
         self._core.occluded(rays.origins, rays.directions, *rays.ends,
                             _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads),
                             out)
         return out
 
-    def intersect_all(self, origins: Any, directions: Any, *, t_min: Any = 0.0,
-                      t_max: Any = float("inf"), cull: str = "none",
+    def intersect_all(self, origins: ArrayLike, directions: ArrayLike, *,
+                      t_min: Union[float, ArrayLike] = 0.0,
+                      t_max: Union[float, ArrayLike] = float("inf"), cull: Cull = "none",
                       threads: Optional[int] = None) -> AllHits:
         """All hits of each ray, each once."""
-        np = _numpy()
+        import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
         offsets, *arrays = (np.asarray(a) for a in self._core.intersect_all(
             rays.origins, rays.directions, *rays.ends,
             _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads)))
         return AllHits(offsets, rays.shape, self, rays.origins, rays.directions, threads,
-                       dict(zip(_FIELDS, arrays)), (len(arrays[0]),))
+                       dict(zip(_FIELDS, arrays)))
 
-    def crossings(self, origins: Any, directions: Any, *, t_min: Any = 0.0,
-                  t_max: Any = float("inf"), threads: Optional[int] = None) -> "np.ndarray":
+    def crossings(self, origins: ArrayLike, directions: ArrayLike, *,
+                  t_min: Union[float, ArrayLike] = 0.0, t_max: Union[float, ArrayLike] = float("inf"),
+                  threads: Optional[int] = None) -> npt.NDArray[np.int32]:
         """How often each ray passes from front to back, less how often from back to front. Through
         an edge or vertex of a mesh it passes once."""
+        import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
-        out = _numpy().empty(rays.shape, "i4")
+        out = np.empty(rays.shape, np.int32)
         self._core.crossings(rays.origins, rays.directions, *rays.ends, self._threads(threads), out)
         return out
 
-    def contains(self, points: Any,
-                 shape: Union[None, int, str, Node, Shape, Instances] = None, *,
-                 threads: Optional[int] = None) -> "np.ndarray":
+    def contains(self, points: ArrayLike, shape: Union[None, int, str] = None, *,
+                 threads: Optional[int] = None) -> Bools:
         """Whether each point is inside some solid or closed mesh, or inside the instances of that
-        name or number, or of that node, shape or Instances of the scene, which must be as it was when the
-        tracer was made."""
-        np = _numpy()
+        name or number."""
+        import numpy as np
         at = _vectors("points", points)
         inside = np.zeros(at.shape[:-1], bool)
         for number in self._numbers(shape):
@@ -332,19 +384,14 @@ class Tracer:
             inside |= one
         return inside
 
-    def _numbers(self, shape: Union[None, int, str, Node, Shape, Instances]) -> Sequence[Optional[int]]:
+    def _numbers(self, shape: Union[None, int, str]) -> Sequence[Optional[int]]:
         if shape is None:
             return [None]
-        if isinstance(shape, (Node, Shape, Instances)):
-            if self._scene is None:
-                raise UsageError(f"shape: {shape!r:.60}, for a tracer of no Scene of this process; "
-                                 "expected a name or a number")
-            return instances_of(shape, self._scene, self)
         if isinstance(shape, str):
             _choice("shape", shape, sorted(set(self.instances)))
             return [i for i, name in enumerate(self.instances) if name == shape]
         if isinstance(shape, bool) or not hasattr(shape, "__index__"):
-            raise TypeError(f"shape: {shape!r:.60}; expected a name, a number, a Node or a Shape")
+            raise TypeError(f"shape: {shape!r:.60}; expected the name or number of an instance")
         number = operator.index(shape)
         if not 0 <= number < len(self.instances):
             raise UsageError(f"shape: {shape}; expected a name or a number below "
@@ -352,10 +399,10 @@ class Tracer:
         return [number]
 
     def camera_rays(self, size: Optional[Tuple[int, int]] = None, camera: Optional[str] = None,
-                    ) -> Tuple["np.ndarray", "np.ndarray"]:
+                    ) -> Tuple[Doubles, Doubles]:
         """Origins and unit directions, (height, width, 3), of the rays through the middles of the
         pixels of a frame of `size`, (width, height)."""
-        np = _numpy()
+        import numpy as np
         width, height = (int(n) for n in (size or self._core.size()))
         if not (0 < width <= 65536 and 0 < height <= 65536):
             raise UsageError(f"size: {(width, height)}; expected 1 to 65536 pixels a side")
@@ -363,11 +410,11 @@ class Tracer:
         self._core.camera_rays(camera or "", width, height, origins, directions)
         return origins, directions
 
-    def spawn(self, hits: _Found, directions: Any) -> "np.ndarray":
+    def spawn(self, hits: _Found, directions: ArrayLike) -> Doubles:
         """Where rays start that leave the surfaces of `hits` along `directions`: moved off by the
         bound on the error, so that they do not meet those surfaces there. NaN where there is no
         hit."""
-        np = _numpy()
+        import numpy as np
         away = _vectors("directions", directions)
         shape = hits._shape
         if _broadcast([("hits", shape), ("directions", away.shape[:-1])]) != shape:
@@ -379,9 +426,10 @@ class Tracer:
         return out
 
     @property
-    def bounds(self) -> "np.ndarray":
+    def bounds(self) -> Doubles:
         """The least and largest corner around all that ends somewhere, (2, 3)."""
-        return _numpy().asarray(self._core.bounds())
+        import numpy as np
+        return np.asarray(self._core.bounds())
 
     @property
     def instances(self) -> List[str]:
@@ -396,27 +444,27 @@ class Tracer:
         return self._core.materials()
 
     @property
-    def statistics(self) -> dict:
+    def statistics(self) -> Dict[str, float]:
         """What is held, and what building took."""
         return self._core.statistics()
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> Tuple[Any, ...]:
         return Tracer._of, (self._core.scene(), self._options)
 
     def __repr__(self) -> str:
         return f"<Tracer of {len(self.instances)} instances>"
 
 
-def tracer_from_scene(scene: Any, *, time: Optional[float] = None, camera: Optional[str] = None,
-                      accel: str = "bvh", threads: Optional[int] = None,
-                      geometry_only: bool = True) -> Tracer:
+def tracer_from_scene(scene: Union[Scene, str, bytes], *, time: Optional[float] = None,
+                      camera: Optional[str] = None, accel: Accelerator = "bvh",
+                      threads: Optional[int] = None, geometry_only: bool = True) -> Tracer:
     """A tracer of a `Scene`, of its text form (str) or of its binary form (bytes), as it is now."""
     if not geometry_only:
         raise UsageError("geometry_only: False; expected True, as tracers know no light")
     return Tracer._of(scene, (time, camera or "", accel, threads))
 
 
-def tracer_from_mesh(positions: "np.ndarray", triangles: "np.ndarray", *, accel: str = "bvh",
+def tracer_from_mesh(positions: ArrayLike, triangles: ArrayLike, *, accel: Accelerator = "bvh",
                      threads: Optional[int] = None) -> Tracer:
     """A tracer of one mesh: positions (v, 3), held as float32, and indices (t, 3)."""
     from .scene import Scene  # here: it imports this

@@ -9,13 +9,15 @@ import os
 import sys
 import time
 import warnings as _warnings
-from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterator, Literal, Optional, Sequence,
-                    Tuple, Union, overload)
+from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterator, Literal, NoReturn, Optional,
+                    Sequence, Union, overload)
 
 from . import _core
 from ._local_farms import BaseFarm, LocalFarm, OfThisProcess, Threads
 from ._places import located
 from ._progress import SHOW_SECONDS, Progress, ProgressOption, progress_display
+from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Size, X3dColor, X3dShadows,
+                     X3dTexture)
 from ._value import refuse_unknown
 from .errors import (Cancelled, Error, MissingFile, RenderError, SceneError, SceneWarning,
                      UsageError)
@@ -48,7 +50,8 @@ class Task(OfThisProcess):
 
     __slots__ = ("_task", "_scene", "_farm", "_owns_farm")
 
-    def __init__(self, task: Any, scene: Any, farm: BaseFarm, owns_farm: bool) -> None:
+    def __init__(self, task: _core.Task, scene: Union[Scene, str], farm: BaseFarm,
+                 owns_farm: bool) -> None:
         super().__init__()
         self._scene = scene
         self._task = task
@@ -58,7 +61,7 @@ class Task(OfThisProcess):
     def done(self) -> bool:
         """Whether it has ended, in whatever way."""
         self._check_process()
-        return bool(self._task.is_done())
+        return self._task.is_done()
 
     def cancel(self) -> None:
         """Ends it soon, if it is not done. Returns at once."""
@@ -153,14 +156,13 @@ class Task(OfThisProcess):
         ipython = sys.modules.get("IPython")
         if ipython is None or ipython.get_ipython() is None:
             return self.result()  # a plain script, which has nothing to update
-        from IPython.display import display
-        shown = None
+        shown: Any = None
         for _ in self:
             picture = self.snapshot()
             if picture is None:
                 continue
             if shown is None:
-                shown = display(picture, display_id=True)
+                shown = ipython.display.display(picture, display_id=True)
             else:
                 shown.update(picture)
         return self.result()
@@ -196,7 +198,8 @@ def _as_text(name: str, value: Any) -> str:
     if isinstance(value, (bool, bytes)):
         raise TypeError(f"{name}: {value!r}; expected a number, text or several of them")
     if isinstance(value, os.PathLike):
-        return os.fspath(value)  # type: ignore[no-any-return]
+        path: str = os.fspath(value)
+        return path
     if hasattr(value, "__iter__"):
         separator = "x" if name == "size" else "-" if name == "frames" else ","
         return separator.join(_as_text(name, part) for part in value)
@@ -207,7 +210,7 @@ def _as_text(name: str, value: Any) -> str:
     raise TypeError(f"{name}: {value!r}; expected a number, text or several of them")
 
 
-def _options(keywords: dict[str, Any]) -> Any:
+def core_options(keywords: dict[str, Any]) -> _core.Options:
     options = _core.Options()
     for name, value in keywords.items():
         if value is None or value is False:
@@ -225,7 +228,7 @@ def _options(keywords: dict[str, Any]) -> Any:
     return options
 
 
-def checked_scene(scene: Any) -> Any:
+def checked_scene(scene: Union[Scene, Path]) -> Union[Scene, str]:
     """A Scene, or the path of a file that is there."""
     if isinstance(scene, os.PathLike):
         scene = os.fspath(scene)
@@ -263,31 +266,55 @@ def _started_farm(workers: Optional[int], threads: Optional[int], verify: Option
 
 
 @overload
-def render(scene: Union["Scene", str, "os.PathLike[str]"], *, wait: Literal[True] = True,
-           **options: Any) -> Image: ...
-@overload
-def render(scene: Union["Scene", str, "os.PathLike[str]"], *, wait: Literal[False],
-           **options: Any) -> Task: ...
-def render(scene: Any, *,
-           size: Union[None, str, Tuple[int, int]] = None,
-           crop: Union[None, str, Tuple[int, int, int, int]] = None,
+def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Optional[Crop] = None,
            camera: Optional[str] = None, pinhole: bool = False, frame_all: bool = False,
            spp: Optional[int] = None, target_error: Optional[float] = None,
            min_spp: Optional[int] = None, filter: Optional[str] = None,
-           pattern: Optional[str] = None, seed: Optional[int] = None,
-           integrator: Optional[str] = None, accel: Optional[str] = None,
-           aovs: Union[str, Sequence[str]] = (), denoise: bool = False,
-           time: Optional[float] = None, frame: Optional[int] = None,
-           place: Union[str, Sequence[str]] = (), assets: Union[None, str, "os.PathLike[str]"] = None,
-           x3d_color: Optional[str] = None, x3d_shadows: Optional[str] = None,
-           x3d_texture: Optional[str] = None, x3d_weld: Optional[float] = None,
-           x3d_strict: bool = False, x3d_two_sided: bool = False,
-           tile: Optional[int] = None, workers: Optional[int] = None,
-           threads: Optional[int] = None, verify: Optional[float] = None,
-           farm: Optional[BaseFarm] = None,
-           resume: Union[None, bool, str, "os.PathLike[str]"] = None,
+           pattern: Optional[Pattern] = None, seed: Optional[int] = None,
+           integrator: Optional[Integrator] = None, accel: Optional[Accelerator] = None,
+           aovs: Aovs = (), denoise: bool = False, time: Optional[float] = None,
+           frame: Optional[int] = None, place: Union[str, Sequence[str]] = (),
+           assets: Optional[Path] = None, x3d_color: Optional[X3dColor] = None,
+           x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
+           x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
+           tile: Optional[int] = None, workers: Optional[int] = None, threads: Optional[int] = None,
+           verify: Optional[float] = None, farm: Optional[BaseFarm] = None,
+           resume: Union[None, bool, Path] = None,
            progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
-           wait: bool = True, **unknown: Any) -> Union[Image, Task]:
+           wait: Literal[True] = True) -> Image: ...
+@overload
+def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Optional[Crop] = None,
+           camera: Optional[str] = None, pinhole: bool = False, frame_all: bool = False,
+           spp: Optional[int] = None, target_error: Optional[float] = None,
+           min_spp: Optional[int] = None, filter: Optional[str] = None,
+           pattern: Optional[Pattern] = None, seed: Optional[int] = None,
+           integrator: Optional[Integrator] = None, accel: Optional[Accelerator] = None,
+           aovs: Aovs = (), denoise: bool = False, time: Optional[float] = None,
+           frame: Optional[int] = None, place: Union[str, Sequence[str]] = (),
+           assets: Optional[Path] = None, x3d_color: Optional[X3dColor] = None,
+           x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
+           x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
+           tile: Optional[int] = None, workers: Optional[int] = None, threads: Optional[int] = None,
+           verify: Optional[float] = None, farm: Optional[BaseFarm] = None,
+           resume: Union[None, bool, Path] = None,
+           progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
+           wait: Literal[False]) -> Task: ...
+def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Optional[Crop] = None,
+           camera: Optional[str] = None, pinhole: bool = False, frame_all: bool = False,
+           spp: Optional[int] = None, target_error: Optional[float] = None,
+           min_spp: Optional[int] = None, filter: Optional[str] = None,
+           pattern: Optional[Pattern] = None, seed: Optional[int] = None,
+           integrator: Optional[Integrator] = None, accel: Optional[Accelerator] = None,
+           aovs: Aovs = (), denoise: bool = False, time: Optional[float] = None,
+           frame: Optional[int] = None, place: Union[str, Sequence[str]] = (),
+           assets: Optional[Path] = None, x3d_color: Optional[X3dColor] = None,
+           x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
+           x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
+           tile: Optional[int] = None, workers: Optional[int] = None, threads: Optional[int] = None,
+           verify: Optional[float] = None, farm: Optional[BaseFarm] = None,
+           resume: Union[None, bool, Path] = None,
+           progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
+           wait: bool = True, **unknown: NoReturn) -> Union[Image, Task]:
     """Renders a scene, or the scene in a file, to a picture: the bits of `tessera render`.
 
     The keywords are the long options of `tessera render`, with _ for -; `tessera help render` says
@@ -317,7 +344,7 @@ def render(scene: Any, *,
     if frame is not None and time is not None:
         raise UsageError("time: a frame has its own instant; expected one of the two")
     scene = checked_scene(scene)
-    options = _options(keywords)
+    options = core_options(keywords)
     _keep_tiles(options, resume, scene, farm)
     if farm is not None:
         farm._check_process()

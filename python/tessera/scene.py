@@ -3,20 +3,32 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import (TYPE_CHECKING, Any, Dict, Generic, Iterable, Iterator, List, NamedTuple, NoReturn,
+                    Optional, Sequence, Tuple, TypeVar, Union, overload)
 
-from . import _core, _messages
+from . import _core, _messages, rendering
 from ._graph import Instances, flat, with_material
 from ._html import table
-from ._messages import (Frames, Include, IntegratorSettings, Light, Material, Metadata, Object,
-                        Output, Sampling, Settings, Shape, Texture, Fog)
+from ._local_farms import BaseFarm
+from ._messages import (Fog, Frames, Include, IntegratorSettings, IntegratorSettingsShadows, Light,
+                        Material, Metadata, Object, Output, OutputQuantization, OutputToneMap,
+                        OutputTransfer, Sampling, SamplingFilter, SamplingPattern, Settings, Shape,
+                        Texture)
 from ._nodes import Node
+from ._progress import ProgressOption
 from ._places import located
 from ._transforms import Transform
-from ._types import ArrayLike, ColorLike
+from ._types import (Accelerator, Aovs, ColorLike, Crop, Integrator, NodeLike, PartsLike, Path, Pattern,
+                     Size, TransformsLike)
 from ._value import here
 from ._view import Background, Camera
 from .errors import SceneError
+from .picture import Image
+
+if TYPE_CHECKING:
+    from .rays import Tracer
+
+T = TypeVar("T")
 
 
 class Summary(NamedTuple):
@@ -30,7 +42,7 @@ class Summary(NamedTuple):
     """What is used and never defined."""
 
 
-class _Setting:
+class _Setting(Generic[T]):
     """A field of Settings, or of a part of it, as an attribute of the scene."""
 
     def __init__(self, path: str, made: type = Settings) -> None:
@@ -38,6 +50,10 @@ class _Setting:
         self._field, self._made = field, made
         self.__doc__ = f"The field `{path}` of `settings`."
 
+    @overload
+    def __get__(self, scene: None, _: Any = None) -> _Setting[T]: ...
+    @overload
+    def __get__(self, scene: Scene, _: Any = None) -> Optional[T]: ...
     def __get__(self, scene: Optional[Scene], _: Any = None) -> Any:
         if scene is None:
             return self
@@ -46,7 +62,7 @@ class _Setting:
             owner = getattr(owner, self._part)
         return None if owner is None else getattr(owner, self._field)
 
-    def __set__(self, scene: Scene, value: Any) -> None:
+    def __set__(self, scene: Scene, value: Optional[T]) -> None:
         if scene.settings is None:
             scene.settings = Settings()
         owner: Any = scene.settings
@@ -54,7 +70,8 @@ class _Setting:
             if getattr(owner, self._part) is None:
                 setattr(owner, self._part, self._made())
             owner = getattr(owner, self._part)
-        setattr(owner, self._field, list(value) if self._field == "response" else value)
+        held: Any = value
+        setattr(owner, self._field, list(held) if self._field == "response" else held)
 
 
 class Scene(_messages.Scene):
@@ -66,49 +83,58 @@ class Scene(_messages.Scene):
 
     __slots__ = ()
 
-    width: Optional[int] = _Setting("width")  # type: ignore[assignment]
-    height: Optional[int] = _Setting("height")  # type: ignore[assignment]
-    time: Optional[float] = _Setting("time")  # type: ignore[assignment]
-    accel: Optional[str] = _Setting("accelerator")  # type: ignore[assignment]
-    spp: Optional[int] = _Setting("sampling.samples_per_pixel", Sampling)  # type: ignore[assignment]
-    min_spp: Optional[int] = _Setting("sampling.min_samples", Sampling)  # type: ignore[assignment]
-    target_error: Optional[float] = _Setting("sampling.target_error", Sampling)  # type: ignore[assignment]
-    pattern: Optional[str] = _Setting("sampling.pattern", Sampling)  # type: ignore[assignment]
-    filter: Optional[str] = _Setting("sampling.filter", Sampling)  # type: ignore[assignment]
-    filter_radius: Optional[float] = _Setting("sampling.filter_radius", Sampling)  # type: ignore[assignment]
-    seed: Optional[int] = _Setting("sampling.seed", Sampling)  # type: ignore[assignment]
-    integrator: Optional[str] = _Setting("integrator.kind", IntegratorSettings)  # type: ignore[assignment]
-    max_depth: Optional[int] = _Setting("integrator.max_depth", IntegratorSettings)  # type: ignore[assignment]
-    shadows: Optional[str] = _Setting("integrator.shadows", IntegratorSettings)  # type: ignore[assignment]
-    background_at_max_depth: Optional[bool] = _Setting(  # type: ignore[assignment]
+    width: _Setting[int] = _Setting("width")
+    height: _Setting[int] = _Setting("height")
+    time: _Setting[float] = _Setting("time")
+    accel: _Setting[Accelerator] = _Setting("accelerator")
+    spp: _Setting[int] = _Setting("sampling.samples_per_pixel", Sampling)
+    min_spp: _Setting[int] = _Setting("sampling.min_samples", Sampling)
+    target_error: _Setting[float] = _Setting("sampling.target_error", Sampling)
+    pattern: _Setting[SamplingPattern] = _Setting("sampling.pattern", Sampling)
+    filter: _Setting[SamplingFilter] = _Setting("sampling.filter", Sampling)
+    filter_radius: _Setting[float] = _Setting("sampling.filter_radius", Sampling)
+    seed: _Setting[int] = _Setting("sampling.seed", Sampling)
+    integrator: _Setting[Integrator] = _Setting("integrator.kind", IntegratorSettings)
+    max_depth: _Setting[int] = _Setting("integrator.max_depth", IntegratorSettings)
+    shadows: _Setting[IntegratorSettingsShadows] = _Setting("integrator.shadows", IntegratorSettings)
+    background_at_max_depth: _Setting[bool] = _Setting(
         "integrator.background_at_max_depth", IntegratorSettings)
-    ambient: Optional[ColorLike] = _Setting("integrator.ambient", IntegratorSettings)
-    tone_map: Optional[str] = _Setting("output.tone_map", Output)  # type: ignore[assignment]
-    transfer: Optional[str] = _Setting("output.transfer", Output)  # type: ignore[assignment]
-    gamma: Optional[float] = _Setting("output.gamma", Output)  # type: ignore[assignment]
-    exposure: Optional[float] = _Setting("output.exposure", Output)  # type: ignore[assignment]
-    quantization: Optional[str] = _Setting("output.quantization", Output)  # type: ignore[assignment]
-    response: Optional[Sequence[float]] = _Setting("output.response", Output)  # type: ignore[assignment]
+    ambient: _Setting[ColorLike] = _Setting("integrator.ambient", IntegratorSettings)
+    tone_map: _Setting[OutputToneMap] = _Setting("output.tone_map", Output)
+    transfer: _Setting[OutputTransfer] = _Setting("output.transfer", Output)
+    gamma: _Setting[float] = _Setting("output.gamma", Output)
+    exposure: _Setting[float] = _Setting("output.exposure", Output)
+    quantization: _Setting[OutputQuantization] = _Setting("output.quantization", Output)
+    response: _Setting[Sequence[float]] = _Setting("output.response", Output)
 
     def __init__(self, *, width: Optional[int] = None, height: Optional[int] = None,
                  spp: Optional[int] = None, min_spp: Optional[int] = None,
-                 target_error: Optional[float] = None, pattern: Optional[str] = None,
-                 filter: Optional[str] = None, filter_radius: Optional[float] = None,
-                 seed: Optional[int] = None, integrator: Optional[str] = None,
-                 max_depth: Optional[int] = None, shadows: Optional[str] = None,
+                 target_error: Optional[float] = None, pattern: Optional[SamplingPattern] = None,
+                 filter: Optional[SamplingFilter] = None, filter_radius: Optional[float] = None,
+                 seed: Optional[int] = None, integrator: Optional[Integrator] = None,
+                 max_depth: Optional[int] = None,
+                 shadows: Optional[IntegratorSettingsShadows] = None,
                  background_at_max_depth: Optional[bool] = None, ambient: Optional[ColorLike] = None,
-                 tone_map: Optional[str] = None, transfer: Optional[str] = None,
+                 tone_map: Optional[OutputToneMap] = None, transfer: Optional[OutputTransfer] = None,
                  gamma: Optional[float] = None, exposure: Optional[float] = None,
-                 quantization: Optional[str] = None, response: Optional[Sequence[float]] = None,
-                 accel: Optional[str] = None, time: Optional[float] = None,
+                 quantization: Optional[OutputQuantization] = None,
+                 response: Optional[Sequence[float]] = None, accel: Optional[Accelerator] = None,
+                 time: Optional[float] = None,
                  frames: Optional[Union[Frames, Tuple[int, int]]] = None,
-                 camera: Optional[_messages.Camera] = None,
-                 background: Optional[Union[_messages.Background, ColorLike]] = None,
-                 **fields: Any) -> None:
-        settings = {name: value for name, value in locals().items() if name in _SETTINGS}
-        super().__init__(**fields)
+                 camera: Optional[Camera] = None,
+                 background: Optional[Union[Background, ColorLike]] = None,
+                 metadata: Optional[Metadata] = None, settings: Optional[Settings] = None,
+                 cameras: Optional[Iterable[Camera]] = None, fog: Optional[Fog] = None,
+                 materials: Optional[Iterable[Material]] = None,
+                 textures: Optional[Iterable[Texture]] = None,
+                 objects: Optional[Iterable[Object]] = None,
+                 nodes: Optional[Iterable[NodeLike]] = None,
+                 includes: Optional[Iterable[Include]] = None, **unknown: NoReturn) -> None:
+        flat_settings = {name: value for name, value in locals().items() if name in _SETTINGS}
+        super().__init__(metadata, settings, cameras, None, fog, materials, textures, objects, nodes,
+                         includes, **unknown)
         self._place = here()
-        for name, value in settings.items():
+        for name, value in flat_settings.items():
             if value is not None:
                 setattr(self, name, value)
         if frames is not None:
@@ -118,19 +144,19 @@ class Scene(_messages.Scene):
         if camera is not None:
             self.camera = camera
         if background is not None:
-            is_whole = isinstance(background, _messages.Background)
-            self.background = background if is_whole else Background.solid(background)
+            self.background = (background if isinstance(background, Background)
+                               else Background.solid(background))
 
     @property
-    def camera(self) -> Optional[_messages.Camera]:
+    def camera(self) -> Optional[Camera]:
         """The first camera, which pictures are taken with unless another is asked for."""
         return self.cameras[0] if self.cameras else None
 
     @camera.setter
-    def camera(self, camera: Optional[_messages.Camera]) -> None:
+    def camera(self, camera: Optional[Camera]) -> None:
         self.cameras[:1] = [] if camera is None else [camera]
 
-    def add(self, *things: Any, transform: Optional[Transform] = None,
+    def add(self, *things: PartsLike, transform: Optional[Transform] = None,
             material: Optional[Union[str, Material]] = None, name: Optional[str] = None) -> Node:
         """Puts shapes, lights, objects, nodes, other scenes or sequences of them below a new node.
 
@@ -167,7 +193,7 @@ class Scene(_messages.Scene):
         raise TypeError(f"a {type(thing).__name__}; expected a Shape, Light, Node, Object, Scene or a "
                         "sequence of them")
 
-    def instances(self, object: Union[str, Object, Shape, Sequence[Any]], transforms: ArrayLike, *,
+    def instances(self, object: Union[str, PartsLike], transforms: TransformsLike, *,
                   names: Optional[Sequence[str]] = None,
                   material: Optional[Union[str, Material]] = None) -> Instances:
         """Adds many instances of an object, which is stored and built once.
@@ -181,8 +207,7 @@ class Scene(_messages.Scene):
     @property
     def digest(self) -> str:
         """What names the scene: equal for equal scenes, whenever and wherever they are made."""
-        digest: str = _core.digest(self)
-        return digest
+        return _core.digest(self)
 
     def check(self) -> None:
         """Raises SceneError for names that are used and never defined, and for whatever of the scene
@@ -204,7 +229,7 @@ class Scene(_messages.Scene):
         rest = {"unused": summary.unused, "undefined": summary.undefined}
         return table({**summary.counts, **{what: ", ".join(names) for what, names in rest.items() if names}})
 
-    def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
+    def save(self, path: Path) -> None:
         """Writes the scene by the ending: .tessera (text), .tesserab (binary) or .json."""
         _core.save(self, os.fspath(path))
 
@@ -213,28 +238,41 @@ class Scene(_messages.Scene):
         made: Dict[str, Any] = json.loads(_core.to_json(self))
         return made
 
-    def tracer(self, **options: Any) -> Any:
+    def tracer(self, *, time: Optional[float] = None, camera: Optional[str] = None,
+               accel: Accelerator = "bvh", threads: Optional[int] = None,
+               geometry_only: bool = True) -> Tracer:
         """What answers questions about rays; see `tessera.rays`."""
         from . import rays
         try:
-            return rays.tracer_from_scene(self, **options)
+            return rays.tracer_from_scene(self, time=time, camera=camera, accel=accel, threads=threads,
+                                          geometry_only=geometry_only)
         except SceneError as error:
             raise located(self, error) from None
 
-    def render(self, **options: Any) -> Any:
-        """Renders the scene; see `tessera.render`."""
-        from .rendering import render
-        return render(self, **options)
+    render = rendering.render
 
-    def frames(self, first: Optional[int] = None, last: Optional[int] = None,
-               **options: Any) -> Iterator[Tuple[int, Any]]:
-        """Renders frames one after the other: pairs of number and picture."""
-        from .rendering import render
+    def frames(self, first: Optional[int] = None, last: Optional[int] = None, *,
+               size: Optional[Size] = None, crop: Optional[Crop] = None, camera: Optional[str] = None,
+               pinhole: bool = False, frame_all: bool = False, spp: Optional[int] = None,
+               target_error: Optional[float] = None, min_spp: Optional[int] = None,
+               filter: Optional[str] = None, pattern: Optional[Pattern] = None,
+               seed: Optional[int] = None, integrator: Optional[Integrator] = None,
+               accel: Optional[Accelerator] = None, aovs: Aovs = (), denoise: bool = False,
+               tile: Optional[int] = None, workers: Optional[int] = None,
+               threads: Optional[int] = None, verify: Optional[float] = None,
+               farm: Optional[BaseFarm] = None, progress: ProgressOption = None,
+               on_tile: Optional[rendering.TileCallback] = None, **unknown: NoReturn,
+               ) -> Iterator[Tuple[int, Image]]:
+        """Renders frames one after the other: pairs of number and picture. The options are those of
+        `render`."""
+        options = {name: value for name, value in locals().items()
+                   if name not in ("self", "first", "last", "unknown")}
         asked = self.settings.frames if self.settings is not None else None
         begin = first if first is not None else (asked.first or 0) if asked else 0
         end = last if last is not None else (asked.last or 0) if asked else begin
         for frame in range(begin, end + 1):
-            yield frame, render(self, frame=frame, **options)
+            image: Image = self.render(frame=frame, **options, **unknown)
+            yield frame, image
 
 
 _SETTINGS = [name for name, held in vars(Scene).items() if isinstance(held, _Setting)]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Holds every #include of the project, and every type that is declared and not defined, against the
-arrows that its rooms declare.
+arrows that its rooms declare; and every import of its Python, against names that are a file's own.
 
     check_arrows.py --root REPOSITORY --rooms BUILD/rooms.txt
 
@@ -8,6 +8,7 @@ rooms.txt has one line a room, "path: used rooms", and is written when CMake con
 line a violation and exits with 1 if there is any.
 """
 import argparse
+import ast
 import pathlib
 import re
 import sys
@@ -15,6 +16,7 @@ import sys
 ENDINGS = {".h", ".cpp", ".cc", ".hpp", ".inl"}
 TOP_FOLDERS = ["base", "proto", "renderer", "scenes", "job", "client", "coordinator", "worker", "bench",
                "cli", "python", "front"]
+PYTHON_FOLDERS = ["python", "blender", "examples"]
 # A type that is named without being defined; and one that is, outside of any other.
 DECLARED = re.compile(r"\b(?:class|struct)\s+([A-Z]\w*)\s*[;*&>]")
 DEFINED = re.compile(r"^(?:template\s*<.*>\s*)?(?:class|struct)\s+([A-Z]\w*)\b(?!\s*[;*&>])")
@@ -208,6 +210,26 @@ def check_file(rooms, types, root, room, path):
                 yield f"{name}:{number}: {what} outside {', '.join(owners)}"
 
 
+def check_imports(root):
+    """Within the Python package no file takes another's private names; whoever uses the package, not
+    even its private modules."""
+    for folder in PYTHON_FOLDERS:
+        for path in sorted((root / folder).rglob("*.py")):
+            for node in ast.walk(ast.parse(path.read_text())):
+                if not isinstance(node, (ast.Import, ast.ImportFrom)):
+                    continue
+                taken = [alias.name for alias in node.names]
+                module = getattr(node, "module", None) or ""
+                within = getattr(node, "level", 0) > 0
+                if within:  # its own modules may be private
+                    private = [name for name in taken if module and name.startswith("_")]
+                else:
+                    private = [full for full in (f"{module}.{name}".lstrip(".") for name in taken)
+                               if full.startswith("tessera.") and "._" in full]
+                for name in private:
+                    yield f"{path.relative_to(root)}:{node.lineno}: imports {name}, which is private"
+
+
 def unused_arrows(root, rooms):
     for room, uses in rooms.items():
         included = set()
@@ -233,6 +255,7 @@ def violations(root, rooms):
                     yield f"{path.relative_to(root)}: its folder is no room"
                 else:
                     yield from check_file(rooms, types, root, room, path)
+    yield from check_imports(root)
 
 
 def main():

@@ -50,6 +50,16 @@ class Arrows(unittest.TestCase):
             "cli/render.cpp": '#include "coordinator/job.h"\n#include "worker/loop.h"\n',
         }))
 
+    def test_an_import_of_a_private_name(self):
+        self.assertEqual([], self.found({"python/tessera/scene.py": "from . import _core\nfrom .rays import Hits\n"
+                                                                    "from __future__ import annotations\n",
+                                         "examples/a.py": "import tessera as ts\nfrom os import _exit\n"}))
+        self.assert_one("python/tessera/scene.py:2: imports _mix", {
+            "python/tessera/scene.py": "import os\nfrom .rays import _mix, Hits\n"})
+        for line in ("import tessera._core", "from tessera import _core", "from tessera._core import x",
+                     "from tessera.rays import _mix"):
+            self.assert_one("examples/a.py:1: imports tessera.", {"examples/a.py": line + "\n"})
+
     def test_an_include_without_an_arrow(self):
         self.assert_one("renderer/math/vec.cpp:2: \"renderer/accel/bvh.h\"", {
             "renderer/math/vec.cpp": '#include <cmath>\n#include "renderer/accel/bvh.h"\n'})

@@ -1,21 +1,22 @@
 #!/usr/bin/env python3
-"""Closest hits through Python against the loop of `tessera bench rays` and against Embree.
+"""Closest hits through Python against the loop of `tessera bench rays`, Embree, Open3D and mathutils.
 
-    PYTHONPATH=BUILD/python python3 tests/bench/python_rays.py BUILD [--mesh FILE]... [--rounds N]
+    PYTHONPATH=BUILD/python python3 tests/bench/python_rays.py BUILD [--mesh FILE]... [--check]
 
 Builds nothing: make the targets tessera_python and ray_loop first. For each mesh and set of rays all
 contestants trace the same rays by turns, and medians are compared. Embree is called by ctypes on
-arrays of float32; filling and reading its ray structures counts.
+arrays of float32; filling and reading its ray structures counts. Open3D gets its rays ready made.
+Contestants that are not installed are left out.
 """
 import argparse
 import ctypes
-import json
 import math
 import pathlib
 import statistics
 import time
 
 import numpy as np
+from bench_table import Table, add_options, seconds
 from tessera.rays import tracer_from_mesh
 
 NONE = 0xFFFFFFFF
@@ -49,7 +50,7 @@ def room(random):
     return join(parts)
 
 
-def soup(random, count=1_000_000):
+def soup(random, count):
     points = random.uniform(-1, 1, (count, 1, 3)) + random.uniform(-0.01, 0.01, (count, 3, 3))
     return points.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
 
@@ -60,7 +61,7 @@ def join(parts):
             np.concatenate([rows + start for (_, rows), start in zip(parts, starts)]))
 
 
-def primary(tracer, eye, target, side=1024):
+def primary(eye, target, side):
     view = (target - eye) / np.linalg.norm(target - eye)
     right = np.cross(view, [0, 1, 0])
     right /= np.linalg.norm(right)
@@ -87,9 +88,9 @@ def scattered(tracer, origins, directions, random):
     return hits.point[kept] + normal * (1e-5 * size), d
 
 
-def ray_sets(tracer, eye, target, random):
+def ray_sets(tracer, eye, target, random, side):
     """Numbers that single precision holds, so that all trace the same rays."""
-    sets = {"primary": primary(tracer, eye, target)}
+    sets = {"primary": primary(eye, target, side)}
     sets["diffuse"] = scattered(tracer, *sets["primary"], random)
     # Hemispheres of sixteen rays one after the other.
     few = [a[::16] for a in sets["primary"]]
@@ -165,63 +166,153 @@ class Loop:
         return t, primitive
 
 
-def seconds(work, clock):
-    start = clock()
-    work()
-    return clock() - start
+class Open3D:
+    """The same mesh in Open3D's scene for rays, which are rows of six numbers there.
+
+    Open3D 0.16 leaves the mask of its rays 0. Where Embree was built with ray masks, as Debian's is,
+    no ray hits anything, and how long that takes means nothing.
+    """
+
+    def __init__(self, points, triangles):
+        import open3d
+        self.tensor = open3d.core.Tensor
+        self.scene = open3d.t.geometry.RaycastingScene()
+        self.scene.add_triangles(self.tensor(points), self.tensor(triangles))
+        corners = points[triangles[:100]]
+        middles = corners.mean(axis=1)
+        directions = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        self.prepare(middles - directions, 2 * directions)
+        if not np.isfinite(self.trace(1)[0]).any():
+            raise ImportError("its cast_rays misses every triangle that it is aimed at")
+
+    def prepare(self, origins, directions):
+        self.rays = self.tensor(np.concatenate([origins, directions], axis=1).astype(np.float32))
+
+    def trace(self, threads):
+        hits = self.scene.cast_rays(self.rays, threads)
+        return hits["t_hit"].numpy(), hits["primitive_ids"].numpy()
 
 
-def bench(name, points, triangles, eye, target, options):
-    random = np.random.default_rng(1)
-    points = np.ascontiguousarray(points, np.float32)
-    triangles = np.ascontiguousarray(triangles, np.uint32)
-    tracer = tracer_from_mesh(points, triangles, threads=1)
-    embree, loop = Embree(points, triangles), Loop(options.build, points, triangles)
-    rows = []
-    for kind, (o, d) in ray_sets(tracer, eye, target, random).items():
-        single = o.astype(np.float32), d.astype(np.float32)
-        loop.prepare(o, d)
-        hits = tracer.intersect(o, d)
-        t, primitive = loop.trace()
+class Mathutils:
+    """The same mesh in Blender's tree, asked ray by ray. Only Blender's own Python has it: without it
+    the specification's figure is what is compared with."""
+
+    SPECIFIED = .28e6  # rays a second
+
+    def __init__(self, points, triangles):
+        from mathutils.bvhtree import BVHTree
+        self.tree = BVHTree.FromPolygons(points.tolist(), triangles.tolist())
+
+    def rays_per_second(self, origins, directions):
+        rays = list(zip(origins[:20_000].tolist(), directions[:20_000].tolist()))
+        return len(rays) / seconds(lambda: [self.tree.ray_cast(o, d) for o, d in rays])
+
+
+def made(what, *arguments):
+    """A contestant; None where what it needs is not installed."""
+    try:
+        return what(*arguments)
+    except (ImportError, OSError) as error:
+        print(f"without {what.__name__}: {error}")
+        return None
+
+
+class Contest:
+    """One mesh in every contestant that there is."""
+
+    def __init__(self, build, points, triangles):
+        points = np.ascontiguousarray(points, np.float32)
+        triangles = np.ascontiguousarray(triangles, np.uint32)
+        self.tracer = tracer_from_mesh(points, triangles, threads=1)
+        self.loop = Loop(build, points, triangles)
+        self.embree = made(Embree, points, triangles)
+        self.open3d = made(Open3D, points, triangles)
+        self.mathutils = made(Mathutils, points, triangles)
+
+    def works(self, origins, directions):
+        """What is measured, and by which clock: work of one thread by its processor time, since
+        others use the machine too."""
+        single = origins.astype(np.float32), directions.astype(np.float32)
+        self.loop.prepare(origins, directions)
+        alone, wall = time.process_time, time.perf_counter
+        works = {"tessera": (lambda: self.tracer.intersect(origins, directions), alone),
+                 "tessera by the clock": (lambda: self.tracer.intersect(origins, directions), wall),
+                 "tessera, 2": (lambda: self.tracer.intersect(origins, directions, threads=2), wall),
+                 "loop": (self.loop.trace, alone)}
+        if self.embree:
+            works["embree"] = lambda: self.embree.trace(*single), alone
+        if self.open3d:
+            self.open3d.prepare(*single)
+            works["open3d"] = lambda: self.open3d.trace(1), alone
+            works["open3d, 2"] = lambda: self.open3d.trace(2), wall
+        return works
+
+    def check(self, origins, directions):
+        """The loop has the same bits; the share of rays where others meet something else or nothing."""
+        hits = self.tracer.intersect(origins, directions)
+        t, primitive = self.loop.trace()
         assert np.array_equal(hits.t, t) and np.array_equal(hits.primitive, primitive)
-        unlike = np.mean((embree.trace(*single)[1] == NONE) != ~hits.hit)
-        work = {"tessera": lambda: tracer.intersect(o, d),
-                "tessera, 2 threads": lambda: tracer.intersect(o, d, threads=2),
-                "loop": loop.trace, "embree": lambda: embree.trace(*single)}
-        # Work of one thread by its processor time, since others use the machine too.
-        work["tessera by the clock"] = work["tessera"]
-        taken = {what: [] for what in work}
-        for _ in range(options.rounds):
-            for what, call in work.items():
-                by_clock = what in ("tessera by the clock", "tessera, 2 threads")
-                taken[what].append(seconds(call, time.perf_counter if by_clock
-                                           else time.process_time))
+        others = [contestant.trace(*arguments)[1] for contestant, *arguments in
+                  ((self.embree, origins.astype(np.float32), directions.astype(np.float32)),
+                   (self.open3d, 1)) if contestant]
+        return max((float(np.mean((other == NONE) != ~hits.hit)) for other in others), default=0.0)
+
+
+def trace_all(table, name, contest, sets, rounds):
+    """A row for each set of rays, which only tells; returns all ratios."""
+    ratios = []
+    for kind, (origins, directions) in sets.items():
+        works = contest.works(origins, directions)
+        unlike = contest.check(origins, directions)
+        taken = {what: [] for what in works}
+        for _ in range(rounds):
+            for what, (work, clock) in works.items():
+                taken[what].append(seconds(work, clock))
         median = {what: statistics.median(of) for what, of in taken.items()}
-        row = {"scene": name, "kind": kind, "rays": len(o),
-               "mrays_per_second": len(o) * 1e-6 / median["tessera"],
-               "ratio_to_loop": median["loop"] / median["tessera"],
-               "ratio_to_embree": median["embree"] / median["tessera"],
-               "ratio_of_two_threads": (median["tessera by the clock"]
-                                        / median["tessera, 2 threads"]),
-               "unlike_embree": float(unlike)}
-        rows.append(row)
-        print("{scene:10} {kind:9} {mrays_per_second:6.2f} Mrays/s, of the loop "
-              "{ratio_to_loop:.3f}, of Embree {ratio_to_embree:.3f}, two threads "
-              "{ratio_of_two_threads:.2f}".format(**row), flush=True)
-    return rows
+        rate = len(origins) / median["tessera"]
+        of_blender = (contest.mathutils.rays_per_second(origins, directions)
+                      if contest.mathutils else Mathutils.SPECIFIED)
+        of = {"loop": median["loop"] / median["tessera"],
+              "two threads": median["tessera by the clock"] / median["tessera, 2"],
+              "mathutils": rate / of_blender}
+        for other, ours in (("embree", "tessera"), ("open3d", "tessera"), ("open3d, 2", "tessera, 2")):
+            if other in median:
+                of[other] = median[other] / median[ours]
+        ratios.append(of)
+        told = ", ".join(f"{what} {ratio:.3f}" for what, ratio in of.items())
+        table.add(f"P5 {name}, {kind}", rate * 1e-6, "Mrays/s", of=f"of {told}; unlike {unlike:.1e}")
+    return ratios
+
+
+def tell(table, ratios):
+    """The limits: on the geometric mean of all rows, or on the least."""
+    def least_and_mean(what):
+        values = [of[what] for of in ratios if what in of]
+        return values and (min(values), math.exp(statistics.fmean(map(math.log, values))))
+
+    for what, name, of_least, of_mean in (
+            ("loop", "the loop of tessera bench rays", .93, None),
+            ("embree", "Embree's rtcIntersect1M", .85, 1.0), ("two threads", "one thread, by two", None, 1.8),
+            ("open3d", "Open3D's cast_rays, one thread", None, 1.0),
+            ("open3d, 2", "Open3D's cast_rays, two threads", None, 1.0),
+            ("mathutils", "mathutils.bvhtree", 20, None)):
+        found = least_and_mean(what)
+        if found:
+            table.add(f"P5 of {name}: least", found[0], "", at_least=of_least)
+            table.add(f"P5 of {name}: geometric mean", found[1], "", at_least=of_mean)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("build", help="the build folder")
     parser.add_argument("--mesh", action="append", default=[], help="a file that meshio reads")
-    parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--only", action="append", help="of these meshes, by name")
-    parser.add_argument("--json", help="write the rows there")
+    add_options(parser, 5)
     options = parser.parse_args()
     random = np.random.default_rng(0)
+    count, side = (20_000, 64) if options.tiny else (1_000_000, 1024)
     scenes = [("room", *room(random), np.array([7.2, 2.2, 5.2]), np.array([3.0, 1.0, 2.5])),
-              ("soup", *soup(random), np.array([2.0, 1.5, 2.5]), np.zeros(3))]
+              ("soup", *soup(random, count), np.array([2.0, 1.5, 2.5]), np.zeros(3))]
     for file in options.mesh:
         import meshio
         read = meshio.read(file)
@@ -230,12 +321,17 @@ def main():
         middle = (low + high) / 2
         scenes.append((pathlib.Path(file).stem, points, triangles,
                        middle + np.array([0.5, 0.4, 0.9]) * np.linalg.norm(high - low), middle))
-    rows = [row for scene in scenes if not options.only or scene[0] in options.only for row in bench(*scene, options)]
-    for key in ("ratio_to_loop", "ratio_to_embree", "ratio_of_two_threads"):
-        mean = math.exp(statistics.fmean(math.log(row[key]) for row in rows))
-        print(f"{key}: geometric mean {mean:.3f}, least {min(row[key] for row in rows):.3f}")
-    if options.json:
-        pathlib.Path(options.json).write_text(json.dumps({"rows": rows}, indent=1))
+    table, ratios = Table(), []
+    for name, points, triangles, eye, target in scenes:
+        if options.only and name not in options.only:
+            continue
+        contest = Contest(options.build, points, triangles)
+        if not contest.mathutils:
+            print(f"mathutils below is the specification's {Mathutils.SPECIFIED:.3g} rays/s")
+        sets = ray_sets(contest.tracer, eye, target, np.random.default_rng(1), side)
+        ratios += trace_all(table, name, contest, sets, options.rounds)
+    tell(table, ratios)
+    table.finish(options)
 
 
 if __name__ == "__main__":

@@ -29,6 +29,23 @@ WorkerOptions worker_options(int threads) {
   return options;
 }
 
+/// Takes 30 ms for a tile.
+class SlowRenderer : public FakeRenderer {
+ public:
+  using FakeRenderer::FakeRenderer;
+  std::optional<TilePixels> render(const RenderTask& task, TileProgress& progress) const override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    return FakeRenderer::render(task, progress);
+  }
+};
+
+WorkerOptions slow_worker_options() {
+  WorkerOptions options = worker_options(1);
+  options.make_renderer = [](const v1::Scene&, const BlobStore&, const v1::FrameSettings& frame,
+                             int) { return std::make_shared<SlowRenderer>(frame.seed()); };
+  return options;
+}
+
 /// Workers on threads, each with its own connection.
 class Threads {
  public:
@@ -143,6 +160,40 @@ TEST(RenderLoop, ServesAClientThatSubmitsAJob) {
   server.join();
 }
 
+TEST(RenderLoop, AClientThatWatchesIsToldEachPixelOnce) {
+  RenderLoop loop(bind_server("tcp://127.0.0.1:*"), {});
+  std::atomic<bool> stop{false};
+  std::thread server([&] { loop.serve(stop); });
+  {
+    Threads workers;
+    workers.add(connect_client(loop.endpoint()), slow_worker_options());
+    const auto client = connect_client(loop.endpoint());
+    const JobSpec job = make_job(150, 90, 16);
+    Film seen(job.crop);
+    std::vector<int> told(static_cast<size_t>(job.crop.area()));
+    int calls = 0;
+    const auto watch = [&](const NewTiles& news) {
+      ++calls;
+      for (const PixelRect& tile : news.tiles) {
+        for (int y = tile.y0; y < tile.y1; ++y) {
+          const auto first = static_cast<size_t>(y * seen.width() + tile.x0);
+          seen.write(tile, y, 1, news.values.subspan(first * 3, size_t(tile.width()) * 3));
+          for (size_t i = 0; i < size_t(tile.width()); ++i) ++told[first + i];
+        }
+      }
+    };
+    const JobResult result =
+        run_remote_job(*client, "memory", job, nullptr, kNever, std::chrono::seconds(15), watch);
+    EXPECT_EQ(result.report.end, JobReport::End::done);
+    EXPECT_EQ(seen.pixels_sha256(), expected_sha256(job));
+    EXPECT_EQ(std::count(told.begin(), told.end(), 1), job.crop.area());
+    EXPECT_GT(calls, 2);
+    workers.stop();
+  }
+  stop = true;
+  server.join();
+}
+
 TEST(RenderLoop, AnotherCoordinatorAtTheSamePlaceGetsItsOwnPicture) {
   const TemporaryFolder folder;
   const std::string endpoint = "ipc://" + (folder / "farm");
@@ -152,18 +203,7 @@ TEST(RenderLoop, AnotherCoordinatorAtTheSamePlaceGetsItsOwnPicture) {
   options.heartbeat = std::chrono::milliseconds(50);
   {
     RenderLoop loop(bind_server(endpoint), options);
-    class Slow : public FakeRenderer {
-     public:
-      using FakeRenderer::FakeRenderer;
-      std::optional<TilePixels> render(const RenderTask& task, TileProgress& p) const override {
-        std::this_thread::sleep_for(std::chrono::milliseconds(30));
-        return FakeRenderer::render(task, p);
-      }
-    };
-    WorkerOptions slow = worker_options(1);
-    slow.make_renderer = [](const v1::Scene&, const BlobStore&, const v1::FrameSettings& frame,
-                            int) { return std::make_shared<Slow>(frame.seed()); };
-    workers.add(connect_client(endpoint), slow);
+    workers.add(connect_client(endpoint), slow_worker_options());
     // As if it were killed in the middle of the job.
     struct Killed {};
     const auto kill = [](const JobProgress& progress) {

@@ -13,6 +13,7 @@
 
 #include "base/log.h"
 #include "client/job_client.h"
+#include "client/partial_film.h"
 #include "coordinator/coordinator.h"
 #include "coordinator/jobs/memory_job_store.h"
 #include "proto/wire/frame.h"
@@ -180,7 +181,8 @@ void fuzz_behind_the_door(std::span<const std::byte> input) {
     now += std::chrono::milliseconds((where & 120) * 10);
     if (message) {
       if (where & 2) farm.make_known(*message);
-      farm.coordinator.on_message(Channel::control, where & 4 ? "p" : "q", *message, now);
+      const Channel channel = message->has_done_tiles_query() ? Channel::bulk : Channel::control;
+      farm.coordinator.on_message(channel, where & 4 ? "p" : "q", *message, now);
     }
     if (where & 1) farm.coordinator.on_tick(now);
     farm.listen();
@@ -210,6 +212,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   options.hello.set_credit(2);
   WorkerSession session(options, now);
   JobClient client(job, 1, now);
+  PartialFilm partial({}, job.crop);
   auto input = std::as_bytes(std::span(data, size));
   while (input.size() >= 3) {
     const auto where = static_cast<unsigned>(input[0]);
@@ -223,6 +226,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       if (where & 2) coordinator.on_message(channel, where & 4 ? "p" : "q", *message, now);
       if (where & 8) session.on_message(channel, *message, now);
       if (where & 16) client.on_message(channel, *message, now);
+      if (message->has_done_tiles() && partial.question(now)) {
+        partial.on_answer(message->done_tiles(), now);
+        partial.missing();
+      }
     }
     coordinator.on_tick(now);
     session.on_tick(now);

@@ -9,10 +9,12 @@ class Mutation:
     file: str
     old: str  # must occur exactly once
     new: str
-    program: str  # the test program that must fail
-    tests: str  # GoogleTest filter: those that are run, until the first fails
+    program: str  # the test program that must fail, or PYTHON
+    tests: str  # its GoogleTest filter, or files of tests/python: run until the first test fails
     quick: bool = False  # part of the run that CI makes
 
+
+PYTHON = "the Python package"  # as a program: pytest, with the package and the command line
 
 TRIANGLE = "renderer/shapes/triangle.h"
 SCALAR_SIGNS = "s.u >= 0 && s.v >= 0 && s.w >= 0;\n  const bool all_down = s.u <= 0 && s.v <= 0 && s.w <= 0;\n  if"
@@ -493,4 +495,25 @@ MUTATIONS = [
     Mutation("light: points of tori chosen as of tubes", "renderer/shapes/curved_sampler.cpp",
              "tube_angle(kTurn * u.y);", "kTurn * u.y + 0 * tube_angle(0);", "renderer_shapes_test",
              "SurfaceSampler.*"),
+    # The Python package.
+    Mutation("Python: an index is not checked", "python/mesh_arrays.cpp",
+             "if (worst < limit) return indices;", "if (worst + 1 != 0) return indices;", PYTHON, "test_arrays.py"),
+    Mutation("Python: a view does not hold its film", "python/bind_picture.cpp",
+             "return Array(picture, film.values().data()", "return Array(nullptr, film.values().data()",
+             PYTHON, "test_pictures.py"),
+    Mutation("Python: the GIL is not released", "python/interruptible.h",
+             "      const pybind11::gil_scoped_release release;\n      is_done", "      is_done", PYTHON,
+             "test_rays_robust.py"),
+    Mutation("Python: t is cast to single precision", "renderer/query/ray_queries.cpp",
+             "out.t[i] = hit.t;", "out.t[i] = static_cast<float>(hit.t);", PYTHON, "test_rays_exact.py"),
+    Mutation("Python: an edge counts twice", "renderer/shapes/mesh_topology.cpp",
+             "if (side == edge_side(b, c) && side == edge_side(c, a)) sum += side;", "sum += side;", PYTHON,
+             "test_rays_robust.py"),
+    Mutation("Python: workers are started by the caller's thread", "python/farm_thread.cpp",
+             "  state_->start = std::move(start);",
+             "  state_->start = [farm = std::make_shared<std::unique_ptr<TracingFarm>>(start())] {\n"
+             "    return std::move(*farm);\n  };", PYTHON, "test_interrupt.py"),
+    Mutation("Python: a keyword has no effect", "python/tessera/rendering.py",
+             "        if value is None or value is False:", "        if value is None or value is False or name == 'seed':",
+             PYTHON, "test_same_bits.py"),
 ]

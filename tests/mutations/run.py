@@ -19,7 +19,7 @@ import subprocess
 import sys
 import time
 
-from mutations import MUTATIONS
+from mutations import MUTATIONS, PYTHON
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HOME = ROOT / "build" / "mutations"
@@ -61,24 +61,40 @@ def build(targets, jobs, log):
                      "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1", "-DTESSERA_TESTS=ON"]
         if run(configure, log) != 0:
             sys.exit(f"cmake failed: see {log}")
+    if PYTHON in targets:
+        targets = [*(target for target in targets if target != PYTHON), "tessera", "tessera_python"]
     return run(["cmake", "--build", str(BUILD), "-j", str(jobs), "--target", *targets], log)
 
 
+def command_of(mutation):
+    """What runs its tests: the command, and what its environment and folder are."""
+    if mutation.program == PYTHON:
+        return (["/usr/bin/python3", "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
+                 *mutation.tests.split()],
+                {"cwd": TREE / "tests" / "python",
+                 "env": {**os.environ, "TESSERA_PROGRAM": str(BUILD / "bin" / "tessera"),
+                         "PYTHONPATH": str(BUILD / "python")}})
+    return [str(BUILD / "bin" / mutation.program), f"--gtest_filter={mutation.tests}",
+            "--gtest_fail_fast", "--gtest_brief=1"], {}
+
+
 def tests_fail(mutation, log):
-    program = BUILD / "bin" / mutation.program
-    command = [str(program), f"--gtest_filter={mutation.tests}", "--gtest_fail_fast",
-               "--gtest_brief=1"]
+    command, options = command_of(mutation)
     try:
         result = subprocess.run(command, capture_output=True, text=True, errors="replace",
-                                check=False, timeout=300)
+                                check=False, timeout=300, **options)
     except subprocess.TimeoutExpired:
         return "does not end"  # which ctest, too, takes as a failure
     with open(log, "a") as out:
         out.write(result.stdout[-4000:])
     if result.returncode == 0:
         return None
-    failed = [line for line in result.stdout.splitlines() if line.startswith("[  FAILED  ] ")]
-    return failed[0].split("] ", 1)[1].split(",")[0].split(" (")[0] if failed else "crashed"
+    for line in result.stdout.splitlines():
+        if line.startswith("[  FAILED  ] "):
+            return line.split("] ", 1)[1].split(",")[0].split(" (")[0]
+        if line.startswith("FAILED "):
+            return line.split(" ")[1]
+    return "crashed"
 
 
 def plant(mutation, jobs, log):

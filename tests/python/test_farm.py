@@ -82,6 +82,40 @@ def test_a_render_by_the_farm_has_the_same_bits(served, expected):
         assert ts.load(KNOT).render(size=SIZE, farm=farm) == expected
 
 
+def test_the_picture_is_shown_while_it_is_traced(served):
+    options = {"size": (200, 120), "spp": 64, "tile": 20}
+    area, shown = 0, []
+
+    def on_tile(tile, so_far):
+        nonlocal area
+        area += (tile.x1 - tile.x0) * (tile.y1 - tile.y0)
+        shown.append((tile, so_far.linear[tile.y0:tile.y1, tile.x0:tile.x1].copy(), area))
+
+    with served.farm() as farm:
+        picture = ts.render(KNOT, farm=farm, on_tile=on_tile, **options)
+    assert area == 200 * 120
+    assert shown[0][2] < area / 2, "all came at the end"
+    for tile, light, _ in shown:
+        assert (light == picture.linear[tile.y0:tile.y1, tile.x0:tile.x1]).all()
+
+
+def test_a_job_shows_what_is_done_of_it(served):
+    with served.farm() as farm:
+        job = farm.submit(KNOT, size=(200, 120), spp=64, tile=20)
+        pictures = []
+        while job.status()["state"] != "done":
+            pictures.append(job.snapshot())
+        final = job.fetch()
+        assert (job.snapshot().linear == final.linear).all()
+        job.forget()
+    some = [picture.linear for picture in pictures if picture is not None]
+    partly = [linear for linear in some if (linear != final.linear).any()]
+    assert partly
+    for linear in partly:
+        done = (linear != 0).any(axis=2)
+        assert done.any() and (linear[done] == final.linear[done]).all()
+
+
 def test_a_job_from_its_submission_to_its_picture(served, expected):
     with served.farm() as farm:
         job = farm.submit(KNOT, size=SIZE, name="a knot", priority=3)

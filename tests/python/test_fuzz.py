@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 
 import tessera as ts
 
-EXAMPLES = int(os.environ.get("TESSERA_FUZZ_EXAMPLES", "2000"))
+EXAMPLES = int(os.environ.get("TESSERA_FUZZ_EXAMPLES", "200"))
 FUZZ = settings(max_examples=EXAMPLES, deadline=None, derandomize=True,
                 suppress_health_check=list(HealthCheck))
 EXPECTED = (ValueError, TypeError, AttributeError, IndexError, OverflowError, MemoryError, ts.Error)

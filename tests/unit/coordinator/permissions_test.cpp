@@ -40,10 +40,11 @@ TEST(Permissions, EachRoleSaysWhatItIsThereFor) {
   EXPECT_THAT(allowed_to(Role::worker),
               UnorderedElementsAre("hello", "heartbeat", "tile_band", "tile_failed", "bye",
                                    "scene_ready", "scene_failed", "blob_request"));
-  EXPECT_THAT(allowed_to(Role::submitter),
-              UnorderedElementsAre("submit_job", "job_query", "job_query cancel",
-                                   "job_query priority", "job_list_query", "job_release",
-                                   "blob_request", "blob_chunk", "blob_missing"));
+  EXPECT_THAT(
+      allowed_to(Role::submitter),
+      UnorderedElementsAre("submit_job", "job_query", "job_query cancel", "job_query priority",
+                           "job_list_query", "job_release", "blob_request", "blob_chunk",
+                           "blob_missing", "done_tiles_query"));
   EXPECT_THAT(allowed_to(Role::viewer), UnorderedElementsAre("job_query", "job_list_query"));
   EXPECT_THAT(allowed_to(Role::enrol), UnorderedElementsAre("enrol"));
   EXPECT_THAT(allowed_to(Role::revoked), UnorderedElementsAre());
