@@ -4,7 +4,8 @@ from __future__ import annotations
 import difflib
 import operator
 import os
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
+from typing import (TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, SupportsIndex, Tuple,
+                    Union)
 
 from . import _core
 from ._html import table
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     Integers = npt.NDArray[np.int64]
     Numbers = npt.NDArray[np.uint32]
     Rows = npt.NDArray[np.floating[Any]]  # (n, 3)
-    Shape = Tuple[int, ...]
+    ArrayShape = Tuple[int, ...]
     # Time, camera, accelerator and threads.
     Options = Tuple[Optional[float], str, Accelerator, Optional[int]]
 
@@ -65,7 +66,7 @@ def _vectors(name: str, value: ArrayLike) -> Rows:
     return array
 
 
-def _broadcast(named: Sequence[Tuple[str, Shape]]) -> Shape:
+def _broadcast(named: Sequence[Tuple[str, ArrayShape]]) -> ArrayShape:
     """The leading shape that all broadcast to."""
     import numpy as np
     try:
@@ -75,7 +76,7 @@ def _broadcast(named: Sequence[Tuple[str, Shape]]) -> Shape:
         raise UsageError(f"leading shapes: {told}; expected shapes that broadcast") from None
 
 
-def _rows(array: Rows, shape: Shape) -> Rows:
+def _rows(array: Rows, shape: ArrayShape) -> Rows:
     """(n, 3), without a copy wherever one stride leads from row to row."""
     import numpy as np
     return np.broadcast_to(array, shape + (3,)).reshape(-1, 3)
@@ -112,7 +113,7 @@ class _Found:
     __slots__ = ("_tracer", "_origins", "_directions", "_threads", "_arrays", "_shape", "_known")
 
     def __init__(self, tracer: Tracer, origins: Rows, directions: Rows, threads: Optional[int],
-                 arrays: Dict[str, AnyArray], shape: Shape) -> None:
+                 arrays: Dict[str, AnyArray], shape: ArrayShape) -> None:
         self._tracer, self._origins, self._directions = tracer, origins, directions
         self._threads, self._arrays, self._shape = threads, arrays, shape
         self._known: Dict[str, AnyArray] = {}
@@ -195,7 +196,7 @@ class _Found:
         """Numbers into `tracer.materials`; 0xFFFFFFFF: no hit."""
         return self._attribute("material")
 
-    def name(self, index: Any) -> Optional[str]:
+    def name(self, index: Union[SupportsIndex, Tuple[SupportsIndex, ...]]) -> Optional[str]:
         """The name of the instance that was hit at that index; None where none was."""
         number = int(self.instance[index])
         return None if number == _NONE else self._tracer.instances[number]
@@ -230,7 +231,7 @@ class Hits(_Found):
         return np.isfinite(self.t)
 
     @property
-    def shape(self) -> Shape:
+    def shape(self) -> ArrayShape:
         """The shape of the rays."""
         return self._shape
 
@@ -253,7 +254,7 @@ class AllHits(_Found):
 
     __slots__ = ("offsets", "ray_shape")
 
-    def __init__(self, offsets: Integers, ray_shape: Shape, tracer: Tracer, origins: Rows,
+    def __init__(self, offsets: Integers, ray_shape: ArrayShape, tracer: Tracer, origins: Rows,
                  directions: Rows, threads: Optional[int], arrays: Dict[str, AnyArray]) -> None:
         super().__init__(tracer, origins, directions, threads, arrays, (len(arrays["t"]),))
         self.offsets, self.ray_shape = offsets, ray_shape

@@ -1,4 +1,5 @@
 """The types of the package hold for mypy and stubtest, and no public name is without words."""
+import ast
 import doctest
 import functools
 import inspect
@@ -12,7 +13,7 @@ import typing
 import pytest
 
 import tessera as ts
-from tessera import _messages, _types
+from tessera import _core, _messages, _types
 from test_docs import ROOT, blocks
 
 PACKAGE = pathlib.Path(ts.__file__).parent
@@ -155,6 +156,26 @@ def test_stubs_are_those_of_what_runs(tmp_path):
                           capture_output=True, text=True, cwd=tmp_path,
                           env={**ENVIRONMENT, "TESSERA_PROGRAM": os.environ["TESSERA_PROGRAM"]})
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_stub_has_the_parameters_that_pybind_tells():
+    """Which stubtest cannot see: functions of pybind11 have their signature in the docstring alone."""
+    stub = ast.parse((PACKAGE / "_core.pyi").read_text())
+    owners = [(_core, stub), *((getattr(_core, each.name), each) for each in stub.body
+                               if isinstance(each, ast.ClassDef) and hasattr(_core, each.name))]
+    wrong, count = [], 0
+    for owner, node in owners:
+        for function in (each for each in node.body if isinstance(each, ast.FunctionDef)):
+            told = getattr(owner, function.name).__doc__ or ""
+            signature = re.match(rf"{function.name}\((.*)\) -> ", told)
+            if signature:  # neither a property nor overloaded
+                names = [each.split(":")[0] for each in re.split(r", (?=\w+:)", signature[1]) if each]
+                stubs = [each.arg for each in function.args.posonlyargs + function.args.args]
+                alike = [a == b or re.fullmatch(r"arg\d+|self", a) for a, b in zip(names, stubs)]
+                count += 1
+                if len(names) != len(stubs) or not all(alike):
+                    wrong.append((function.name, signature[0], stubs))
+    assert wrong == [] and count > 80
 
 
 def words_of_an_error(call, **keyword):
