@@ -20,6 +20,7 @@
 #include "coordinator/store/sqlite_tile_store.h"
 #include "coordinator/web/chrome_trace.h"
 #include "front/all_failures.h"
+#include "front/load_frame.h"
 #include "front/output_settings.h"
 #include "front/picture_warnings.h"
 #include "front/render_checks.h"
@@ -128,8 +129,8 @@ class RenderRun {
   }
 
   void read(int frame) {
-    scene_ = read_frame_scene(options_, frame);
-    parse_seconds_ = scene_.read_seconds;
+    scene_ = measured([&] { return load_frame(options_, frame); });
+    parse_seconds_ = scene_.load_seconds;
     // A wrong option is told before all that may be said of the scene.
     FrameRender(options_, scene_, options_.frames ? std::optional(frame) : std::nullopt);
     if (options_.quiet) return;

@@ -115,7 +115,7 @@ std::shared_ptr<RenderedPicture> FrameTask::finished(JobResult result) const {
   auto picture = std::make_shared<RenderedPicture>(frame_.picture(std::move(result)));
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - began_;
   const PhaseSeconds seconds{
-      .parse = scene_.read_seconds, .write = 0, .total = scene_.read_seconds + taken.count()};
+      .parse = scene_.load_seconds, .write = 0, .total = scene_.load_seconds + taken.count()};
   FrameStatistics statistics = frame_.statistics(*picture, seconds, peak_worker_bytes_);
   statistics.pixels_sha256 = picture->film.pixels_sha256();
   picture->statistics = statistics_json(statistics).dump();

@@ -1,36 +1,23 @@
 #include "front/render_frame.h"
 
+#include <chrono>
 #include <utility>
 
 #include "base/digest.h"
-#include "front/load_frame.h"
 #include "front/located.h"
 #include "front/output_settings.h"
 #include "front/picture.h"
 #include "proto/wire/scene_codec.h"
 
 namespace tessera {
-namespace {
 
-std::string digest_of(const LoadedScene& loaded) {
-  return Digest::of(serialize_scene(loaded.scene)).hex();
-}
-
-}  // namespace
-
-FrameScene read_frame_scene(const RenderOptions& options, int frame) {
+FrameScene measured(const std::function<LoadedScene()>& load) {
   const auto start = std::chrono::steady_clock::now();
-  FrameScene scene{.loaded = load_frame(options, frame)};
-  scene.read_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  scene.digest = digest_of(scene.loaded);
+  FrameScene scene{.loaded = load()};
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  scene.load_seconds = taken.count();
+  scene.digest = Digest::of(serialize_scene(scene.loaded.scene)).hex();
   return scene;
-}
-
-FrameScene make_frame_scene(const RenderOptions& options, LoadedScene loaded) {
-  apply_camera_options(options, loaded.scene);
-  std::string digest = digest_of(loaded);
-  return {.loaded = std::move(loaded), .digest = std::move(digest)};
 }
 
 FrameRender::FrameRender(const RenderOptions& options, const FrameScene& scene,

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -18,12 +18,10 @@ namespace tessera {
 struct FrameScene {
   LoadedScene loaded;
   std::string digest{};     ///< of the description
-  double read_seconds = 0;  ///< what reading its file took
+  double load_seconds = 0;  ///< what loading it took
 };
-/// The scene in the file of the options, at that frame of its animation. Throws as load_frame().
-FrameScene read_frame_scene(const RenderOptions& options, int frame);
-/// One that is in no file.
-FrameScene make_frame_scene(const RenderOptions& options, LoadedScene loaded);
+/// The one that `load` returns.
+FrameScene measured(const std::function<LoadedScene()>& load);
 
 /// One frame on its way from options and scene to its picture, for every front end.
 class FrameRender {

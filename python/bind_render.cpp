@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,7 +31,6 @@ namespace tessera {
 namespace {
 
 using Release = py::call_guard<py::gil_scoped_release>;
-constexpr char kSceneOfPython[] = "scene";  ///< what errors call one that is no file
 
 /// The options of a command, each assigned by its long name and a text.
 class OptionTexts {
@@ -53,28 +53,24 @@ class OptionTexts {
   OptionList list_;
 };
 
-/// The scene in a file, or that of a value, at a frame of its animation.
-FrameScene scene_of(RenderOptions& options, const py::object& scene, std::optional<int> frame) {
+/// What loads a frame of the scene in a file, or of a value as it is now, without the GIL.
+std::function<LoadedScene(int frame)> loader_of(RenderOptions& options, const py::object& scene) {
   if (py::isinstance<py::str>(scene)) {
     options.scene = py::cast<std::string>(scene);
-    const py::gil_scoped_release release;  // reading may take long
-    return read_frame_scene(options, frame.value_or(0));
+    return [&options](int frame) { return load_frame(options, frame); };
   }
   options.scene = kSceneOfPython;
-  SceneWithBlobs described = message_of(scene);
-  LoadedScene loaded;
-  loaded.scene = std::move(described.scene);
-  loaded.blobs = std::move(described.blobs);
-  const py::gil_scoped_release release;
-  return make_frame_scene(options, std::move(loaded));
+  return
+      [&options, made = message_of(scene)](int frame) { return load_frame(options, made, frame); };
 }
 
 /// A task for one frame of `scene`, a path or a value, and what is to be told of that.
 std::pair<std::shared_ptr<FrameTask>, std::vector<std::string>> make_task(
     const OptionTexts& texts, const py::object& scene, std::optional<int> frame) {
   RenderOptions options = texts.options;
-  FrameScene made = scene_of(options, scene, frame);
+  const auto load = loader_of(options, scene);
   const py::gil_scoped_release release;
+  FrameScene made = measured([&] { return load(frame.value_or(0)); });
   std::vector<std::string> warnings = scene_warnings(options, made.loaded);
   auto task = std::make_shared<FrameTask>(std::move(options), std::move(made), frame);
   return {std::move(task), std::move(warnings)};
@@ -132,13 +128,8 @@ std::pair<uint64_t, std::vector<std::string>> submit(FarmAccess& farm, const Opt
                                                      const JobOrder& order) {
   RenderOptions options = texts.options;
   std::vector<std::string> warnings;
-  const std::optional<int> first =
-      options.frames ? std::optional(options.frames->first) : std::nullopt;
-  const LoadedScene loaded = scene_of(options, scene, first).loaded;
+  const auto load = loader_of(options, scene);
   const uint64_t job = run_interruptibly([&](const std::atomic<bool>& stop) {
-    const auto load = [&](int frame) {
-      return frame == first.value_or(0) ? loaded : load_frame(options, frame);
-    };
     const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
     return farm.submit(gather_job(options, order, load, warn), stop);
   });

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <memory>
+#include <span>
 #include <utility>
 
 #include "base/error.h"
@@ -30,7 +32,9 @@ class ScriptedTransport : public ClientTransport {
     *answer.mutable_job_status() = answers.front();
     answer.mutable_job_status()->set_question(asked.back().question());
     answers.pop_front();
-    incoming_.push_back({Channel::control, encode(answer)});
+    const auto bytes_of_answer = std::make_shared<const MessageBytes>(encode(answer));
+    incoming_.push_back(
+        {Channel::control, {}, std::as_bytes(std::span(*bytes_of_answer)), bytes_of_answer});
   }
   std::optional<ReceivedMessage> receive() override {
     if (incoming_.empty()) return std::nullopt;
@@ -46,7 +50,7 @@ class ScriptedTransport : public ClientTransport {
   std::deque<ReceivedMessage> incoming_;
 };
 
-v1::JobStatus status(v1::JobStatus::State state, v1::JobEnd::How how = v1::JobEnd::DONE) {
+v1::JobStatus job_status(v1::JobStatus::State state, v1::JobEnd::How how = v1::JobEnd::DONE) {
   v1::JobStatus made;
   made.set_job(kJob);
   made.set_state(state);
@@ -54,7 +58,7 @@ v1::JobStatus status(v1::JobStatus::State state, v1::JobEnd::How how = v1::JobEn
   return made;
 }
 
-v1::JobQuery order(v1::JobQuery::Action action) {
+v1::JobQuery job_query(v1::JobQuery::Action action) {
   v1::JobQuery query;
   query.set_job(kJob);
   query.set_action(action);
@@ -75,7 +79,7 @@ class JobOrders : public testing::Test {
   }
   auto failure_of(v1::JobQuery::Action action, std::deque<v1::JobStatus> answers) {
     transport_.answers = std::move(answers);
-    return failure([&] { give_order(client_, order(action)); });
+    return failure([&] { give_order(client_, job_query(action)); });
   }
 
   ScriptedTransport transport_;
@@ -87,20 +91,20 @@ using Failure = std::pair<ExitCode, std::string>;
 const Failure kNone{ExitCode::done, ""};
 
 TEST_F(JobOrders, OfAJobThatHasEndedAreRefusedButForCancellingItAgain) {
-  const auto done = status(v1::JobStatus::ENDED);
-  const auto cancelled = status(v1::JobStatus::ENDED, v1::JobEnd::INTERRUPTED);
+  const auto done = job_status(v1::JobStatus::ENDED);
+  const auto cancelled = job_status(v1::JobStatus::ENDED, v1::JobEnd::INTERRUPTED);
   const Failure ended{ExitCode::bad_usage, "JOB: job 7 is done; expected one that has not ended"};
   EXPECT_EQ(failure_of(v1::JobQuery::PAUSE, {done}), ended);
   EXPECT_EQ(failure_of(v1::JobQuery::CANCEL, {done}), ended);
   EXPECT_EQ(failure_of(v1::JobQuery::CANCEL, {cancelled}), kNone);
   EXPECT_EQ(failure_of(v1::JobQuery::RESUME, {cancelled}).first, ExitCode::bad_usage);
   transport_.answers = {done};
-  give_order(client_, order(v1::JobQuery::CANCEL), true);
+  give_order(client_, job_query(v1::JobQuery::CANCEL), true);
 }
 
 TEST_F(JobOrders, ToRetryAreForWhatFailedOrIsHeld) {
-  const auto running = status(v1::JobStatus::RUNNING), held = status(v1::JobStatus::HELD);
-  const auto failed = status(v1::JobStatus::ENDED, v1::JobEnd::FAILED);
+  const auto running = job_status(v1::JobStatus::RUNNING), held = job_status(v1::JobStatus::HELD);
+  const auto failed = job_status(v1::JobStatus::ENDED, v1::JobEnd::FAILED);
   EXPECT_EQ(
       failure_of(v1::JobQuery::RETRY, {running}),
       Failure(ExitCode::bad_usage, "JOB: job 7 is running; expected one that failed or is held"));
@@ -111,7 +115,8 @@ TEST_F(JobOrders, ToRetryAreForWhatFailedOrIsHeld) {
 }
 
 TEST_F(JobOrders, WithoutEffectAreToldAndSoIsAJobThatIsNotThere) {
-  const auto running = status(v1::JobStatus::RUNNING), unknown = status(v1::JobStatus::UNKNOWN);
+  const auto running = job_status(v1::JobStatus::RUNNING),
+             unknown = job_status(v1::JobStatus::UNKNOWN);
   EXPECT_EQ(failure_of(v1::JobQuery::PAUSE, {running}).first, ExitCode::render_failed);
   EXPECT_EQ(failure_of(v1::JobQuery::PAUSE, {unknown}).first, ExitCode::bad_usage);
   transport_.answers = {unknown, running};
@@ -121,28 +126,28 @@ TEST_F(JobOrders, WithoutEffectAreToldAndSoIsAJobThatIsNotThere) {
 }
 
 TEST_F(JobOrders, ToFetchTellWhetherTheFrameHasEndedAndHow) {
-  transport_.answers = {status(v1::JobStatus::RUNNING)};
-  EXPECT_FALSE(fetch_frame(client_, order(v1::JobQuery::ASK), false).has_ended());
+  transport_.answers = {job_status(v1::JobStatus::RUNNING)};
+  EXPECT_FALSE(fetch_frame(client_, job_query(v1::JobQuery::ASK), false).has_ended());
   JobReport report;
   report.end = JobReport::End::interrupted;
   report.exit_code = ExitCode::interrupted;
-  v1::JobStatus ended = status(v1::JobStatus::ENDED, v1::JobEnd::INTERRUPTED);
+  v1::JobStatus ended = job_status(v1::JobStatus::ENDED, v1::JobEnd::INTERRUPTED);
   *ended.mutable_end() = to_message(report);
   transport_.answers = {ended};
-  const FetchedFrame fetched = fetch_frame(client_, order(v1::JobQuery::ASK), false);
+  const FetchedFrame fetched = fetch_frame(client_, job_query(v1::JobQuery::ASK), false);
   EXPECT_TRUE(fetched.has_ended());
   EXPECT_FALSE(fetched.picture);
   EXPECT_EQ(fetched.failure.value().code(), ExitCode::interrupted);
-  transport_.answers = {status(v1::JobStatus::UNKNOWN)};
-  EXPECT_EQ(failure([&] { fetch_frame(client_, order(v1::JobQuery::ASK), false); }).first,
+  transport_.answers = {job_status(v1::JobStatus::UNKNOWN)};
+  EXPECT_EQ(failure([&] { fetch_frame(client_, job_query(v1::JobQuery::ASK), false); }).first,
             ExitCode::render_failed);
 }
 
 TEST_F(JobOrders, HearNoAnswerToWhatAnotherClientAsked) {
   FarmClient other(transport_, "ipc:///nowhere", stop_);
-  transport_.answers = {status(v1::JobStatus::PAUSED), status(v1::JobStatus::PAUSED)};
-  client_.ask(order(v1::JobQuery::ASK));
-  other.ask(order(v1::JobQuery::ASK));
+  transport_.answers = {job_status(v1::JobStatus::PAUSED), job_status(v1::JobStatus::PAUSED)};
+  client_.ask(job_query(v1::JobQuery::ASK));
+  other.ask(job_query(v1::JobQuery::ASK));
   ASSERT_EQ(transport_.asked.size(), 2u);
   EXPECT_NE(transport_.asked[0].question(), transport_.asked[1].question());
 }
