@@ -228,3 +228,24 @@ def test_meshes_of_others():
     assert np.array_equal(mesh.positions, CUBE) and np.array_equal(mesh.triangles, FACES)
     with pytest.raises(TypeError, match="expected vertices or points"):
         ts.Mesh.from_(object())
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_whole_colours_of_vertices_are_codes_in_srgb(kind):
+    most = np.iinfo(kind).max
+    codes = np.array([(most, 0, most // 2, most // 2)] * 3, kind)
+    for given in (codes, codes[:, :3]):
+        held = ts.Mesh(TRIANGLE, colors=given).colors
+        share = codes[0, 2] / most
+        alpha = share if given is codes else 1
+        assert held[0].tolist() == pytest.approx([1, 0, ((share + .055) / 1.055) ** 2.4, alpha], rel=1e-6)
+
+
+def test_other_whole_colours_are_light_up_to_1():
+    assert ts.Mesh(TRIANGLE, colors=[(1, 0, 0)] * 3).colors.tolist() == [[1, 0, 0, 1]] * 3
+    with pytest.raises(ValueError, match="colors: the whole number 255; expected floats, or uint8"):
+        ts.Mesh(TRIANGLE, colors=[(255, 0, 0)] * 3)
+    assert ts.Mesh(TRIANGLE, colors=[(255., 0, 0)] * 3).colors[0, 0] == 255
+
+
+TRIANGLE = [(0., 0, 0), (1, 0, 0), (0, 1, 0)]
