@@ -350,8 +350,9 @@ PixelRect crop_window(const RenderOptions& options, const v1::FrameSettings& fra
   const PixelRect whole{0, 0, static_cast<int>(frame.width()), static_cast<int>(frame.height())};
   if (!options.crop) return whole;
   if (!whole.contains(*options.crop)) {
-    throw usage_error(fmt::format("--crop: reaches beyond the frame of {}x{} pixels", frame.width(),
-                                  frame.height()));
+    const PixelRect& crop = *options.crop;
+    throw usage_error(fmt::format("--crop: {},{},{},{}; expected a part of the frame, 0,0,{},{}",
+                                  crop.x0, crop.y0, crop.x1, crop.y1, whole.x1, whole.y1));
   }
   return *options.crop;
 }

@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 import atexit
+import operator
 import os
 import warnings
 import weakref
-from typing import NoReturn, Optional, TypeVar
+from typing import NoReturn, Optional, SupportsIndex, TypeVar
 
 from . import _core
 from ._program import program
@@ -96,9 +97,10 @@ class LocalFarm(BaseFarm):
 
     def __init__(self, workers: Optional[int] = None, threads: int = 1, verify: float = 0) -> None:
         self._thread = None
-        _check_count("workers", workers, 1)
-        _check_count("threads", threads, 1)
-        self.workers, self.threads = workers, threads
+        self.workers = None if workers is None else _count("workers", workers)
+        self.threads = _count("threads", threads)
+        if isinstance(verify, bool) or not hasattr(verify, "__float__"):
+            raise TypeError(f"verify: {verify!r}; expected a share from 0 to 1")
         if not 0 <= verify <= 1:
             raise UsageError(f"verify: {verify}; expected a share from 0 to 1")
         if verify > 0 and (self.workers or os.cpu_count() or 1) < 2:
@@ -120,18 +122,17 @@ class Threads(BaseFarm):
 
     def __init__(self, count: Optional[int] = None) -> None:
         self._thread = None
-        _check_count("count", count, 1)
-        self.count = count
+        self.count = None if count is None else _count("count", count)
         super().__init__(_core.threads_here(self.count))
 
     def __repr__(self) -> str:
         return f"Threads({self.count or ''})"
 
 
-def _check_count(name: str, value: Optional[int], least: int, most: int = 1024) -> None:
-    if value is None:
-        return
-    if isinstance(value, bool) or not isinstance(value, int):
+def _count(name: str, value: SupportsIndex, most: int = 1024) -> int:
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
         raise TypeError(f"{name}: {value!r}; expected a whole number")
-    if not least <= value <= most:
-        raise UsageError(f"{name}: {value}; expected a whole number from {least} to {most}")
+    count = operator.index(value)
+    if not 1 <= count <= most:
+        raise UsageError(f"{name}: {count}; expected a whole number from 1 to {most}")
+    return count

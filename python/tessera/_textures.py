@@ -40,10 +40,7 @@ class ImageTexture(_messages.ImageTexture):
         if isinstance(picture, (str, os.PathLike)):
             self.file = os.fspath(picture)
             if not os.path.exists(self.file):
-                missing = MissingFile(f"{self.file}: there is no such file; expected a picture",
-                                      place=self.file)
-                missing.filename = self.file
-                raise missing
+                raise MissingFile.of(self.file, "a picture")
             self._take(_core.read_texture(self.file), encoding)
         elif picture is not None:
             self._take(_core.take_array(picture, "texels"), encoding)

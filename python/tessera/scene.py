@@ -20,9 +20,9 @@ from ._places import located
 from ._transforms import Transform
 from ._types import (Accelerator, Aovs, ColorLike, Crop, Integrator, NodeLike, PartsLike, Path, Pattern,
                      Size, TransformsLike)
-from ._value import here
+from ._value import here, refuse_unknown
 from ._view import Background, Camera
-from .errors import SceneError
+from .errors import SceneError, UsageError
 from .picture import Image
 
 if TYPE_CHECKING:
@@ -214,7 +214,7 @@ class Scene(_messages.Scene):
         a render would refuse: it builds all that one needs."""
         undefined = self.info().undefined
         if undefined:
-            raise SceneError(f"{undefined[0]}: used and never defined")
+            raise SceneError(f"scene: {', '.join(undefined)}; expected names that the scene defines")
         try:
             _core.check(self)
         except SceneError as error:
@@ -264,15 +264,30 @@ class Scene(_messages.Scene):
                on_tile: Optional[rendering.TileCallback] = None, **unknown: NoReturn,
                ) -> Iterator[Tuple[int, Image]]:
         """Renders frames one after the other: pairs of number and picture. The options are those of
-        `render`."""
+        `render`. Without `farm` the same workers render all of them."""
         options = {name: value for name, value in locals().items()
                    if name not in ("self", "first", "last", "unknown")}
+        if unknown:
+            refuse_unknown("frames", unknown, ["first", "last", *options])
         asked = self.settings.frames if self.settings is not None else None
         begin = first if first is not None else (asked.first or 0) if asked else 0
         end = last if last is not None else (asked.last or 0) if asked else begin
-        for frame in range(begin, end + 1):
-            image: Image = self.render(frame=frame, **options, **unknown)
-            yield frame, image
+        if end < begin:
+            raise UsageError(f"first: {begin}; expected at most {end}, the last frame")
+        return self._frames(range(begin, end + 1), options)
+
+    def _frames(self, numbers: range, options: Dict[str, Any]) -> Iterator[Tuple[int, Image]]:
+        own = None
+        if options["farm"] is None:
+            own = rendering.started_farm(*(options.pop(name) for name in ("workers", "threads", "verify")))
+            options["farm"] = own
+        try:
+            for frame in numbers:
+                image: Image = self.render(frame=frame, **options)
+                yield frame, image
+        finally:
+            if own is not None:
+                own.close()
 
 
 _SETTINGS = [name for name, held in vars(Scene).items() if isinstance(held, _Setting)]
