@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any, Optional, Tuple
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 from . import _core
 from ._messages import Shape
@@ -50,7 +50,7 @@ def located(scene: "Scene", error: SceneError) -> SceneError:
     text = error.message[len("scene: "):] if error.message.startswith("scene: ") else error.message
     beginning, _, rest = text.partition(": ")
     value: Any = scene
-    path = []
+    path: List[str] = []
     for segment in beginning.split(" > "):
         kind, _, name = segment.partition(" ")
         if kind in _NAMED:  # which may stand anywhere in the scene
