@@ -19,8 +19,6 @@ namespace tessera {
 namespace {
 
 constexpr double kDefaultFramesPerSecond = 24;
-constexpr int64_t kMaxWorkers = 1024;
-constexpr int64_t kMaxThreads = 1024;
 
 /// "a, b or c; note [a]" for a help text.
 std::string choices(const std::vector<std::string>& names, std::string_view note) {

@@ -15,10 +15,10 @@ namespace {
 
 /// Throws TypeError for a code that arrays do not have.
 ElementType element_type(const std::string& code) {
-  for (const ElementType& type :
-       {kElementOf<double>, kElementOf<float>, ElementType{'e', 2}, kElementOf<int32_t>,
-        kElementOf<uint32_t>, kElementOf<int64_t>, kElementOf<uint8_t>, kElementOf<bool>}) {
-    if (code.size() == 1 && type.code == code[0]) return type;
+  constexpr std::string_view kCodes = "?bBhHiIlLqQefd";
+  if (code.size() == 1 && kCodes.find(code[0]) != kCodes.npos) {
+    const py::object size = py::module_::import("struct").attr("calcsize")(code);
+    return {code[0], size.cast<py::ssize_t>()};
   }
   throw py::type_error("Array: elements of format '" + code + "'");
 }

@@ -133,7 +133,8 @@ std::vector<float> to_floats(const ArraySource& source) {
 
 /// What keeps an array's memory from being used as it is; empty: nothing.
 std::string what_prevents_sharing(const ArraySource& source, ElementType type) {
-  if (source.is_plain(type)) return source.read_only ? "" : "it can be written to";
+  if (source.is_plain(type))
+    return source.read_only ? "" : "it, or what it is a view of, can be written to";
   if (source.swapped) return "it has another byte order";
   return source.is_contiguous() ? "its elements are of another type" : "it is not contiguous";
 }
@@ -189,6 +190,10 @@ py::tuple take_positions(py::handle given, py::handle copy, bool recenter) {
   const ArraySource source = array_source(given, "positions");
   check_shape(source, "positions", 3, -1);
   const bool refuses_copy = !copy.is_none() && !copy.cast<bool>();
+  if (refuses_copy && recenter) {
+    throw py::value_error(
+        "positions: copy=False, but recenter=True moves them; expected one of the two");
+  }
   if (!recenter && (refuses_copy || (source.kind == 'f' && source.item_size <= 4))) {
     return py::make_tuple(take_blob_array(given, "positions", copy), py::none(), 0.0, 0.0);
   }
@@ -260,8 +265,12 @@ py::object take_blob_array(py::handle given, const std::string& field, py::handl
 std::pair<Digest, BlobData> blob_of(const Array& array) {
   if (!array.blob().second) {
     const std::span<const std::byte> bytes = array.bytes();
-    const py::gil_scoped_release unlocked;
-    array.blob() = {Digest::of(bytes), Blob::share(array.owner(), bytes)};
+    std::pair<Digest, BlobData> made;
+    {
+      const py::gil_scoped_release unlocked;
+      made = {Digest::of(bytes), Blob::share(array.owner(), bytes)};
+    }
+    array.blob() = std::move(made);  // with the GIL: others may look at it at once
   }
   return array.blob();
 }

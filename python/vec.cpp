@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "python/bindings.h"
+#include "python/value_reader.h"
 
 namespace py = pybind11;
 
@@ -14,18 +15,25 @@ struct Vec {
   double at[3];
 };
 
+/// TypeError in place of another; what is none of the value passes.
+[[noreturn]] void refuse(const std::string& found) {
+  if (PyErr_Occurred() && !PyErr_ExceptionMatches(PyExc_TypeError)) throw py::error_already_set();
+  PyErr_Clear();
+  throw py::type_error(found + "; expected a vector of 3 numbers");
+}
+
 Vec take(py::handle given) {
   if (py::isinstance<Vec>(given)) return given.cast<Vec>();
-  const auto items = py::reinterpret_steal<py::object>(
-      py::isinstance<py::str>(given) ? nullptr : PySequence_Fast(given.ptr(), ""));
-  PyErr_Clear();
-  if (!items || PySequence_Fast_GET_SIZE(items.ptr()) != 3) {
-    throw py::type_error(
-        fmt::format("a {}; expected a vector of 3 numbers", Py_TYPE(given.ptr())->tp_name));
-  }
+  // A tuple of its own: a list may change its length while a number of the user's is read.
+  const auto items = py::reinterpret_steal<py::tuple>(
+      py::isinstance<py::str>(given) ? nullptr : PySequence_Tuple(given.ptr()));
+  if (!items) refuse(describe_found(given));
+  if (items.size() != 3) refuse(fmt::format("{} numbers", items.size()));
   Vec vec{};
-  for (int axis = 0; axis < 3; ++axis) {
-    vec.at[axis] = py::cast<double>(py::handle(PySequence_Fast_GET_ITEM(items.ptr(), axis)));
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const py::handle item = PyTuple_GET_ITEM(items.ptr(), static_cast<py::ssize_t>(axis));
+    vec.at[axis] = PyFloat_AsDouble(item.ptr());
+    if (vec.at[axis] == -1 && PyErr_Occurred()) refuse(describe_found(item));
   }
   return vec;
 }

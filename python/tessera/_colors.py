@@ -53,9 +53,10 @@ def color(given: ColorLike) -> Color:
     of one."""
     if isinstance(given, str):
         return _from_text(given)
-    if not hasattr(given, "__iter__"):
-        return Color(*3 * (float(given),))
-    r, g, b = (float(c) for c in given)
+    numbers: Any = given
+    if not hasattr(numbers, "__iter__"):
+        return Color(*3 * (float(numbers),))
+    r, g, b = (float(c) for c in numbers)
     return Color(r, g, b)
 
 

@@ -54,13 +54,20 @@ def as_ndarray(array: Any) -> Any:
     return numpy.asarray(array)
 
 
+def _is_one(function: str, y: Any, z: Any) -> bool:
+    """Whether one argument was given; raises TypeError where it was two."""
+    if (y is None) != (z is None):
+        raise TypeError(f"{function}() of 2 numbers; expected 1 or 3")
+    return y is None
+
+
 @overload
 def translate(x: VectorLike, y: None = None, z: None = None) -> Transform: ...
 @overload
 def translate(x: float, y: float, z: float) -> Transform: ...
 def translate(x: Any, y: Any = None, z: Any = None) -> Transform:
     """Moves by (x, y, z), in metres."""
-    return Transform([TransformStep(translate=x if y is None else (x, y, z))])
+    return Transform([TransformStep(translate=x if _is_one("translate", y, z) else (x, y, z))])
 
 
 def rotate(axis: Union[Literal["x", "y", "z"], VectorLike], degrees: float) -> Transform:
@@ -78,7 +85,7 @@ def scale(x: Union[float, VectorLike], y: None = None, z: None = None) -> Transf
 def scale(x: float, y: float, z: float) -> Transform: ...
 def scale(x: Any, y: Any = None, z: Any = None) -> Transform:
     """Scales by one factor, or by one for each axis."""
-    if y is None:
+    if _is_one("scale", y, z):
         factors = x if hasattr(x, "__len__") and len(x) else (x, x, x)
     else:
         factors = (x, y, z)

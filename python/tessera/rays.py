@@ -1,9 +1,7 @@
 """Ray queries on arrays: closest hits, all hits, crossings, insides and what lies at hits."""
 from __future__ import annotations
 
-import difflib
 import operator
-import os
 from typing import (TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, SupportsIndex, Tuple,
                     Union)
 
@@ -11,6 +9,7 @@ from . import _core
 from ._hits import AllHits, Hits, Located, frozen
 from ._mesh import Mesh
 from ._types import Accelerator, ArrayLike, Cull, HitField, VectorLike
+from ._value import nearest
 from .errors import UsageError
 
 if TYPE_CHECKING:
@@ -38,9 +37,17 @@ _FIELDS: Tuple[HitField, ...] = ("t", "instance", "primitive", "uv")
 def _choice(keyword: str, found: str, known: Sequence[str]) -> str:
     if found in known:
         return found
-    near = difflib.get_close_matches(str(found), known, 1)
-    hint = f"; did you mean '{near[0]}'?" if near else ""
-    raise UsageError(f"{keyword}: {found!r}; expected one of {', '.join(known)}{hint}")
+    raise UsageError(f"{keyword}: {found!r}; expected one of {', '.join(known)}"
+                     f"{nearest(str(found), list(known))}")
+
+
+def _thread_count(threads: Optional[int]) -> int:
+    if threads is None:
+        return _core.core_count()
+    if isinstance(threads, bool) or not hasattr(threads, "__index__") or not (
+            1 <= operator.index(threads) <= _core.most_threads):
+        raise UsageError(f"threads: {threads!r}; expected a whole number from 1 to {_core.most_threads}")
+    return operator.index(threads)
 
 
 def _real(name: str, value: Union[float, ArrayLike]) -> Rows:
@@ -133,16 +140,10 @@ class Tracer:
     def _of(cls, scene: Union[Scene, str, bytes], options: Options) -> Tracer:
         """Of a Scene, of its text form (str) or of its binary form (bytes)."""
         time, camera, accel, threads = options
-        core = _core.Tracer(scene, time, camera, accel, threads or len(os.sched_getaffinity(0)))
-        return cls(core, options)
+        return cls(_core.Tracer(scene, time, camera, accel, _thread_count(threads)), options)
 
     def _threads(self, threads: Optional[int]) -> int:
-        chosen = threads if threads is not None else self._options[-1]
-        if chosen is None:
-            return len(os.sched_getaffinity(0))
-        if isinstance(chosen, bool) or not isinstance(chosen, int) or not 1 <= chosen <= 4096:
-            raise UsageError(f"threads: {chosen!r}; expected a whole number from 1 to 4096")
-        return chosen
+        return _thread_count(threads if threads is not None else self._options[-1])
 
     def intersect(self, origins: ArrayLike, directions: ArrayLike, *,
                   t_min: Union[float, ArrayLike] = 0.0, t_max: Union[float, ArrayLike] = float("inf"),

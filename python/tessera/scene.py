@@ -160,12 +160,17 @@ class Scene(_messages.Scene):
             material: Optional[Union[str, Material]] = None, name: Optional[str] = None) -> Node:
         """Puts shapes, lights, objects, nodes, other scenes or sequences of them below a new node.
 
-        :param material: of the shapes, in place of their own.
+        :param material: of the shapes, in place of their own. Nodes, objects and scenes keep theirs,
+            so that they cannot be given one.
         :return: the node; a Node that is added by itself is returned as it is.
         """
+        if not things:
+            raise TypeError("add() of nothing; expected a Shape, Light, Node, Object, Scene or a "
+                            "sequence of them")
         leaves = flat(things)
         is_alone = len(leaves) == 1
-        if is_alone and isinstance(leaves[0], Node) and transform is None and name is None:
+        if (is_alone and isinstance(leaves[0], Node)
+                and transform is None and material is None and name is None):
             node = leaves[0]
         elif is_alone:
             node = self._node_of(with_material(leaves[0], material))
@@ -189,6 +194,7 @@ class Scene(_messages.Scene):
             self.materials += thing.materials
             self.textures += thing.textures
             self.objects += thing.objects
+            self.includes += thing.includes
             return Node(children=thing.nodes)
         raise TypeError(f"a {type(thing).__name__}; expected a Shape, Light, Node, Object, Scene or a "
                         "sequence of them")

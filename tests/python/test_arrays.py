@@ -160,6 +160,35 @@ def test_a_copy_can_be_refused(array, why):
     assert not np.shares_memory(ts.Mesh(shared, FACES, copy=True).positions, shared)
 
 
+@pytest.mark.parametrize("view", [
+    lambda a: a.view(), lambda a: a[:], lambda a: memoryview(a).toreadonly(),
+    lambda a: np.asarray(memoryview(a).toreadonly()),
+    lambda a: np.frombuffer(bytearray(a.tobytes()), "f4").reshape(8, 3)])
+def test_a_read_only_view_of_what_can_be_written_to_is_copied(view):
+    positions = CUBE.copy()
+    shown = view(positions)
+    if isinstance(shown, np.ndarray):
+        shown.flags.writeable = False
+    mesh = ts.Mesh(shown, FACES)
+    before = ts.Scene(nodes=[mesh]).digest
+    positions[:] = 7
+    assert np.array_equal(mesh.positions, CUBE) and ts.Scene(nodes=[ts.Mesh(CUBE, FACES)]).digest == before
+    with pytest.raises(ValueError, match="copy=False, but .*can be written to"):
+        ts.Mesh(shown, FACES, copy=False)
+
+
+def test_views_of_what_nobody_can_write_to_are_shared():
+    fixed = frozen(np.concatenate([CUBE, CUBE]))
+    of_bytes = np.frombuffer(CUBE.tobytes(), "f4").reshape(8, 3)
+    for shown in (fixed[8:], memoryview(fixed[8:]), of_bytes, ts.Mesh(CUBE, FACES).positions):
+        assert np.shares_memory(ts.Mesh(shown, FACES, copy=False).positions, np.asarray(shown))
+
+
+def test_recentring_cannot_go_without_a_copy():
+    with pytest.raises(ValueError, match="copy=False, but recenter=True"):
+        ts.Mesh(frozen(CUBE), FACES, copy=False, recenter=True)
+
+
 def test_rounding_is_told_and_avoided():
     far = CUBE.astype("f8") + [1e7, 0, 0] + .1
     with pytest.warns(ts.PrecisionWarning, match="rounded by up to"):
@@ -209,6 +238,25 @@ def test_vectors():
     assert a.dot(b) == 32 and a.cross(b) == (-3, 6, -3) and ts.Vec(3, 4, 0).length == 5
     assert np.array_equal(np.asarray(a), [1, 2, 3]) and tuple(a) == (1, 2, 3)
     assert ts.Scene(nodes=[ts.Sphere(a)]) == ts.Scene(nodes=[ts.Sphere(np.array([1, 2, 3]))])
+
+
+@pytest.mark.parametrize("wrong, found", [
+    ((1, 2), "2 numbers"), ((1, 2, "a"), "'a'"), ("abc", "'abc'"), (3, "3"), ((1, None, 2), "None")])
+def test_what_is_no_vector_is_told(wrong, found):
+    for use in (lambda: ts.Vec(wrong), lambda: ts.Vec(1, 2, 3).dot(wrong)):
+        with pytest.raises(TypeError) as told:
+            use()
+        assert str(told.value) == f"{found}; expected a vector of 3 numbers"
+
+
+def test_a_list_that_changes_while_it_is_read_is_no_vector():
+    class Clears:
+        def __float__(self):
+            numbers.clear()
+            return 1.0
+    numbers = [Clears(), *np.random.default_rng(1).random(2).tolist()]
+    rest = numbers[1:]
+    assert tuple(ts.Vec(numbers)) == (1, *rest) and numbers == []
 
 
 def test_textures_from_arrays():
