@@ -144,7 +144,7 @@ void bind_arrays(py::module_& module) {
       .def_buffer(buffer_of)
       .def_property_readonly("shape", shape_of, "The length of each axis.")
       .def_property_readonly(
-          "dtype", [](const Array& array) { return std::string(1, array.type().code); },
+          "format", [](const Array& array) { return std::string(1, array.type().code); },
           "What an element is, as a code of the module `struct`.")
       .def("__len__", length_of)
       .def("__getitem__", item_of)

@@ -148,3 +148,12 @@ def test_undefined_names_are_told_with_what_is_expected():
                      materials=[ts.Classic(name="gold")])
     with pytest.raises(ts.SceneError, match="'brass'.*'glod'; did you mean 'gold'.*; expected names that"):
         scene.check()
+
+
+def test_load_has_the_options_of_reading(tessera):
+    of_files = set(re.findall(r"--(x3d-[a-z-]+|assets|place)\b", tessera("help", "render")))
+    keywords = set(inspect.signature(ts.load).parameters) - {"path", "frame", "unknown"}
+    assert keywords == {name.replace("-", "_") for name in of_files}
+    for name in keywords - {"place"}:
+        with pytest.raises(ts.Error, match=f"^{name}: "):
+            ts.load(__file__, **{name: "?"})
