@@ -5,12 +5,29 @@
 
 namespace tessera {
 
-LoadedScene load_frame(const RenderOptions& options, int frame) {
+namespace {
+
+ReadOptions reading_of(const RenderOptions& options, int frame) {
   ReadOptions reading = options.reading;
   reading.decode_texture = decode_texture;
   reading.decode_texture_bytes = decode_texture_bytes;
   reading.frame = frame;
-  LoadedScene loaded = read_scene(options.scene, reading);
+  return reading;
+}
+
+}  // namespace
+
+LoadedScene load_frame(const RenderOptions& options, int frame) {
+  LoadedScene loaded = read_scene(options.scene, reading_of(options, frame));
+  apply_camera_options(options, loaded.scene);
+  return loaded;
+}
+
+LoadedScene load_frame(const RenderOptions& options, const SceneWithBlobs& made, int frame) {
+  LoadedScene loaded;
+  loaded.scene = made.scene;
+  loaded.blobs = made.blobs;
+  add_files(loaded, options.scene, reading_of(options, frame));
   apply_camera_options(options, loaded.scene);
   return loaded;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,7 +29,6 @@ namespace tessera {
 namespace {
 
 using Release = py::call_guard<py::gil_scoped_release>;
-constexpr char kSceneOfPython[] = "scene";  ///< what errors call one that is no file
 
 /// The options of `tessera render`, each assigned by its long name and a text.
 class OptionTexts {
@@ -48,43 +48,29 @@ class OptionTexts {
   OptionList list_;
 };
 
-/// Reads the scene of a file, which may take long.
-std::pair<LoadedScene, double> read_file(RenderOptions& options, const std::string& path,
-                                         std::optional<int> frame) {
-  const py::gil_scoped_release release;
-  const auto start = std::chrono::steady_clock::now();
-  options.scene = path;
-  LoadedScene loaded = load_frame(options, frame.value_or(0));
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  return {std::move(loaded), took.count()};
-}
-
-/// The scene in a file, or that of a value, at a frame of its animation.
-LoadedScene scene_of(RenderOptions& options, const py::object& scene, std::optional<int> frame,
-                     double& parse_seconds) {
-  LoadedScene loaded;
+/// What loads a frame of the scene in a file, or of a value as it is now, without the GIL.
+std::function<LoadedScene(int frame)> loader_of(RenderOptions& options, const py::object& scene) {
   if (py::isinstance<py::str>(scene)) {
-    std::tie(loaded, parse_seconds) = read_file(options, py::cast<std::string>(scene), frame);
-    return loaded;
+    options.scene = py::cast<std::string>(scene);
+    return [&options](int frame) { return load_frame(options, frame); };
   }
   options.scene = kSceneOfPython;
-  SceneWithBlobs described = message_of(scene);
-  loaded.scene = std::move(described.scene);
-  loaded.blobs = std::move(described.blobs);
-  apply_camera_options(options, loaded.scene);
-  return loaded;
+  return
+      [&options, made = message_of(scene)](int frame) { return load_frame(options, made, frame); };
 }
 
 /// A task for one frame of `scene`, a path or a value, and what was told of reading it.
 std::pair<std::shared_ptr<FrameTask>, std::vector<std::string>> make_task(
     const OptionTexts& texts, const py::object& scene, std::optional<int> frame) {
   RenderOptions options = texts.options;
-  double parse_seconds = 0;
-  LoadedScene loaded = scene_of(options, scene, frame, parse_seconds);
-  std::vector<std::string> warnings = loaded.warnings;
+  const auto load = loader_of(options, scene);
   const py::gil_scoped_release release;
+  const auto start = std::chrono::steady_clock::now();
+  LoadedScene loaded = load(frame.value_or(0));
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  std::vector<std::string> warnings = loaded.warnings;
   auto task =
-      std::make_shared<FrameTask>(std::move(options), std::move(loaded), frame, parse_seconds);
+      std::make_shared<FrameTask>(std::move(options), std::move(loaded), frame, took.count());
   return {std::move(task), std::move(warnings)};
 }
 
@@ -133,14 +119,11 @@ std::pair<uint64_t, std::vector<std::string>> submit(FarmAccess& farm, const Opt
                                                      const JobOrder& order) {
   RenderOptions options = texts.options;
   std::vector<std::string> warnings;
-  double parse_seconds = 0;
-  const std::optional<int> first =
-      options.frames ? std::optional(options.frames->first) : std::nullopt;
-  const LoadedScene loaded = scene_of(options, scene, first, parse_seconds);
+  const int first = options.frames ? options.frames->first : 0;
+  const auto load_any = loader_of(options, scene);
   const uint64_t job = run_interruptibly([&](const std::atomic<bool>& stop) {
-    const auto load = [&](int frame) {
-      return frame == first.value_or(0) ? loaded : load_frame(options, frame);
-    };
+    const LoadedScene loaded = load_any(first);
+    const auto load = [&](int frame) { return frame == first ? loaded : load_any(frame); };
     const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
     return farm.submit(gather_job(options, order, load, warn), stop);
   });

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "front/check_buildable.h"
+#include "front/load_frame.h"
 #include "front/option_list.h"
 #include "front/placement.h"
 #include "front/read_options.h"
@@ -50,13 +51,11 @@ py::tuple summary_of(py::handle scene) {
 
 /// Throws what a render of the scene would throw before it traces.
 void check(py::handle scene) {
-  SceneWithBlobs made = message_of(scene);
-  LoadedScene loaded;
-  loaded.scene = std::move(made.scene);
-  loaded.blobs = std::move(made.blobs);
+  const SceneWithBlobs made = message_of(scene);
   RenderOptions options;
-  options.scene = "scene";
-  run_interruptibly([&](const std::atomic<bool>&) { check_buildable(options, loaded); });
+  options.scene = kSceneOfPython;
+  run_interruptibly(
+      [&](const std::atomic<bool>&) { check_buildable(options, load_frame(options, made, 0)); });
 }
 
 }  // namespace

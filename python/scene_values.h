@@ -6,6 +6,8 @@
 
 namespace tessera {
 
+inline constexpr char kSceneOfPython[] = "scene";  ///< what errors call one that is no file
+
 /// The description that a `tessera.Scene` stands for, its arrays as blobs. Throws Python's
 /// SceneError where a value does not fit. Needs the GIL.
 SceneWithBlobs message_of(pybind11::handle scene);

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/digest.h"
+#include "front/load_frame.h"
 #include "python/array.h"
 #include "python/bindings.h"
 #include "python/errors.h"
@@ -156,7 +157,12 @@ SceneWithBlobs scene_of(const py::object& scene) {
     return decode_scene(py::cast<std::string>(scene), SceneEncoding::binary, "scene");
   if (py::isinstance<py::str>(scene))
     return decode_scene(py::cast<std::string>(scene), SceneEncoding::text, "scene");
-  return message_of(scene);
+  const SceneWithBlobs made = message_of(scene);
+  RenderOptions options;
+  options.scene = kSceneOfPython;
+  const py::gil_scoped_release release;
+  LoadedScene loaded = load_frame(options, made, 0);
+  return {std::move(loaded.scene), std::move(loaded.blobs)};
 }
 
 template <typename T>

@@ -219,7 +219,7 @@ class Scene(_messages.Scene):
         """Raises SceneError for names that are used and never defined, and for whatever of the scene
         a render would refuse: it builds all that one needs."""
         undefined = self.info().undefined
-        if undefined:
+        if undefined and not self.includes:  # which may define it
             raise SceneError(f"scene: {', '.join(undefined)}; expected names that the scene defines")
         try:
             _core.check(self)

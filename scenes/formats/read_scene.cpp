@@ -201,9 +201,9 @@ void place_itself(v1::Scene& scene, const v1::Transform& transform) {
   *scene.add_nodes() = std::move(whole);
 }
 
-}  // namespace
-
-LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
+/// Takes into the scene of `path` what it includes, and what is to be placed beside.
+void add_others(const std::string& path, const ReadOptions& options, FileReader& read,
+                LoadedScene& loaded) {
   ReadOptions without_assets = options;
   without_assets.assets.clear();
   const IncludeResolver::Reader read_whole = [&](const std::string& file,
@@ -213,8 +213,6 @@ LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
     IncludeResolver(file, "", std::ref(read_placed)).resolve(whole);
     return whole;
   };
-  FileReader read(path, options);
-  LoadedScene loaded = read(path, options.format);
   IncludeResolver resolver(path, options.assets, std::ref(read));
   resolver.resolve(loaded);
   for (const v1::Include& placement : options.placements) {
@@ -223,6 +221,21 @@ LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
     else
       resolver.place(loaded, placement, read_whole);
   }
+}
+
+}  // namespace
+
+void add_files(LoadedScene& made, const std::string& name, const ReadOptions& options) {
+  if (made.scene.includes().empty() && options.placements.empty()) return;
+  FileReader read(name, options);
+  add_others(name, options, read, made);
+  check_scene(made.scene, name);
+}
+
+LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
+  FileReader read(path, options);
+  LoadedScene loaded = read(path, options.format);
+  add_others(path, options, read, loaded);
   const std::string format = format_of(path, options.format);
   if (std::find(kModels.begin(), kModels.end(), format) != kModels.end()) add_default_view(loaded);
   if (!own_encoding(format) && loaded.scene.metadata().source_file().empty())

@@ -12,6 +12,10 @@ namespace tessera {
 /// options.assets, is read.
 LoadedScene read_scene(const std::string& path, const ReadOptions& options = {});
 
+/// Reads what a scene that was made, not read, includes, and what is to be placed into it, as if it
+/// were a file `name` of the current folder.
+void add_files(LoadedScene& made, const std::string& name, const ReadOptions& options);
+
 /// The endings of the files that read_scene reads, with a dot, in the order of the documentation.
 std::vector<std::string> readable_endings();
 

@@ -33,6 +33,8 @@ def tests_of_the_tree():
     for path in (ROOT / "tests").rglob("*.cpp"):
         found = re.findall(r"^TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", path.read_text(), re.MULTILINE)
         names.update(f"{suite}.{name}" for suite, name in found)
+    for path in (ROOT / "tests/python").glob("test_*.py"):
+        names.update(f"{path.stem}::{name}" for name in re.findall(r"^def (test_\w+)", path.read_text(), re.M))
     return names
 
 
@@ -49,10 +51,11 @@ class FeatureTable(unittest.TestCase):
                 if name.endswith(".py"):
                     self.assertTrue((ROOT / "tests/cli" / name).exists(), name)
                     continue
-                if "." in name:
-                    suite = name.split(".")[0]
+                whole = re.match(r"\w+(\.|::)", name)
+                if whole:
+                    suite = whole.group()
                 else:  # the suite goes without saying after the first of a row
-                    name = f"{suite}.{name}"
+                    name = f"{suite}{name}"
                 pattern = re.compile(re.escape(name).replace(r"\*", ".*"))
                 self.assertTrue(any(pattern.fullmatch(test) for test in known), name)
 

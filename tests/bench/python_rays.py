@@ -208,13 +208,22 @@ class Mathutils:
         return len(rays) / seconds(lambda: [self.tree.ray_cast(o, d) for o, d in rays])
 
 
-def made(what, *arguments):
-    """A contestant; None where what it needs is not installed."""
-    try:
-        return what(*arguments)
-    except (ImportError, OSError) as error:
-        print(f"without {what.__name__}: {error}")
-        return None
+def contestants(points, triangles):
+    """Those that are installed, by name."""
+    made = {}
+    for what in (Embree, Open3D, Mathutils):
+        try:
+            made[what.__name__] = what(points, triangles)
+        except (ImportError, OSError) as error:
+            if what not in _told_of:
+                instead = (f"; {what.SPECIFIED:.3g} rays/s, the specification's figure, in its place"
+                           if what is Mathutils else "")
+                print(f"without {what.__name__}: {error}{instead}", flush=True)
+            _told_of.add(what)
+    return made
+
+
+_told_of = set()
 
 
 class Contest:
@@ -225,9 +234,8 @@ class Contest:
         triangles = np.ascontiguousarray(triangles, np.uint32)
         self.tracer = tracer_from_mesh(points, triangles, threads=1)
         self.loop = Loop(build, points, triangles)
-        self.embree = made(Embree, points, triangles)
-        self.open3d = made(Open3D, points, triangles)
-        self.mathutils = made(Mathutils, points, triangles)
+        others = contestants(points, triangles)
+        self.embree, self.open3d, self.mathutils = map(others.get, ("Embree", "Open3D", "Mathutils"))
 
     def works(self, origins, directions):
         """What is measured, and by which clock: work of one thread by its processor time, since
@@ -295,7 +303,7 @@ def tell(table, ratios):
             ("embree", "Embree's rtcIntersect1M", .85, 1.0), ("two threads", "one thread, by two", None, 1.8),
             ("open3d", "Open3D's cast_rays, one thread", None, 1.0),
             ("open3d, 2", "Open3D's cast_rays, two threads", None, 1.0),
-            ("mathutils", "mathutils.bvhtree", 20, None)):
+            ("mathutils", "mathutils.bvhtree", None, 20)):
         found = least_and_mean(what)
         if found:
             table.add(f"P5 of {name}: least", found[0], "", at_least=of_least)
@@ -326,8 +334,6 @@ def main():
         if options.only and name not in options.only:
             continue
         contest = Contest(options.build, points, triangles)
-        if not contest.mathutils:
-            print(f"mathutils below is the specification's {Mathutils.SPECIFIED:.3g} rays/s")
         sets = ray_sets(contest.tracer, eye, target, np.random.default_rng(1), side)
         ratios += trace_all(table, name, contest, sets, options.rounds)
     tell(table, ratios)

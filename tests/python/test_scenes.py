@@ -213,6 +213,39 @@ def test_a_texture_from_a_file_is_that_of_the_importer(tmp_path, tessera):
     assert scene.render(size=(20, 20), workers=0) == loaded.render(size=(20, 20), workers=0)
 
 
+def test_what_a_scene_includes_is_read_from_the_current_folder_or_the_assets(tmp_path, monkeypatch, tessera):
+    ball = ts.Scene(nodes=[ts.Sphere(material=ts.Unlit(color="red"))])
+    (tmp_path / "parts").mkdir()
+    ball.save(tmp_path / "parts/ball.tessera")
+    scene = ts.Scene(camera=ts.Camera.look_at((0, 0, 5), (0, 0, 0)),
+                     includes=[ts.Include(file="ball.tessera", transform=ts.translate(1, 0, 0))])
+    scene.save(tmp_path / "parts/whole.tessera")
+    expected = ts.render(tmp_path / "parts/whole.tessera", workers=0, size=(20, 20))
+    assert len(np.unique(expected.linear)) == 2
+
+    monkeypatch.chdir(tmp_path / "parts")
+    assert scene.render(workers=0, size=(20, 20)) == expected
+    assert scene.tracer().instances == ["ball"] and scene.check() is None and len(scene.includes) == 1
+
+    monkeypatch.chdir(tmp_path)
+    assert scene.render(workers=0, size=(20, 20), assets="parts") == expected
+    for use in (lambda: scene.render(workers=0), scene.tracer, scene.check):
+        with pytest.raises(ts.SceneError, match="ball.tessera"):
+            use()
+    scene.includes[0].file = "../ball.tessera"
+    with pytest.raises(ts.SceneError, match="includes '../ball.tessera', which is not inside"):
+        scene.check()
+
+
+def test_a_made_scene_takes_in_what_is_placed(tmp_path):
+    ts.Scene(nodes=[ts.Sphere(material=ts.Unlit(color="red"))]).save(tmp_path / "ball.tessera")
+    camera = ts.Camera.look_at((0, 0, 5), (0, 0, 0))
+    placed = ts.Scene(camera=camera).render(workers=0, size=(20, 20), place=f"{tmp_path}/ball.tessera:at=1,0,0")
+    whole = ts.Scene(camera=camera)
+    whole.add(ts.Sphere(material=ts.Unlit(color="red")), transform=ts.translate(1, 0, 0))
+    assert placed == whole.render(workers=0, size=(20, 20))
+
+
 def test_a_texture_that_is_not_there_is_told(tmp_path):
     with pytest.raises(FileNotFoundError, match="nowhere.png: there is no such file"):
         ts.ImageTexture("nowhere.png")

@@ -6,7 +6,9 @@
 #include <limits>
 #include <random>
 
+#include "bench/error/difference.h"
 #include "bench/error/flip.h"
+#include "bench/error/ssim.h"
 
 namespace tessera {
 namespace {
@@ -51,6 +53,34 @@ TEST(ErrorMetrics, TrimmingTakesTheLargestThousandthOnly) {
   EXPECT_NEAR(e.trimmed_rel_mse, 1000 * .25 / 1.01 / 2997, 1e-8);
   EXPECT_EQ(e.max_error, 100);
   EXPECT_EQ(e.error_99_9, .5);
+}
+
+TEST(ErrorMetrics, SimilarityOfFlatPicturesIsThatOfTheirMeans) {
+  const auto shown = [](double linear) { return 1.055 * std::pow(linear, 1 / 2.4) - .055; };
+  const double a = shown(.5), b = shown(.25), c1 = .01 * .01;
+  for (const int size : {1, 2, 11, 30}) {
+    const Picture bright = constant(size, 12, .5F, .5F, .5F);
+    const Picture dark = constant(size, 12, .25F, .25F, .25F);
+    EXPECT_NEAR(mean_ssim(bright, dark), (2 * a * b + c1) / (a * a + b * b + c1), 1e-9) << size;
+    EXPECT_NEAR(mean_ssim(dark, dark), 1, 1e-12);
+  }
+  const Picture first = noise(20, 15, 1, .5, 1), second = noise(20, 15, 2, .5, 1);
+  EXPECT_LT(mean_ssim(first, second), .3);
+  EXPECT_EQ(mean_ssim(first, second), mean_ssim(second, first));
+}
+
+TEST(ErrorMetrics, DifferencesHaveTheirPlace) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<float> a{0, 0, 1, nan, 0, 2},
+      b{0, 0, .5F, nan, 0, 3};  // 3 pixels of 2 channels
+  const Difference d = difference_of(a, b, 2, 3, .75);
+  EXPECT_EQ(d.greatest, 1);
+  EXPECT_EQ(d.mean, .25);
+  EXPECT_EQ(d.greatest_of, (std::vector<double>{.5, 1}));
+  EXPECT_EQ(d.worst_pixel, 2u);
+  EXPECT_EQ(d.pixels_unequal, 2u);
+  EXPECT_EQ(d.pixels_beyond, 1u);
+  EXPECT_EQ((std::vector<int>{d.x0, d.y0, d.x1, d.y1}), (std::vector<int>{1, 0, 3, 1}));
 }
 
 TEST(ErrorMetrics, WhatIsNoNumberCountsAsBlackAndIsCounted) {
