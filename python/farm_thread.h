@@ -14,7 +14,7 @@ namespace tessera {
 
 /// A farm with a thread of its own, on which it starts, runs its tasks one after the other and
 /// ends: workers die with the thread that started them, so it must outlive every caller's. May be
-/// used by any thread. Its thread takes the GIL only to give back memory of Python.
+/// used by any thread. No thread of it ever takes the GIL.
 class FarmThread {
  public:
   using Start = std::function<std::unique_ptr<TracingFarm>()>;

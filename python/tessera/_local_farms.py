@@ -99,8 +99,6 @@ class LocalFarm(BaseFarm):
         self._thread = None
         self.workers = None if workers is None else _count("workers", workers)
         self.threads = _count("threads", threads)
-        if isinstance(verify, bool) or not hasattr(verify, "__float__"):
-            raise TypeError(f"verify: {verify!r}; expected a share from 0 to 1")
         if not 0 <= verify <= 1:
             raise UsageError(f"verify: {verify}; expected a share from 0 to 1")
         if verify > 0 and (self.workers or os.cpu_count() or 1) < 2:

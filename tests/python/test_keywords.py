@@ -73,12 +73,6 @@ def test_wrong_values_are_told_as_they_were_given(option, message):
         SCENE.render(**{**FRAME, **option})
 
 
-@pytest.mark.parametrize("verify, error", [("1%", TypeError), (True, TypeError), (2, ts.UsageError)])
-def test_a_share_to_verify(verify, error):
-    with pytest.raises(error, match=f"verify: {verify!r}; expected a share from 0 to 1"):
-        SCENE.render(size=(32, 18), workers=2, verify=verify)
-
-
 def test_counts_may_be_numbers_of_numpy():
     with ts.LocalFarm(workers=np.int64(1), threads=np.uint8(1)) as farm:
         assert repr(farm) == "LocalFarm(workers=1, threads=1)"
