@@ -9,22 +9,25 @@
 #include <thread>
 #include <vector>
 
+#include "base/cancellation.h"
 #include "base/signal_stack.h"
 
 namespace tessera {
 
 /// Calls work(i) for every i below `count`, on the calling thread and up to `threads` - 1 others,
 /// fewer where no more can be had. Of several exceptions the one of the smallest i is thrown,
-/// whatever the timing.
+/// whatever the timing. Ends early by WorkCancelled where a Cancellation of the caller says so.
 template <typename Work>
 void for_each_parallel(size_t count, int threads, const Work& work) {
   std::atomic<size_t> next{0};
   std::mutex mutex;
   size_t failed = count;
   std::exception_ptr failure;
+  const std::atomic<bool>* const cancelled = Cancellation::current();
   const auto run = [&] {
     for (size_t i = next++; i < count; i = next++) {
       try {
+        if (cancelled && cancelled->load(std::memory_order_relaxed)) throw WorkCancelled{};
         work(i);
       } catch (...) {
         const std::lock_guard lock(mutex);
@@ -39,8 +42,9 @@ void for_each_parallel(size_t count, int threads, const Work& work) {
     const size_t wanted = std::min(count, static_cast<size_t>(std::max(threads, 1)));
     try {
       for (size_t i = 1; i < wanted; ++i) {
-        helpers.emplace_back([&run] {
+        helpers.emplace_back([&run, cancelled] {
           const SignalStack stack;
+          const Cancellation cancellation(cancelled);
           run();
         });
       }

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "base/lower_case.h"
 #include "bench/error/difference.h"
 #include "bench/error/metrics.h"
 #include "bench/error/ssim.h"
@@ -71,8 +70,6 @@ void check_comparable(const CompareOptions& options, const FloatImage& a, const 
 
 /// Red, green and blue as linear light; files of whole numbers hold sRGB.
 Picture linear_picture(const FloatImage& image, const std::string& path) {
-  const std::string ending = lower_case(std::filesystem::path(path).extension().string());
-  const bool is_linear = ending == ".exr" || ending == ".hdr" || ending == ".pfm";
   std::vector<size_t> channels;
   for (const char* name : {"R", "G", "B"}) {
     const auto found = std::find(image.channels.begin(), image.channels.end(), name);
@@ -87,7 +84,7 @@ Picture linear_picture(const FloatImage& image, const std::string& path) {
   for (size_t pixel = 0; pixel < out.pixels(); ++pixel) {
     for (const size_t channel : channels) {
       const float value = image.values[pixel * image.channels.size() + channel];
-      out.values.push_back(is_linear ? value : static_cast<float>(srgb_to_linear(double{value})));
+      out.values.push_back(image.is_float ? value : static_cast<float>(srgb_to_linear(double{value})));
     }
   }
   return out;

@@ -1,5 +1,7 @@
 #include "front/option_list.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/error.h"
@@ -13,13 +15,26 @@ std::vector<std::string> long_names(const OptionList& options) {
 }
 
 void assign_option(const OptionList& options, const std::string& long_name,
-                   const std::string& text) {
+                   const OptionValue& value) {
   const auto found = std::ranges::find(options, long_name, &Option::long_name);
   if (found == options.end()) {
     throw usage_error("--" + long_name + ": no option is called so" +
                       suggestion(long_name, long_names(options)));
   }
-  found->assign(text);
+  const bool* is_set = std::get_if<bool>(&value);
+  const bool is_flag = found->type.empty();
+  if (is_set && !is_flag) {
+    throw usage_error(fmt::format("--{}: {}; expected {}", long_name, *is_set, found->type));
+  }
+  if (!is_set && is_flag) {
+    throw usage_error(
+        fmt::format("--{}: '{}'; expected true or false", long_name, std::get<std::string>(value)));
+  }
+  if (!is_set) {
+    found->assign(std::get<std::string>(value));
+  } else if (*is_set) {
+    found->assign("");
+  }
 }
 
 }  // namespace tessera

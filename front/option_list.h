@@ -3,6 +3,7 @@
 #include <functional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace tessera {
@@ -25,11 +26,14 @@ struct Option {
 /// The options of a command in the order of its help text. What they assign to must outlive them.
 using OptionList = std::vector<Option>;
 
+/// What is assigned to an option: of a flag whether it is set, of others the text that is typed.
+using OptionValue = std::variant<bool, std::string>;
+
 std::vector<std::string> long_names(const OptionList& options);
 /// Assigns the option of that long name. Throws usage_error, with the nearest name, where there is
-/// none, and for a value that is wrong.
+/// none, and for a value that is wrong or of the other kind.
 void assign_option(const OptionList& options, const std::string& long_name,
-                   const std::string& text);
+                   const OptionValue& value);
 
 /// Adds options of one group to a list.
 class OptionGroup {

@@ -19,8 +19,6 @@ namespace tessera {
 namespace {
 
 constexpr double kDefaultFramesPerSecond = 24;
-constexpr int64_t kMaxWorkers = 1024;
-constexpr int64_t kMaxThreads = 1024;
 
 /// "a, b or c; note [a]" for a help text.
 std::string choices(const std::vector<std::string>& names, std::string_view note) {
@@ -361,8 +359,9 @@ PixelRect crop_window(const RenderOptions& options, const v1::FrameSettings& fra
   const PixelRect whole{0, 0, static_cast<int>(frame.width()), static_cast<int>(frame.height())};
   if (!options.crop) return whole;
   if (!whole.contains(*options.crop)) {
-    throw usage_error(fmt::format("--crop: reaches beyond the frame of {}x{} pixels", frame.width(),
-                                  frame.height()));
+    const PixelRect& crop = *options.crop;
+    throw usage_error(fmt::format("--crop: {},{},{},{}; expected a part of the frame, 0,0,{},{}",
+                                  crop.x0, crop.y0, crop.x1, crop.y1, whole.x1, whole.y1));
   }
   return *options.crop;
 }

@@ -17,6 +17,9 @@
 
 namespace tessera {
 
+inline constexpr int64_t kMaxWorkers = 1024;
+inline constexpr int64_t kMaxThreads = 1024;
+
 /// What `tessera render` was asked for. What is absent comes from the scene or from this machine.
 struct RenderOptions {
   std::string scene;

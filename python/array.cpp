@@ -15,10 +15,10 @@ namespace {
 
 /// Throws TypeError for a code that arrays do not have.
 ElementType element_type(const std::string& code) {
-  for (const ElementType& type :
-       {kElementOf<double>, kElementOf<float>, ElementType{'e', 2}, kElementOf<int32_t>,
-        kElementOf<uint32_t>, kElementOf<int64_t>, kElementOf<uint8_t>, kElementOf<bool>}) {
-    if (code.size() == 1 && type.code == code[0]) return type;
+  constexpr std::string_view kCodes = "?bBhHiIlLqQefd";
+  if (code.size() == 1 && kCodes.find(code[0]) != kCodes.npos) {
+    const py::object size = py::module_::import("struct").attr("calcsize")(code);
+    return {code[0], size.cast<py::ssize_t>()};
   }
   throw py::type_error("Array: elements of format '" + code + "'");
 }
@@ -144,7 +144,7 @@ void bind_arrays(py::module_& module) {
       .def_buffer(buffer_of)
       .def_property_readonly("shape", shape_of, "The length of each axis.")
       .def_property_readonly(
-          "dtype", [](const Array& array) { return std::string(1, array.type().code); },
+          "format", [](const Array& array) { return std::string(1, array.type().code); },
           "What an element is, as a code of the module `struct`.")
       .def("__len__", length_of)
       .def("__getitem__", item_of)

@@ -65,7 +65,7 @@ class Array {
     return {static_cast<const std::byte*>(data_), static_cast<size_t>(count() * type_.size)};
   }
   const std::shared_ptr<const void>& owner() const { return owner_; }
-  /// Of python/mesh_arrays.h: the blob and its digest, once somebody wanted them.
+  /// The blob of these bytes and its digest, which blob_of() computes at its first call.
   std::pair<Digest, BlobData>& blob() const { return blob_; }
 
  private:

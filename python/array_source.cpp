@@ -34,6 +34,22 @@ std::optional<char> kind_of(std::string_view code) {
   return std::nullopt;
 }
 
+/// Whether nothing on the way from a view to the memory that it shows can be written to. What does
+/// not tell whose memory it is may be anybody's.
+bool is_frozen(py::handle view) {
+  constexpr int kMostViews = 100;
+  auto at = py::reinterpret_borrow<py::object>(view);
+  for (int i = 0; i < kMostViews; ++i) {
+    if (!PyObject_CheckBuffer(at.ptr())) return false;
+    const auto memory = py::reinterpret_steal<py::object>(PyMemoryView_FromObject(at.ptr()));
+    if (!memory) throw py::error_already_set();
+    if (!PyMemoryView_GET_BUFFER(memory.ptr())->readonly) return false;
+    at = py::getattr(at, PyMemoryView_Check(at.ptr()) ? "obj" : "base", py::none());
+    if (at.is_none()) return true;
+  }
+  return false;
+}
+
 ArraySource from_buffer(py::handle given, const std::string& name) {
   auto held = std::make_shared<HeldBuffer>();
   if (PyObject_GetBuffer(given.ptr(), &held->view, PyBUF_RECORDS_RO)) {
@@ -58,7 +74,7 @@ ArraySource from_buffer(py::handle given, const std::string& name) {
   source.kind = *kind;
   source.data = static_cast<const std::byte*>(view.buf);
   source.item_size = view.itemsize;
-  source.read_only = view.readonly;
+  source.read_only = view.readonly && is_frozen(given);
   source.shape.assign(view.shape, view.shape + view.ndim);
   source.strides.assign(view.strides, view.strides + view.ndim);
   source.owner = std::move(held);

@@ -21,8 +21,8 @@ struct ArraySource {
   Array::Shape shape, strides;  ///< strides in bytes
   char kind = 'f';              ///< 'f', 'i', 'u' or '?'
   pybind11::ssize_t item_size = 8;
-  bool swapped = false;  ///< the other byte order
-  bool read_only = false;
+  bool swapped = false;    ///< the other byte order
+  bool read_only = false;  ///< nor can what it is a view of be written to
 
   pybind11::ssize_t count() const;
   /// In C order without gaps.

@@ -12,6 +12,7 @@
 #include "bench/error/difference.h"
 #include "bench/error/metrics.h"
 #include "bench/error/ssim.h"
+#include "front/all_failures.h"
 #include "front/output_settings.h"
 #include "python/bindings.h"
 #include "python/picture.h"
@@ -23,14 +24,15 @@ namespace tessera {
 namespace {
 
 using PicturePointer = std::shared_ptr<RenderedPicture>;
+using OptionValues = std::vector<std::pair<std::string, OptionValue>>;
 
 /// The settings of `--exposure`, `--tone-map` and the like laid over what the scene asks.
 OutputSettings settings_of(const RenderedPicture& picture,
-                           const std::vector<std::pair<std::string, std::string>>& texts) {
+                           const OptionValues& values) {
   OutputOptions options;
   OptionList list;
   add_output_options(list, options);
-  for (const auto& [name, text] : texts) assign_option(list, name, text);
+  for (const auto& [name, value] : values) assign_option(list, name, value);
   return output_settings("scene", picture.output, options);
 }
 
@@ -49,8 +51,8 @@ std::vector<Value> gather(const Film& film, int first, int count) {
 }
 
 Array to_srgb(const PicturePointer& picture,
-              const std::vector<std::pair<std::string, std::string>>& texts) {
-  const OutputSettings settings = settings_of(*picture, texts);
+              const OptionValues& values) {
+  const OutputSettings settings = settings_of(*picture, values);
   if (settings.color_management) {
     throw usage_error("--ocio-...: are for files; expected them at save()");
   }
@@ -62,21 +64,28 @@ Array to_srgb(const PicturePointer& picture,
 
 /// The bytes of a file that `path` would name.
 py::bytes encode(const PicturePointer& picture, const std::string& path,
-                 const std::vector<std::pair<std::string, std::string>>& texts) {
+                 const OptionValues& values) {
   std::string bytes;
   {
     const py::gil_scoped_release release;
-    bytes = encode_image(path, picture->film, settings_of(*picture, texts), picture->metadata);
+    bytes = encode_image(path, picture->film, settings_of(*picture, values), picture->metadata);
   }
   return py::bytes(bytes);
 }
 
-void save(const PicturePointer& picture, const std::string& path,
-          const std::vector<std::pair<std::string, std::string>>& texts) {
-  const OutputSettings settings = settings_of(*picture, texts);
-  check_writable(path);
+/// Writes all files that can be written, and then tells which cannot.
+void save(const PicturePointer& picture, const std::vector<std::string>& paths,
+          const OptionValues& values) {
+  const OutputSettings settings = settings_of(*picture, values);
   if (settings.color_management) check_color_management(*settings.color_management);
-  write_image(path, picture->film, settings, picture->metadata);
+  AllFailures failures;
+  for (const std::string& path : paths) {
+    failures.attempt([&] {
+      check_writable(path);
+      write_image(path, picture->film, settings, picture->metadata);
+    });
+  }
+  failures.throw_if_any();
 }
 
 /// A picture of light alone, from (h, w, 3) float32 values in a row.
@@ -93,6 +102,43 @@ PicturePointer from_values(int width, int height, const py::buffer& values) {
   return std::make_shared<RenderedPicture>(std::move(picture));
 }
 
+/// The picture with other light, (h, w, 3) float32 values in a row: all else stays.
+PicturePointer with_light(const PicturePointer& picture, const py::buffer& values) {
+  const py::buffer_info info = values.request();
+  const auto* light = static_cast<const float*>(info.ptr);
+  Film film = picture->film.with_only(picture->film.aovs());
+  const auto channels = static_cast<size_t>(film.channels());
+  const size_t pixels = film.values().size() / channels;
+  if (info.itemsize != sizeof(float) ||
+      info.size != static_cast<py::ssize_t>(pixels * kFilmChannels)) {
+    throw usage_error("values: not as many as the picture has");
+  }
+  for (size_t pixel = 0; pixel < pixels; ++pixel) {
+    std::copy_n(light + pixel * kFilmChannels, kFilmChannels, &film.values()[pixel * channels]);
+  }
+  return std::make_shared<RenderedPicture>(RenderedPicture{.film = std::move(film),
+                                                           .output = picture->output,
+                                                           .metadata = picture->metadata,
+                                                           .report = picture->report,
+                                                           .statistics = picture->statistics});
+}
+
+/// Whether both have the same bits, in light and beside it.
+bool have_same_bits(const RenderedPicture& a, const RenderedPicture& b) {
+  const auto first = std::as_bytes(a.film.values()), second = std::as_bytes(b.film.values());
+  return a.film.width() == b.film.width() && a.film.height() == b.film.height() &&
+         a.film.aovs().bits() == b.film.aovs().bits() && std::ranges::equal(first, second);
+}
+
+std::vector<std::string> names_of(AovSet aovs) {
+  std::vector<std::string> names;
+  for (size_t i = 0; i < aov_names().size(); ++i) {
+    if (aovs.has(static_cast<Aov>(i))) names.push_back(aov_names()[i]);
+  }
+  return names;
+}
+
+/// (the names of channels, all values, whether the file holds floats).
 py::tuple read_file(const std::string& path) {
   FloatImage image;
   {
@@ -101,7 +147,8 @@ py::tuple read_file(const std::string& path) {
   }
   const auto channels = static_cast<py::ssize_t>(image.channels.size());
   return py::make_tuple(image.channels,
-                        Array(std::move(image.values), {image.height, image.width, channels}));
+                        Array(std::move(image.values), {image.height, image.width, channels}),
+                        image.is_float);
 }
 
 /// Light of the same size, (h, w, 3) float32 in a row each, the second as the reference: the fields
@@ -152,9 +199,10 @@ Array channels_of(const PicturePointer& picture, const std::string& name) {
   const auto found = std::find(names.begin(), names.end(), name);
   const auto aov = static_cast<Aov>(found - names.begin());
   if (found == names.end() || !film.aovs().has(aov)) {
-    throw usage_error(
-        fmt::format("aov: the picture has no '{}'; expected one of those rendered by aovs=...{}",
-                    name, suggestion(name, names)));
+    const std::vector<std::string> held = names_of(film.aovs());
+    throw usage_error(fmt::format("aov: '{}'; expected one of those that were rendered: {}{}", name,
+                                  held.empty() ? "none" : fmt::format("{}", fmt::join(held, ", ")),
+                                  suggestion(name, held)));
   }
   const int first = film.aovs().first_channel(aov);
   const int count = AovSet().with(aov).channels() - kFilmChannels;
@@ -169,15 +217,7 @@ void bind_picture(py::module_& module) {
       .def_property_readonly("width", [](const RenderedPicture& p) { return p.film.width(); })
       .def_property_readonly("height", [](const RenderedPicture& p) { return p.film.height(); })
       .def_property_readonly("aovs",
-                             [](const RenderedPicture& p) {
-                               std::vector<std::string> names;
-                               for (size_t i = 0; i < aov_names().size(); ++i) {
-                                 if (p.film.aovs().has(static_cast<Aov>(i))) {
-                                   names.push_back(aov_names()[i]);
-                                 }
-                               }
-                               return names;
-                             })
+                             [](const RenderedPicture& p) { return names_of(p.film.aovs()); })
       .def_property_readonly("statistics", [](const RenderedPicture& p) { return p.statistics; })
       .def_property_readonly("holes",
                              [](const RenderedPicture& p) {
@@ -189,7 +229,9 @@ void bind_picture(py::module_& module) {
                              })
       .def(
           "sha256", [](const RenderedPicture& p) { return p.film.pixels_sha256(); }, Release())
+      .def("equals", &have_same_bits, Release())
       .def("channels", &channels_of)
+      .def("with_light", &with_light)
       .def("to_srgb", &to_srgb)
       .def("encode", &encode)
       .def("save", &save, Release());

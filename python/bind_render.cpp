@@ -42,8 +42,8 @@ class OptionTexts {
   OptionTexts(const OptionTexts&) = delete;
   OptionTexts& operator=(const OptionTexts&) = delete;
 
-  void assign(const std::string& name, const std::string& text) {
-    assign_option(list_, name, text);
+  void assign(const std::string& name, const OptionValue& value) {
+    assign_option(list_, name, value);
   }
   std::vector<std::string> names() const { return long_names(list_); }
 

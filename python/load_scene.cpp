@@ -20,18 +20,17 @@ namespace py = pybind11;
 namespace tessera {
 namespace {
 
-using Texts = std::vector<std::pair<std::string, std::string>>;
+using OptionValues = std::vector<std::pair<std::string, OptionValue>>;
 
-/// Reads a scene with the options of the group "Reading", each a name and a text: (scene,
-/// warnings).
-py::tuple load(const std::string& path, const Texts& texts, int32_t frame) {
+/// Reads a scene with the options of the group "Reading": (scene, warnings).
+py::tuple load(const std::string& path, const OptionValues& values, int32_t frame) {
   ReadOptions reading{.decode_texture = decode_texture,
                       .decode_texture_bytes = decode_texture_bytes};
   reading.frame = frame;
   OptionList list;
   add_place_option(list, reading.placements);
   add_read_options(list, reading);
-  for (const auto& [name, text] : texts) assign_option(list, name, text);
+  for (const auto& [name, value] : values) assign_option(list, name, value);
   LoadedScene loaded;
   {
     const py::gil_scoped_release unlocked;

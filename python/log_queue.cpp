@@ -18,7 +18,7 @@ namespace {
 
 constexpr size_t kMostKept = 1000;
 
-/// Keeps what is logged until Python takes it: no thread of ours ever waits for the GIL. Of more
+/// Keeps what is logged until Python takes it: who logs never waits for the GIL. Of more
 /// than kMostKept messages the first are dropped.
 class LogQueue : public spdlog::sinks::base_sink<std::mutex> {
  public:

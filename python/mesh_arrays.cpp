@@ -6,10 +6,12 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "python/array_kernels.h"
 #include "python/array_source.h"
 #include "python/bindings.h"
+#include "renderer/math/encodings.h"
 
 namespace py = pybind11;
 
@@ -90,26 +92,49 @@ std::shared_ptr<const uint32_t[]> to_indices(const ArraySource& source, const st
                                     static_cast<int64_t>(limit) - 1, of_what));
 }
 
-std::vector<float> to_floats(const ArraySource& source, bool with_alpha) {
+/// Colours of vertices as linear RGB and alpha. uint8 and uint16 are codes in sRGB, as in files.
+std::vector<float> to_colors(const ArraySource& source) {
+  const bool is_code = source.kind == 'u' && source.item_size <= 2;
+  const double largest = source.item_size == 1 ? 255 : 65535;
+  double worst = 0;
+  const py::ssize_t columns = source.shape.size() == 2 ? source.shape[1] : 4;
+  std::vector<float> colors;
+  std::optional<py::gil_scoped_release> unlocked(std::in_place);
+  colors.reserve(static_cast<size_t>(source.count() / columns * 4));
+  py::ssize_t column = 0;
+  for_each_element<double>(source, 0, source.count(), [&](double value) {
+    const double level = is_code ? value / largest : value;
+    if (level < 0 || level > 1) worst = level;
+    colors.push_back(static_cast<float>(is_code && column < 3 ? srgb_to_linear(level) : level));
+    if (columns == 3 && column == 2) colors.push_back(1);
+    column = (column + 1) % columns;
+  });
+  unlocked.reset();
+  if (source.kind != 'f' && worst != 0) {
+    throw py::value_error(fmt::format(
+        "colors: the whole number {}; expected floats, or uint8 or uint16 codes in sRGB", worst));
+  }
+  return colors;
+}
+
+std::vector<float> to_floats(const ArraySource& source) {
   std::vector<float> floats;
   const py::gil_scoped_release unlocked;
-  if (source.is_plain(kElementOf<float>) && !with_alpha) {
+  if (source.is_plain(kElementOf<float>)) {
     floats.resize(static_cast<size_t>(source.count()));
     if (!floats.empty()) std::memcpy(floats.data(), source.data, floats.size() * sizeof(float));
     return floats;
   }
-  floats.reserve(static_cast<size_t>(source.count() + (with_alpha ? source.shape[0] : 0)));
-  int column = 0;
-  for_each_element<float>(source, 0, source.count(), [&](float number) {
-    floats.push_back(number);
-    if (with_alpha && ++column == 3) floats.push_back(1), column = 0;
-  });
+  floats.reserve(static_cast<size_t>(source.count()));
+  for_each_element<float>(source, 0, source.count(),
+                          [&](float number) { floats.push_back(number); });
   return floats;
 }
 
 /// What keeps an array's memory from being used as it is; empty: nothing.
 std::string what_prevents_sharing(const ArraySource& source, ElementType type) {
-  if (source.is_plain(type)) return source.read_only ? "" : "it can be written to";
+  if (source.is_plain(type))
+    return source.read_only ? "" : "it, or what it is a view of, can be written to";
   if (source.swapped) return "it has another byte order";
   return source.is_contiguous() ? "its elements are of another type" : "it is not contiguous";
 }
@@ -127,7 +152,7 @@ Array share(const ArraySource& source, ElementType type, Array::Shape shape) {
 }
 
 Array copy_texels(const ArraySource& source, ElementType type) {
-  if (type.code == 'f') return {to_floats(source, false), source.shape};
+  if (type.code == 'f') return {to_floats(source), source.shape};
   std::vector<uint8_t> bytes(static_cast<size_t>(source.count() * type.size));
   ArraySource raw = source;  // the same elements as integers, which keep their bits
   raw.kind = 'u';
@@ -165,6 +190,10 @@ py::tuple take_positions(py::handle given, py::handle copy, bool recenter) {
   const ArraySource source = array_source(given, "positions");
   check_shape(source, "positions", 3, -1);
   const bool refuses_copy = !copy.is_none() && !copy.cast<bool>();
+  if (refuses_copy && recenter) {
+    throw py::value_error(
+        "positions: copy=False, but recenter=True moves them; expected one of the two");
+  }
   if (!recenter && (refuses_copy || (source.kind == 'f' && source.item_size <= 4))) {
     return py::make_tuple(take_blob_array(given, "positions", copy), py::none(), 0.0, 0.0);
   }
@@ -230,15 +259,18 @@ py::object take_blob_array(py::handle given, const std::string& field, py::handl
     const auto indices = to_indices(source, field, limit, rows >= 0 ? ", a vertex" : "");
     return py::cast(Array(indices, indices.get(), type, shape));
   }
-  const bool with_alpha = field == "colors" && source.shape.size() == 2 && source.shape[1] == 3;
-  return py::cast(Array(to_floats(source, with_alpha), shape));
+  return py::cast(Array(field == "colors" ? to_colors(source) : to_floats(source), shape));
 }
 
 std::pair<Digest, BlobData> blob_of(const Array& array) {
   if (!array.blob().second) {
     const std::span<const std::byte> bytes = array.bytes();
-    const py::gil_scoped_release unlocked;
-    array.blob() = {Digest::of(bytes), Blob::share(array.owner(), bytes)};
+    std::pair<Digest, BlobData> made;
+    {
+      const py::gil_scoped_release unlocked;
+      made = {Digest::of(bytes), Blob::share(array.owner(), bytes)};
+    }
+    array.blob() = std::move(made);  // with the GIL: others may look at it at once
   }
   return array.blob();
 }

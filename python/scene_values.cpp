@@ -46,7 +46,7 @@ py::bytes describe(py::handle value) {
   const std::unique_ptr<pb::Message> message(
       pb::MessageFactory::generated_factory()->GetPrototype(made->message)->New());
   ValueReader(scene, blobs).read(value, *message);
-  return message->SerializeAsString() + '\0' + serialize_scene(scene);
+  return bytes_of(*message) + '\0' + serialize_scene(scene);
 }
 
 std::string digest_of(py::handle scene) {

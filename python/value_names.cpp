@@ -45,8 +45,6 @@ std::string describe_found(py::handle value) {
   return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
 }
 
-namespace {
-
 std::string bytes_of(const pb::Message& message) {
   std::string bytes;
   pb::io::StringOutputStream stream(&bytes);
@@ -56,8 +54,6 @@ std::string bytes_of(const pb::Message& message) {
   coded.Trim();
   return bytes;
 }
-
-}  // namespace
 
 std::string ValueReader::name_of(py::handle held, const Field& field) {
   const pb::Descriptor* type = named_type(field);

@@ -58,6 +58,20 @@ bool is_picture(py::handle value) {
 
 }  // namespace
 
+template <class Take>
+py::object ValueReader::taken(Take take) const {
+  std::string refused;
+  try {
+    return take();
+  } catch (py::error_already_set& error) {
+    refused = py::str(error.value()).cast<std::string>();
+    error.restore();
+  } catch (const py::builtin_exception& error) {
+    refused = error.what();
+  }
+  fail(refused, "");
+}
+
 std::string ValueReader::path_text() const {
   std::string path;
   for (const Step& step : path_) {
@@ -68,6 +82,10 @@ std::string ValueReader::path_text() const {
 }
 
 void ValueReader::fail(const std::string& found, const std::string& expected) const {
+  // Ctrl-C, and memory that ran out, are not about what was found.
+  const bool is_about_it = !PyErr_Occurred() || (PyErr_ExceptionMatches(PyExc_Exception) &&
+                                                 !PyErr_ExceptionMatches(PyExc_MemoryError));
+  if (!is_about_it) throw py::error_already_set();
   PyErr_Clear();
   const py::object error = parts().errors.attr("scene_error")(
       found, expected, path_text(),
@@ -228,7 +246,7 @@ void ValueReader::read_input(py::handle held, Message& message) {
   const bool is_color = message.GetDescriptor() == v1::ColorInput::descriptor();
   py::object texture = py::reinterpret_borrow<py::object>(held);
   if (!made && is_picture(held)) {
-    texture = parts().texture_from(held);
+    texture = taken([&] { return parts().texture_from(held); });
     made_here_.push_back(texture);
     made = find_value_class(texture);
   }
@@ -246,13 +264,7 @@ void ValueReader::read_input(py::handle held, Message& message) {
 /// A name, a grey number or three numbers.
 void ValueReader::read_color(py::handle held, v1::Color& color) {
   if (py::isinstance<py::str>(held)) {
-    py::object known;
-    try {
-      known = parts().color(held);
-    } catch (const py::error_already_set& error) {
-      fail(py::str(error.value()), "");
-    }
-    read_numbers(known, color);
+    read_numbers(taken([&] { return parts().color(held); }), color);
   } else if (PyNumber_Check(held.ptr()) && !PySequence_Check(held.ptr())) {
     const double grey = to_number(held);
     color.set_r(grey), color.set_g(grey), color.set_b(grey);
@@ -289,12 +301,7 @@ void ValueReader::read_numbers(py::handle held, Message& message) {
 }
 
 void ValueReader::read_array(py::handle held, const Field& field, v1::BlobRef& message) {
-  py::object array;
-  try {
-    array = take_blob_array(held, field.name());
-  } catch (const std::exception& error) {
-    fail(error.what(), "");
-  }
+  const py::object array = taken([&] { return take_blob_array(held, field.name()); });
   const auto [digest, bytes] = blob_of(array.cast<const Array&>());
   blobs_.put(digest, bytes);
   message.set_digest(digest.hex());
@@ -337,20 +344,34 @@ void ValueReader::add_shape_transform(py::handle shape, v1::Node& node) {
 }
 
 void ValueReader::read_instances(py::handle instances, const Field& field, Message& message) {
+  values_.push_back(instances);
   const py::object object = instances.attr("object"), names = instances.attr("names");
   const ValueClass* made = find_value_class(object);
   const std::string name = made ? collect(object, *made) : to_text(object);
-  const py::object transforms = instances.attr("transforms");
+  const py::object transforms = instances.attr("_transforms");
+  if (!py::isinstance<Array>(transforms)) fail(describe_found(transforms), "an Array");
   const Array& matrices = transforms.cast<const Array&>();
+  const Array::Shape& shape = matrices.shape();
+  if (matrices.type().code != 'd' || shape.size() != 3 || shape[1] != 3 || shape[2] != 4) {
+    fail(fmt::format("transforms of shape {}", shape_text(shape)), "(any, 3, 4) of float64");
+  }
+  py::list texts;
+  if (!names.is_none()) {
+    texts = py::list(names);
+    if (std::ssize(texts) != shape[0]) {
+      fail(fmt::format("{} names", texts.size()), fmt::format("{}, one an instance", shape[0]));
+    }
+  }
   const auto* numbers = static_cast<const double*>(matrices.data());
-  for (py::ssize_t i = 0; i < matrices.shape()[0]; ++i, numbers += 12) {
+  for (py::ssize_t i = 0; i < shape[0]; ++i, numbers += 12) {
     auto& node = static_cast<v1::Node&>(*message.GetReflection()->AddMessage(&message, &field));
     node.set_instance_of(name);
-    if (!names.is_none()) node.set_name(to_text(names[py::int_(i)]));
+    if (!names.is_none()) node.set_name(to_text(texts[static_cast<size_t>(i)]));
     auto& rows = *node.mutable_transform()->add_steps()->mutable_matrix()->mutable_rows();
     rows.Reserve(12);
     rows.Add(numbers, numbers + 12);
   }
+  values_.pop_back();
 }
 
 /// A material, texture or object of the scene's own lists.

@@ -20,6 +20,8 @@ const google::protobuf::FieldDescriptor* list_of(const google::protobuf::Descrip
 const google::protobuf::Descriptor* named_type(const google::protobuf::FieldDescriptor& field);
 /// What a value is, for messages: a number or text itself, or "a Sphere".
 std::string describe_found(pybind11::handle value);
+/// Equal messages, equal bytes.
+std::string bytes_of(const google::protobuf::Message& message);
 
 /// A material, texture or object of a scene.
 struct NamedPart {
@@ -60,6 +62,9 @@ class ValueReader {
   class Within;
 
   std::string path_text() const;
+  /// What `take` returns; an exception that it raises is told with the place and the way there.
+  template <class Take>
+  pybind11::object taken(Take take) const;
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
   void read_fields(pybind11::handle value, const ValueClass& made, Message& message);
   void read_field(pybind11::handle held, const Field& field, Message& message);

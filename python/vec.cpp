@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "python/bindings.h"
+#include "python/value_reader.h"
 
 namespace py = pybind11;
 
@@ -14,18 +15,25 @@ struct Vec {
   double at[3];
 };
 
+/// TypeError in place of another; what is none of the value passes.
+[[noreturn]] void refuse(const std::string& found) {
+  if (PyErr_Occurred() && !PyErr_ExceptionMatches(PyExc_TypeError)) throw py::error_already_set();
+  PyErr_Clear();
+  throw py::type_error(found + "; expected a vector of 3 numbers");
+}
+
 Vec take(py::handle given) {
   if (py::isinstance<Vec>(given)) return given.cast<Vec>();
-  const auto items = py::reinterpret_steal<py::object>(
-      py::isinstance<py::str>(given) ? nullptr : PySequence_Fast(given.ptr(), ""));
-  PyErr_Clear();
-  if (!items || PySequence_Fast_GET_SIZE(items.ptr()) != 3) {
-    throw py::type_error(
-        fmt::format("a {}; expected a vector of 3 numbers", Py_TYPE(given.ptr())->tp_name));
-  }
+  // A tuple of its own: a list may change its length while a number of the user's is read.
+  const auto items = py::reinterpret_steal<py::tuple>(
+      py::isinstance<py::str>(given) ? nullptr : PySequence_Tuple(given.ptr()));
+  if (!items) refuse(describe_found(given));
+  if (items.size() != 3) refuse(fmt::format("{} numbers", items.size()));
   Vec vec{};
-  for (int axis = 0; axis < 3; ++axis) {
-    vec.at[axis] = py::cast<double>(py::handle(PySequence_Fast_GET_ITEM(items.ptr(), axis)));
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const py::handle item = PyTuple_GET_ITEM(items.ptr(), static_cast<py::ssize_t>(axis));
+    vec.at[axis] = PyFloat_AsDouble(item.ptr());
+    if (vec.at[axis] == -1 && PyErr_Occurred()) refuse(describe_found(item));
   }
   return vec;
 }
@@ -63,23 +71,84 @@ std::string show(const Vec& v) {
   return fmt::format("Vec({}, {}, {})", text(v.at[0]), text(v.at[1]), text(v.at[2]));
 }
 
-void define_arithmetic(py::class_<Vec>& type) {
-  // Whatever is no vector is left to the other operand, as numpy's arrays do.
-  type.def("__add__", [](const Vec& a, py::handle b) { return each(a, take(b), std::plus<>()); })
-      .def("__radd__", [](const Vec& a, py::handle b) { return each(take(b), a, std::plus<>()); })
-      .def("__sub__", [](const Vec& a, py::handle b) { return each(a, take(b), std::minus<>()); })
-      .def("__rsub__", [](const Vec& a, py::handle b) { return each(take(b), a, std::minus<>()); })
-      .def("__mul__", scaled)
-      .def("__rmul__", scaled)
-      .def("__truediv__",
-           [](const Vec& v, double s) {
-             if (s == 0) {
-               PyErr_SetString(PyExc_ZeroDivisionError, "Vec: division by zero");
-               throw py::error_already_set();
-             }
-             return Vec{{v.at[0] / s, v.at[1] / s, v.at[2] / s}};
-           })
-      .def("__neg__", [](const Vec& v) { return scaled(v, -1); });
+/// Whether it is an array of numpy, or of a library that works with numpy's.
+bool is_array(py::handle given) {
+  return py::hasattr(given, "__array_ufunc__") && given.attr("ndim").cast<int>() > 0;
+}
+bool is_sequence(py::handle given) {
+  return PySequence_Check(given.ptr()) && !py::isinstance<py::str>(given) &&
+         !py::isinstance<py::bytes>(given);
+}
+py::object not_implemented() { return py::reinterpret_borrow<py::object>(Py_NotImplemented); }
+
+/// Defines an operator. With arrays it is that of the array of the three numbers, on either side of
+/// them; `own` has the rest.
+template <class Own>
+void define(py::class_<Vec>& type, const char* name, const Own& own) {
+  type.def(name, [name, own](const py::object& self, py::handle other) -> py::object {
+    if (!is_array(other)) return own(self.cast<const Vec&>(), other);
+    return py::module_::import("numpy").attr("asarray")(self).attr(name)(other);
+  });
+}
+
+template <class F>
+auto with_vector(F f) {
+  return [f](const Vec& a, py::handle b) {
+    return is_sequence(b) ? py::cast(f(a, take(b))) : not_implemented();
+  };
+}
+template <class F>
+auto with_number(F f) {
+  return [f](const Vec& a, py::handle b) {
+    const double number = PyFloat_AsDouble(b.ptr());
+    if (number != -1 || !PyErr_Occurred()) return py::cast(f(a, number));
+    PyErr_Clear();
+    return not_implemented();
+  };
+}
+
+Vec divided(const Vec& v, double s) {
+  if (s == 0) {
+    PyErr_SetString(PyExc_ZeroDivisionError, "Vec: division by zero");
+    throw py::error_already_set();
+  }
+  return {{v.at[0] / s, v.at[1] / s, v.at[2] / s}};
+}
+
+/// A list, tuple or the like is equal that has the same three numbers.
+template <bool kWanted>
+py::object compare_numbers(const Vec& a, py::handle other) {
+  if (!is_sequence(other)) return not_implemented();
+  const py::tuple numbers = py::make_tuple(a.at[0], a.at[1], a.at[2]);
+  return py::bool_(numbers.equal(py::tuple(py::reinterpret_borrow<py::object>(other))) == kWanted);
+}
+
+void define_operators(py::class_<Vec>& type) {
+  define(type, "__add__", with_vector([](const Vec& a, const Vec& b) {
+           return each(a, b, std::plus<>());
+         }));
+  define(type, "__radd__", with_vector([](const Vec& a, const Vec& b) {
+           return each(b, a, std::plus<>());
+         }));
+  define(type, "__sub__", with_vector([](const Vec& a, const Vec& b) {
+           return each(a, b, std::minus<>());
+         }));
+  define(type, "__rsub__", with_vector([](const Vec& a, const Vec& b) {
+           return each(b, a, std::minus<>());
+         }));
+  define(type, "__mul__", with_number(scaled));
+  define(type, "__rmul__", with_number(scaled));
+  define(type, "__truediv__", with_number(divided));
+  define(type, "__eq__", compare_numbers<true>);
+  define(type, "__ne__", compare_numbers<false>);
+  // numpy leaves these to us as well, since we ask it to leave the others.
+  for (const char* name :
+       {"__rtruediv__", "__floordiv__", "__rfloordiv__", "__mod__", "__rmod__", "__pow__",
+        "__rpow__", "__matmul__", "__rmatmul__", "__lt__", "__le__", "__gt__", "__ge__"}) {
+    define(type, name, [](const Vec&, py::handle) { return not_implemented(); });
+  }
+  type.def("__neg__", [](const Vec& v) { return scaled(v, -1); });
+  type.attr("__array_priority__") = 1.0;
 }
 
 }  // namespace
@@ -107,14 +176,6 @@ void bind_vec(py::module_& module) {
       .def("__getitem__", item)
       .def("__iter__",
            [](const Vec& v) { return py::iter(py::make_tuple(v.at[0], v.at[1], v.at[2])); })
-      .def("__eq__",
-           [](const Vec& a, py::handle other) -> py::object {
-             if (!py::isinstance<Vec>(other) && !py::isinstance<py::tuple>(other)) {
-               return py::reinterpret_borrow<py::object>(Py_NotImplemented);
-             }
-             return py::bool_(py::make_tuple(a.at[0], a.at[1], a.at[2])
-                                  .equal(py::tuple(py::reinterpret_borrow<py::object>(other))));
-           })
       .def("__hash__",
            [](const Vec& v) { return py::hash(py::make_tuple(v.at[0], v.at[1], v.at[2])); })
       .def("__repr__", show)
@@ -131,7 +192,7 @@ void bind_vec(py::module_& module) {
       .def("__reduce__", [](const py::object& self) {
         return py::make_tuple(py::type::of(self), py::tuple(self));
       });
-  define_arithmetic(type);
+  define_operators(type);
 }
 
 }  // namespace tessera

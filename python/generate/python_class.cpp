@@ -123,6 +123,25 @@ std::string field_doc(const pb::FieldDescriptor& field) {
   return doc;
 }
 
+void add_holders(const pb::Descriptor& in, const pb::Descriptor& held, std::set<std::string>& names) {
+  for (int i = 0; i < in.nested_type_count(); ++i) add_holders(*in.nested_type(i), held, names);
+  for (int i = 0; i < in.field_count(); ++i) {
+    if (in.field(i)->message_type() == &held) names.insert(class_name(in));
+  }
+}
+
+/// The message's comment, or else the classes that have a field of it.
+std::string class_doc(const pb::Descriptor& message) {
+  const std::string said = comment(message);
+  if (!said.empty()) return said;
+  std::set<std::string> names;
+  for (int i = 0; i < message.file()->message_type_count(); ++i) {
+    add_holders(*message.file()->message_type(i), message, names);
+  }
+  return fmt::format("A {}{}{}.", class_name(message), names.empty() ? "" : " of a ",
+                     fmt::join(names, " or "));
+}
+
 PythonField make_field(const pb::FieldDescriptor& field) {
   PythonField made{.name = field.name(), .type = "", .doc = field_doc(field)};
   made.is_map = field.is_map();
@@ -165,7 +184,7 @@ const pb::OneofDescriptor* kinds_of(const pb::Descriptor& message) {
 void add_union(const pb::Descriptor& message, std::vector<PythonClass>& classes) {
   PythonClass base{.name = class_name(message),
                    .base = "Value",
-                   .doc = comment(message),
+                   .doc = class_doc(message),
                    .message = message.full_name(),
                    .kind = "",
                    .own = {},
@@ -182,7 +201,7 @@ void add_union(const pb::Descriptor& message, std::vector<PythonClass>& classes)
     const pb::Descriptor& kind = *kinds.field(i)->message_type();
     classes.push_back({.name = class_name(kind),
                        .base = base.name,
-                       .doc = comment(kind),
+                       .doc = class_doc(kind),
                        .message = base.message,
                        .kind = kinds.field(i)->name(),
                        .own = fields_of(kind, true),
@@ -201,7 +220,7 @@ void add_classes(const pb::Descriptor& message, std::set<std::string>& kinds,
   } else if (!kinds.contains(message.full_name())) {
     classes.push_back({.name = class_name(message),
                        .base = "Value",
-                       .doc = comment(message),
+                       .doc = class_doc(message),
                        .message = message.full_name(),
                        .kind = "",
                        .own = fields_of(message, true),
@@ -247,14 +266,13 @@ std::string assignment(const PythonField& field) {
 }
 
 std::string docstring(const PythonClass& made) {
-  std::string text =
-      wrap(made.doc.empty() ? fmt::format("A {}, part of a scene.", made.name) : made.doc, "    ");
+  const std::string text = wrap(made.doc, "    ");
   std::string body = "    \"\"\"" + text.substr(4);
   if (!made.own.empty() || !made.common.empty()) body += "\n    Attributes:\n";
   for (const auto* fields : {&made.own, &made.common}) {
     for (const PythonField& field : *fields) {
-      body += wrap(fmt::format("{}: {}", field.name, field.doc.empty() ? "see above." : field.doc),
-                   "        ");
+      const std::string doc = field.doc.empty() ? attribute_type(field) : field.doc;
+      body += wrap(fmt::format("{}: {}", field.name, doc), "        ");
     }
   }
   return body + "    \"\"\"\n\n";

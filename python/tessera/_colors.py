@@ -2,19 +2,50 @@
 from __future__ import annotations
 
 import colorsys
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from ._core import Vec
 from ._types import ColorLike
 from ._value import nearest
 from .errors import SceneError
 
 
 class Color(NamedTuple):
-    """A colour in linear RGB; 1 is full reflectance or unit radiance."""
+    """A colour in linear RGB; 1 is full reflectance or unit radiance. Sums, differences and multiples
+    are those of a Vec."""
 
     r: float
     g: float
     b: float
+
+    def __add__(self, other: Any) -> Any:
+        return _as_color(Vec(self).__add__(other))
+
+    def __radd__(self, other: Any) -> Any:
+        return _as_color(Vec(self).__radd__(other))
+
+    def __sub__(self, other: Any) -> Any:
+        return _as_color(Vec(self).__sub__(other))
+
+    def __rsub__(self, other: Any) -> Any:
+        return _as_color(Vec(self).__rsub__(other))
+
+    def __mul__(self, factor: Any) -> Any:
+        return _as_color(Vec(self).__mul__(factor))
+
+    def __rmul__(self, factor: Any) -> Any:
+        return _as_color(Vec(self).__rmul__(factor))
+
+    def __truediv__(self, divisor: Any) -> Any:
+        return _as_color(Vec(self).__truediv__(divisor))
+
+    def __neg__(self) -> Color:
+        return Color(-self.r, -self.g, -self.b)
+
+
+def _as_color(result: Any) -> Any:
+    """The colour of a Vec; arrays and NotImplemented as they are."""
+    return Color(*result) if isinstance(result, Vec) else result
 
 
 def color(given: ColorLike) -> Color:
@@ -22,9 +53,10 @@ def color(given: ColorLike) -> Color:
     of one."""
     if isinstance(given, str):
         return _from_text(given)
-    if not hasattr(given, "__iter__"):
-        return Color(*3 * (float(given),))
-    r, g, b = (float(c) for c in given)
+    numbers: Any = given
+    if not hasattr(numbers, "__iter__"):
+        return Color(*3 * (float(numbers),))
+    r, g, b = (float(c) for c in numbers)
     return Color(r, g, b)
 
 

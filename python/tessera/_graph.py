@@ -1,12 +1,17 @@
 """The graph of a scene beyond what its messages have: many instances in one value."""
 from __future__ import annotations
 
-from typing import Any, List, Optional, Sequence, TypeVar, Union
+from typing import TYPE_CHECKING, Any, List, Optional, Sequence, TypeVar, Union
 
 from . import _core, _messages
 from ._messages import Object
+from ._transforms import as_ndarray
 from ._types import PartsLike, TransformsLike
 from ._value import Value, here
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 T = TypeVar("T")
 
@@ -20,37 +25,51 @@ class Instances(Value):
         names: The names of the nodes, if they have any.
     """
 
-    __slots__ = ("object", "transforms", "names")
+    __slots__ = ("object", "_transforms", "names")
     _FIELDS = ("object", "transforms", "names")
     object: Union[str, Object]
-    transforms: _core.Array
+    _transforms: _core.Array
     names: Optional[List[str]]
 
     def __init__(self, object: Union[str, PartsLike], transforms: TransformsLike,
                  names: Optional[Sequence[str]] = None, *,
                  material: Optional[Union[str, _messages.Material]] = None) -> None:
         self._place = here()
-        self.object = object if isinstance(object, (str, Object)) else to_object(object, material)
-        matrices: Any = transforms
-        if isinstance(transforms, (list, tuple)) and transforms and all(
-                isinstance(each, _messages.Transform) for each in transforms):
-            matrices = [_core.transform_matrix(each) for each in transforms]
-        self.transforms = _core.take_matrices(matrices, "transforms")
+        if material is None and isinstance(object, (str, Object)):
+            self.object = object
+        else:
+            self.object = to_object(object, material)
+        self.transforms = transforms  # type: ignore[assignment]
         self.names = None if names is None else [str(name) for name in names]
         if self.names is not None and len(self.names) != len(self):
             raise ValueError(f"names: {len(self.names)}; expected {len(self)}, one an instance")
 
+    @property
+    def transforms(self) -> npt.NDArray[np.float64]:
+        """Parent from instance, (n, 3, 4) of float64. Any array (n, 3, 4) or (n, 4, 4) and lists of
+        transforms are taken."""
+        array: npt.NDArray[np.float64] = as_ndarray(self._transforms)
+        return array
+
+    @transforms.setter
+    def transforms(self, given: TransformsLike) -> None:
+        matrices: Any = given
+        if isinstance(given, (list, tuple)) and given and all(
+                isinstance(each, _messages.Transform) for each in given):
+            matrices = [_core.transform_matrix(each) for each in given]
+        self._transforms = _core.take_matrices(matrices, "transforms")
+
     def __len__(self) -> int:
-        return len(self.transforms)
+        return len(self._transforms)
 
     def __eq__(self, other: Any) -> bool:
         if not isinstance(other, Instances):
             return NotImplemented
-        return bool((self.object, self.transforms, self.names) ==
-                    (other.object, other.transforms, other.names))
+        return bool((self.object, self._transforms, self.names) ==
+                    (other.object, other._transforms, other.names))
 
 
-def to_object(things: PartsLike,
+def to_object(things: Union[str, PartsLike],
               material: Optional[Union[str, _messages.Material]] = None) -> Object:
     """An object without a name, which gets one by its digest, of shapes and nodes."""
     return Object(nodes=[with_material(thing, material) for thing in flat(things)])
@@ -67,9 +86,12 @@ def flat(things: Any) -> List[Any]:
 
 
 def with_material(thing: T, material: Optional[Union[str, _messages.Material]]) -> T:
-    """The thing; a copy of it with that material where one is given and it is a shape."""
-    if material is None or not isinstance(thing, _messages.Shape):
+    """The thing; a copy of a shape with that material where one is given. Lights need none."""
+    if material is None or isinstance(thing, _messages.Light):
         return thing
+    if not isinstance(thing, _messages.Shape):
+        raise TypeError(f"material: for a {type(thing).__name__}, whose shapes have their own; expected "
+                        "shapes and lights")
     copy: Any = thing.__copy__()
     copy.material = material
     return copy  # type: ignore[no-any-return]

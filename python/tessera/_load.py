@@ -4,20 +4,22 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Mapping, NoReturn, Optional, Sequence, Union
 
 from . import _core
+from ._options import option_texts
 from ._types import Path, X3dColor, X3dShadows, X3dTexture
+from ._value import level_of_caller, refuse_unknown
 from .errors import SceneWarning
 from .rendering import checked_scene
 from .scene import Scene
 
 
 def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
-         place: Union[str, Sequence[str]] = (), strict: bool = False,
-         x3d_color: X3dColor = "display", x3d_shadows: X3dShadows = "on",
-         x3d_texture: X3dTexture = "version",
-         x3d_weld: Optional[float] = None, x3d_two_sided: bool = False) -> Scene:
+         place: Union[str, Sequence[str]] = (), x3d_color: Optional[X3dColor] = None,
+         x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
+         x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
+         **unknown: NoReturn) -> Scene:
     """Reads a scene from a file of any format that Tessera knows, by its ending.
 
     What was read otherwise than might be expected is told as `SceneWarning`.
@@ -25,25 +27,22 @@ def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
     :param assets: the folder that holds all files which the scene names.
     :param frame: of an animation that has a script.
     :param place: "FILE:at=X,Y,Z:rotate=X,Y,Z:scale=S:mirror=AXES", other scenes placed into this one.
-    :param strict: a picture or an Inline of X3D that is missing is an error.
     :param x3d_color: how the numbers of X3D's colours are meant.
     :param x3d_shadows: which of X3D's lights cast shadows.
     :param x3d_texture: whether a coloured texture replaces the material's colour or multiplies it.
     :param x3d_weld: points this near share the normals that are made.
+    :param x3d_strict: a picture or an Inline that is missing is an error.
     :param x3d_two_sided: shows back faces, which files that leave `solid` out hide.
     """
+    options = {name: value for name, value in locals().items()
+               if name not in ("path", "frame", "unknown")}
+    if unknown:
+        refuse_unknown("load", unknown, ["path", "frame", *options])
     name = os.fspath(path)
     checked_scene(name)
-    places = [place] if isinstance(place, str) else list(place)
-    given: List[Tuple[str, Any]] = [("place", text) for text in places]
-    given += [("assets", assets if assets is None else os.fspath(assets)), ("x3d-color", x3d_color),
-              ("x3d-shadows", x3d_shadows), ("x3d-texture", x3d_texture), ("x3d-weld", x3d_weld)]
-    texts = [(option, str(value)) for option, value in given if value is not None]
-    texts += [(option, "") for option, is_set in (("x3d-strict", strict),
-                                                  ("x3d-two-sided", x3d_two_sided)) if is_set]
-    scene, told = _core.load(name, texts, frame)
+    scene, told = _core.load(name, option_texts(options), frame)
     for warning in told:
-        warnings.warn(warning, SceneWarning, stacklevel=2)
+        warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
     return scene
 
 

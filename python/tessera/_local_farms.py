@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 import atexit
+import operator
 import os
 import warnings
 import weakref
-from typing import NoReturn, Optional, TypeVar, Union
+from typing import NoReturn, Optional, SupportsIndex, TypeVar, Union
 
 from . import _core
 from ._program import program
@@ -97,9 +98,8 @@ class LocalFarm(BaseFarm):
     def __init__(self, workers: Optional[int] = None, threads: int = 1,
                  verify: Union[float, str] = 0) -> None:
         self._thread = None
-        _check_count("workers", workers, 1)
-        _check_count("threads", threads, 1)
-        self.workers, self.threads = workers, threads
+        self.workers = None if workers is None else _count("workers", workers)
+        self.threads = _count("threads", threads)
         program()  # Workers are its processes: ImportError tells where it is not of our version.
         super().__init__(_core.local_farm(self.workers, self.threads, str(verify)))
 
@@ -117,18 +117,17 @@ class Threads(BaseFarm):
 
     def __init__(self, count: Optional[int] = None) -> None:
         self._thread = None
-        _check_count("count", count, 1)
-        self.count = count
+        self.count = None if count is None else _count("count", count)
         super().__init__(_core.threads_here(self.count))
 
     def __repr__(self) -> str:
         return f"Threads({self.count or ''})"
 
 
-def _check_count(name: str, value: Optional[int], least: int, most: int = 1024) -> None:
-    if value is None:
-        return
-    if isinstance(value, bool) or not isinstance(value, int):
+def _count(name: str, value: SupportsIndex, most: int = 1024) -> int:
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
         raise TypeError(f"{name}: {value!r}; expected a whole number")
-    if not least <= value <= most:
-        raise UsageError(f"{name}: {value}; expected a whole number from {least} to {most}")
+    count = operator.index(value)
+    if not 1 <= count <= most:
+        raise UsageError(f"{name}: {count}; expected a whole number from 1 to {most}")
+    return count

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from . import _messages
-from ._placing import Placed, behind
+from ._placing import Placed, apart, behind
 from ._transforms import Transform
 from ._value import here
 
@@ -25,6 +25,6 @@ class Node(Placed, _messages.Node):
     def _instance(self) -> Node:
         if not self.children:
             return super()._instance()
-        made = Node(self.name, instance_of=_messages.Object(nodes=[self.__copy__()]))
+        made = Node(self.name, instance_of=_messages.Object(nodes=[apart(self)]))
         made._place = here()
         return made

@@ -2,9 +2,10 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any, Optional, Tuple
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 from . import _core
+from ._graph import Instances
 from ._messages import Shape
 from ._value import where
 from .errors import SceneError
@@ -27,13 +28,31 @@ def _step(value: Any, segment: str) -> Optional[Tuple[Any, str]]:
     if kind == "shape" and isinstance(value, Shape):
         return value, ""  # which stands in a list of nodes by itself
     for attribute in _LISTS.get(kind, ()):
-        parts = getattr(value, attribute, None) or []
-        for index, part in enumerate(parts):
-            if (number is None and name is None or getattr(part, "name", None) == name is not None
-                    or number is not None and index + 1 == int(number)):
+        count = 0  # of nodes before
+        for index, part in enumerate(getattr(value, attribute, None) or []):
+            if _is_meant(part, name, None if number is None else int(number) - count):
                 return part, f"{attribute}[{index}]"
+            count += _node_count(part)
+        if attribute == "children" and number is not None and int(number) == count + 1:
+            return value, ""  # the shape of a billboard, which lies one node deeper
     part = getattr(value, kind, None) if name is None and number is None else None
     return None if part is None else (part, kind)
+
+
+def _node_count(part: Any) -> int:
+    return len(part) if isinstance(part, Instances) else 1
+
+
+def _is_meant(part: Any, name: Optional[str], number: Optional[int]) -> bool:
+    """Whether a name, or a number from that of the part's first node on, means the part; where
+    neither is told, it is the only one."""
+    if number is not None:
+        return 1 <= number <= _node_count(part)
+    if name is None:
+        return True
+    if isinstance(part, Instances):
+        return name in (part.names or ())
+    return getattr(part, "name", None) == name
 
 
 def _named_part(scene: "Scene", kind: str, name: str) -> Optional[Tuple[Any, str]]:
@@ -50,7 +69,7 @@ def located(scene: "Scene", error: SceneError) -> SceneError:
     text = error.message[len("scene: "):] if error.message.startswith("scene: ") else error.message
     beginning, _, rest = text.partition(": ")
     value: Any = scene
-    path = []
+    path: List[str] = []
     for segment in beginning.split(" > "):
         kind, _, name = segment.partition(" ")
         if kind in _NAMED:  # which may stand anywhere in the scene

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T", bound="Placed")
 
+_PARTS = ("shape", "children", "nodes", "operands", "instance_of", "object")
+
 
 class Placed:
     """Methods of every Shape and Node. Those that move it change it in place and return it."""
@@ -40,7 +42,8 @@ class Placed:
         return self._place_by(matrix(rows))
 
     def copy(self: T, v: VectorLike = (0, 0, 0)) -> T:
-        """Another one, moved by the vector `v`, in metres. What takes memory is stored once for both."""
+        """Another one, moved by the vector `v`, in metres. Its parts are copies too; materials are
+        shared, and what takes memory is stored once for both."""
         return self._instance().shift(v)
 
     def flip(self: T) -> T:
@@ -77,7 +80,7 @@ class Placed:
         return _combined("difference", self, other)
 
     def _instance(self: T) -> T:
-        made: T = self.__copy__()  # type: ignore[attr-defined]
+        made: T = apart(self)
         return made
 
     def _place_by(self: T, outer: Transform) -> T:
@@ -118,9 +121,21 @@ def _in_parent(plane: Plane) -> Tuple[Vec, float]:
 
 def _parts(thing: Any) -> Iterator[Any]:
     """The shapes, nodes, objects and instances in a node, an object or a Csg."""
-    for name in ("shape", "children", "nodes", "operands", "instance_of", "object"):
+    for name in _PARTS:
         held = getattr(thing, name) if name in getattr(thing, "_FIELDS", ()) else None
         yield from held if isinstance(held, list) else [] if held is None else [held]
+
+
+def apart(thing: Any) -> Any:
+    """A copy of it and of all parts in it; materials and arrays are shared."""
+    if isinstance(thing, str):
+        return thing
+    made = thing.__copy__()
+    for name in _PARTS:
+        held = getattr(made, name) if name in made._FIELDS else None
+        if held is not None:
+            setattr(made, name, [apart(part) for part in held] if isinstance(held, list) else apart(held))
+    return made
 
 
 def _shapes(thing: Any) -> Iterator[Any]:

@@ -1,4 +1,4 @@
-"""What all shapes can do."""
+"""Properties of every Shape, beside what `Placed` has."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, List, Optional, Union

@@ -40,10 +40,7 @@ class ImageTexture(_messages.ImageTexture):
         if isinstance(picture, (str, os.PathLike)):
             self.file = os.fspath(picture)
             if not os.path.exists(self.file):
-                missing = MissingFile(f"{self.file}: there is no such file; expected a picture",
-                                      place=self.file)
-                missing.filename = self.file
-                raise missing
+                raise MissingFile.of(self.file, "a picture")
             self._take(_core.read_texture(self.file), encoding)
         elif picture is not None:
             self._take(_core.take_array(picture, "texels"), encoding)
@@ -52,12 +49,12 @@ class ImageTexture(_messages.ImageTexture):
         shape = texels.shape
         if len(shape) not in (2, 3) or 0 in shape or (len(shape) == 3 and not 1 <= shape[2] <= 4):
             raise ValueError(f"texels: shape {shape}; expected (h, w) or (h, w, c) with 1 to 4 channels")
-        if texels.dtype not in _BITS:
-            raise TypeError(f"texels: numbers of type {texels.dtype!r}; expected uint8, float16 or "
+        if texels.format not in _BITS:
+            raise TypeError(f"texels: numbers of type {texels.format!r}; expected uint8, float16 or "
                             "float32")
         self.height, self.width = shape[:2]
         self.channels = shape[2] if len(shape) == 3 else 1
-        self.bits = _BITS[texels.dtype]
+        self.bits = _BITS[texels.format]
         if encoding is None and self.bits > 8:
             self.encoding = "linear"
         wants_levels = self.filter in (None, "trilinear") and not self.texels_at_corners

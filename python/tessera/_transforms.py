@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Iterable, List, Literal, Optional, Tuple,
 from . import _core, _messages
 from ._messages import AxisAngle, LookAt, Matrix, TransformKey, TransformStep
 from ._types import ArrayLike, VectorLike
+from .errors import UsageError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -13,14 +14,29 @@ if TYPE_CHECKING:
 
 
 class Transform(_messages.Transform):
-    """A chain of steps, the first of which acts last. Transforms compose by `@`."""
+    """A chain of steps, the first of which acts last. Transforms compose by `@`, which applies them to
+    points as well: a Vec, or arrays of shape (..., 3)."""
 
     __slots__ = ()
 
-    def __matmul__(self, other: Transform) -> Transform:
-        if not isinstance(other, _messages.Transform):
+    @overload
+    def __matmul__(self, other: Transform) -> Transform: ...
+    @overload
+    def __matmul__(self, other: _core.Vec) -> _core.Vec: ...
+    @overload
+    def __matmul__(self, other: ArrayLike) -> npt.NDArray[np.float64]: ...
+    def __matmul__(self, other: Any) -> Any:
+        if isinstance(other, _messages.Transform):
+            return Transform([*self.steps, *other.steps])
+        if isinstance(other, (str, bytes)) or not hasattr(other, "__len__"):
             return NotImplemented
-        return Transform([*self.steps, *other.steps])
+        import numpy
+        points = numpy.asarray(other, numpy.float64)
+        if points.ndim == 0 or points.shape[-1] != 3:
+            raise UsageError(f"points: shape {points.shape}; expected (..., 3)")
+        rows = numpy.asarray(self.array)
+        moved = points @ rows[:, :3].T + rows[:, 3]
+        return _core.Vec(moved) if isinstance(other, _core.Vec) else moved
 
     @property
     def array(self) -> npt.NDArray[np.float64]:
@@ -38,13 +54,20 @@ def as_ndarray(array: Any) -> Any:
     return numpy.asarray(array)
 
 
+def _is_one(function: str, y: Any, z: Any) -> bool:
+    """Whether one argument was given; raises TypeError where it was two."""
+    if (y is None) != (z is None):
+        raise TypeError(f"{function}() of 2 numbers; expected 1 or 3")
+    return y is None
+
+
 @overload
 def translate(x: VectorLike, y: None = None, z: None = None) -> Transform: ...
 @overload
 def translate(x: float, y: float, z: float) -> Transform: ...
 def translate(x: Any, y: Any = None, z: Any = None) -> Transform:
     """Moves by (x, y, z), in metres."""
-    return Transform([TransformStep(translate=x if y is None else (x, y, z))])
+    return Transform([TransformStep(translate=x if _is_one("translate", y, z) else (x, y, z))])
 
 
 def rotate(axis: Union[Literal["x", "y", "z"], VectorLike], degrees: float) -> Transform:
@@ -62,7 +85,7 @@ def scale(x: Union[float, VectorLike], y: None = None, z: None = None) -> Transf
 def scale(x: float, y: float, z: float) -> Transform: ...
 def scale(x: Any, y: Any = None, z: Any = None) -> Transform:
     """Scales by one factor, or by one for each axis."""
-    if y is None:
+    if _is_one("scale", y, z):
         factors = x if hasattr(x, "__len__") and len(x) else (x, x, x)
     else:
         factors = (x, y, z)
@@ -71,7 +94,10 @@ def scale(x: Any, y: Any = None, z: Any = None) -> Transform:
 
 def matrix(rows: ArrayLike) -> Transform:
     """The transform of a (3, 4) or (4, 4) matrix that acts on columns; a fourth row is 0 0 0 1."""
-    array = _core.take_matrices([rows] if isinstance(rows, (list, tuple)) else rows, "matrix")
+    try:
+        array = _core.take_matrices(rows, "matrix")
+    except ValueError as error:
+        raise ValueError(str(error).replace("(any, 3, 4) or (any, 4, 4)", "(3, 4) or (4, 4)")) from None
     if array.shape[0] != 1:
         raise ValueError(f"matrix: {array.shape[0]} matrices; expected one")
     numbers = memoryview(array).cast("B").cast("d").tolist()  # type: ignore[arg-type]

@@ -93,7 +93,12 @@ def _shown(value: Any) -> str:
         return f"[{', '.join(map(_shown, value))}]"
     if isinstance(value, Value) or not hasattr(value, "__array_interface__"):
         return repr(value)
-    return repr(_core.Array.from_bytes(value.tobytes(), value.dtype.char, list(value.shape)))
+    if value.ndim == 0:
+        return repr(value.item())
+    if value.dtype.kind not in "biuf" or value.dtype.char == "g":
+        return repr(value)  # no part of a scene
+    native = value.astype(value.dtype.newbyteorder("="))
+    return repr(_core.Array.from_bytes(native.tobytes(), native.dtype.char, list(value.shape)))
 
 
 def restore_array(data: Any, code: str, shape: Tuple[int, ...]) -> _core.Array:

@@ -1,9 +1,10 @@
 """Stand-ins for classes of other packages."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, Tuple, Union, overload
+from typing import TYPE_CHECKING, Literal, NoReturn, Tuple, Union, overload
 
 from ._types import ArrayLike
+from ._value import refuse_unknown
 from .rays import tracer_from_mesh
 
 if TYPE_CHECKING:
@@ -29,20 +30,23 @@ class MeshIntersector:
     @overload
     def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
                       return_locations: Literal[False] = False, multiple_hits: bool = True,
-                      **_: Any) -> Tuple[Integers, Integers]: ...
+                      **unknown: NoReturn) -> Tuple[Integers, Integers]: ...
     @overload
     def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
                       return_locations: Literal[True], multiple_hits: bool = True,
-                      **_: Any) -> Tuple[Integers, Integers, Doubles]: ...
+                      **unknown: NoReturn) -> Tuple[Integers, Integers, Doubles]: ...
     def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
                       return_locations: bool = False, multiple_hits: bool = True,
-                      **_: Any) -> Union[Tuple[Integers, Integers], Tuple[Integers, Integers, Doubles]]:
+                      **unknown: NoReturn,
+                      ) -> Union[Tuple[Integers, Integers], Tuple[Integers, Integers, Doubles]]:
         """The triangles that are hit, and the ray of each; with `return_locations` the points too."""
+        if unknown:
+            refuse_unknown("intersects_id", unknown, ["ray_origins", "ray_directions", "return_locations", "multiple_hits"])
         import numpy as np
         if multiple_hits:
             hits = self._tracer.intersect_all(ray_origins, ray_directions)
             ray, triangle = hits.ray, hits.primitive
-            points = hits.point if return_locations else None
+            points = hits.point.copy() if return_locations else None
         else:
             first = self._tracer.intersect(ray_origins, ray_directions)
             ray = np.flatnonzero(first.hit)
@@ -52,22 +56,30 @@ class MeshIntersector:
         return found if points is None else found + (points,)
 
     def intersects_location(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
-                            multiple_hits: bool = True, **_: Any) -> Tuple[Doubles, Integers, Integers]:
+                            multiple_hits: bool = True,
+                            **unknown: NoReturn) -> Tuple[Doubles, Integers, Integers]:
         """The points that are hit, the ray of each, and the triangle of each."""
+        if unknown:
+            refuse_unknown("intersects_location", unknown, ["ray_origins", "ray_directions", "multiple_hits"])
         triangle, ray, points = self.intersects_id(ray_origins, ray_directions, True, multiple_hits)
         return points, ray, triangle
 
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
-                         **_: Any) -> Integers:
+                         **unknown: NoReturn) -> Integers:
         """The first triangle that each ray hits; -1 where there is none."""
+        if unknown:
+            refuse_unknown("intersects_first", unknown, ["ray_origins", "ray_directions"])
         import numpy as np
         first = self._tracer.intersect(ray_origins, ray_directions, fields=("primitive",))
         return np.where(first.hit, first.primitive.astype(np.int64), -1)
 
-    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike, **_: Any) -> Bools:
+    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
+                       **unknown: NoReturn) -> Bools:
         """Whether each ray hits anything."""
-        return self._tracer.occluded(ray_origins, ray_directions)
+        if unknown:
+            refuse_unknown("intersects_any", unknown, ["ray_origins", "ray_directions"])
+        return self._tracer.occluded(ray_origins, ray_directions).copy()
 
     def contains_points(self, points: ArrayLike) -> Bools:
         """Whether each point is inside the mesh; all False where it is not closed."""
-        return self._tracer.contains(points)
+        return self._tracer.contains(points).copy()

@@ -42,6 +42,13 @@ class SceneError(Error, ValueError):
 class MissingFile(SceneError, FileNotFoundError):
     """A file that is to be read is not there."""
 
+    @classmethod
+    def of(cls, path: str, expected: str) -> MissingFile:
+        """That of a file at `path`."""
+        missing = cls(f"{path}: there is no such file; expected {expected}", place=path)
+        missing.filename = path
+        return missing
+
 
 class UsageError(Error, ValueError):
     """An argument has a value that it cannot have."""

@@ -8,8 +8,10 @@ from typing import (TYPE_CHECKING, Any, Callable, List, Literal, NamedTuple, NoR
                     Union, overload)
 
 from . import _core
+from ._options import option_texts
 from ._types import Aov, ArrayLike, FloatAov, Path, ToneMap, Transfer
-from .errors import UsageError
+from ._value import refuse_unknown
+from .errors import MissingFile, UsageError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -75,14 +77,9 @@ def as_numpy(array: Any) -> Any:
     return numpy.asarray(array)
 
 
-def _texts(output: dict[str, Any]) -> list[tuple[str, str]]:
-    """Options of a picture's numbers as the command line writes them."""
-    return [(name.replace("_", "-"), value if isinstance(value, str) else repr(value))
-            for name, value in output.items() if value is not None]
-
-
 class Image:
-    """A linear picture, and what was asked for beside light. Immutable; rows from the top.
+    """A linear picture, and what was asked for beside light. Immutable; rows from the top. Two are
+    equal that have the same bits in both.
 
     `stats` is what `tessera render --stats` writes; `holes` are tiles that nobody could trace.
     Keywords called `output` are those of `tessera render`: exposure, tone_map, transfer, gamma and
@@ -102,24 +99,14 @@ class Image:
         return image
 
     @classmethod
-    def from_array(cls, array: ArrayLike, linear: bool = True) -> "Image":
-        """A picture of (h, w, 3) numbers, or (h, w) grey ones: linear light, or with linear=False
-        what sRGB files hold, from 0 to 1 (integers: to their largest value)."""
-        import numpy
-        values: npt.NDArray[Any] = numpy.asarray(array)
-        if values.ndim == 2:
-            values = numpy.repeat(values[:, :, None], 3, axis=2)
-        if values.ndim != 3 or values.shape[2] != 3 or 0 in values.shape:
-            raise UsageError(f"array: shape {values.shape}; expected (h, w, 3) or (h, w)")
-        if values.dtype.kind in "ui":
-            values = values / numpy.iinfo(values.dtype).max
-        if values.dtype.kind != "f":
-            raise TypeError(f"array: numbers of type {values.dtype}; expected floats or integers")
-        if not linear:
-            values = _linear_of_srgb(values)
-        height, width = values.shape[:2]
-        data = numpy.ascontiguousarray(values, dtype=numpy.float32)
-        return cls._of(_core.picture_from_values(width, height, data))
+    def from_array(cls, array: ArrayLike, linear: Optional[bool] = None) -> "Image":
+        """A picture of (h, w, 3) numbers, or (h, w) grey ones.
+
+        :param linear: whether they are linear light, or codes in sRGB as most files hold. Left out:
+            floats are light; uint8 and uint16, from 0 to their largest value, are codes.
+        """
+        light = _light_of(array, linear)
+        return cls._of(_core.picture_from_values(light.shape[1], light.shape[0], light))
 
     @property
     def width(self) -> int:
@@ -156,7 +143,9 @@ class Image:
                 **unknown: NoReturn) -> npt.NDArray[np.uint8]:
         """The bytes of the PNG as (h, w, 3) uint8."""
         output = {"exposure": exposure, "tone_map": tone_map, "transfer": transfer, "gamma": gamma}
-        values: npt.NDArray[np.uint8] = as_numpy(self._picture.to_srgb(_texts({**output, **unknown})))
+        if unknown:
+            refuse_unknown("to_srgb", unknown, list(output))
+        values: npt.NDArray[np.uint8] = as_numpy(self._picture.to_srgb(option_texts(output)))
         return values
 
     def save(self, *paths: Path, exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
@@ -164,18 +153,25 @@ class Image:
              ocio_view: Optional[str] = None, ocio_display: Optional[str] = None,
              ocio_space: Optional[str] = None, ocio_input: Optional[str] = None,
              **unknown: NoReturn) -> None:
-        """Writes files whose endings name their formats. Each appears whole or not at all."""
+        """Writes files whose endings name their formats. Each appears whole or not at all; where some
+        cannot be written, the others are all the same."""
         output = {"exposure": exposure, "tone_map": tone_map, "transfer": transfer, "gamma": gamma,
                   "ocio_view": ocio_view, "ocio_display": ocio_display, "ocio_space": ocio_space,
-                  "ocio_input": ocio_input, **unknown}
+                  "ocio_input": ocio_input}
+        if unknown:
+            refuse_unknown("save", unknown, list(output))
         if not paths:
             raise TypeError("save: no path; expected at least one")
-        for path in paths:
-            self._picture.save(os.fspath(path), _texts(output))
+        self._picture.save([os.fspath(path) for path in paths], option_texts(output))
 
     def apply(self, f: Callable[[Floats], ArrayLike]) -> "Image":
-        """The picture with each channel's numbers replaced by f of them, which gets an array."""
-        return Image.from_array(f(self.linear))
+        """The picture with other light: `f` of that of this one, an array (h, w, 3). All else is
+        kept: what is beside light, what the scene asks of the numbers, holes and statistics."""
+        light = _light_of(f(self.linear), None)
+        if light.shape != self.linear.shape:
+            raise UsageError(f"apply: f makes an array of shape {light.shape}; expected "
+                             f"{self.linear.shape}, that of the picture")
+        return Image._of(self._picture.with_light(light))
 
     @functools.cached_property
     def stats(self) -> dict[str, Any]:
@@ -198,8 +194,7 @@ class Image:
         return self.linear if dtype is None else self.linear.astype(dtype)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Image) and (self.width, self.height, self.sha256) == (
-            other.width, other.height, other.sha256)
+        return isinstance(other, Image) and self._picture.equals(other._picture)
 
     def __hash__(self) -> int:
         return hash(self.sha256)
@@ -210,7 +205,7 @@ class Image:
 
     def _repr_png_(self) -> bytes:
         step = -(-self.width // _MOST_SHOWN)
-        shown = self if step == 1 else Image.from_array(self.linear[::step, ::step])
+        shown = self if step == 1 else Image.from_array(self.to_srgb()[::step, ::step])
         return shown._picture.encode("shown.png", [])
 
     def __reduce__(self) -> Tuple[Any, ...]:
@@ -227,26 +222,44 @@ def _unpickled(state: Any) -> Image:
     return Image._of(_core.picture_of_state(state))
 
 
-def _linear_of_srgb(values: Any) -> Any:
+def _light_of(array: ArrayLike, linear: Optional[bool]) -> Floats:
+    """The array as linear light, (h, w, 3)."""
     import numpy
-    values = values.astype(numpy.float64)  # as the command line, which rounds at the end
-    return numpy.where(values <= .04045, values / 12.92, ((values + .055) / 1.055) ** 2.4)
+    values: npt.NDArray[Any] = numpy.asarray(array)
+    if values.ndim == 2:
+        values = numpy.repeat(values[:, :, None], 3, axis=2)
+    if values.ndim == 3 and values.shape[2] == 4:
+        raise UsageError(f"array: shape {values.shape}; expected (h, w, 3), as pictures have no alpha: "
+                         "multiply it in, or leave it out by array[..., :3]")
+    if values.ndim != 3 or values.shape[2] != 3 or 0 in values.shape:
+        raise UsageError(f"array: shape {values.shape}; expected (h, w, 3) or (h, w)")
+    is_code = values.dtype in (numpy.uint8, numpy.uint16)
+    if values.dtype.kind != "f" and not is_code:
+        raise TypeError(f"array: numbers of type {values.dtype}; expected floats, uint8 or uint16")
+    if is_code:
+        values = values / numpy.iinfo(values.dtype).max
+    if is_code if linear is None else not linear:
+        values = values.astype(numpy.float64)  # as the command line, which rounds at the end
+        values = numpy.where(values <= .04045, values / 12.92, ((values + .055) / 1.055) ** 2.4)
+    return numpy.ascontiguousarray(values, dtype=numpy.float32)
 
 
 def read_image(path: Path) -> Image:
-    """The picture in a file as linear light: whole numbers are taken for sRGB, as most files are.
+    """The picture in a file as linear light: whole numbers are taken for sRGB, as most files hold;
+    floats are light.
 
-    Raises SceneError for a file that holds none."""
+    Raises MissingFile where there is none, and SceneError for a file that holds no picture."""
     import numpy
     path = os.fspath(path)
-    names, array = _core.read_picture(path)
+    if not os.path.exists(path):
+        raise MissingFile.of(path, "a picture")
+    names, array, is_linear = _core.read_picture(path)
     values = numpy.asarray(array)
     if {"R", "G", "B"} <= set(names):
         values = values[:, :, [names.index(name) for name in "RGB"]]
     else:
         values = values[:, :, :1].repeat(3, axis=2)
-    linear = path.lower().endswith((".exr", ".hdr", ".pfm"))
-    return Image.from_array(values, linear=linear)
+    return Image.from_array(values, linear=is_linear)
 
 
 def compare(a: Union[Image, Path], b: Union[Image, Path]) -> Metrics:

@@ -1,16 +1,15 @@
 """Ray queries on arrays: closest hits, all hits, crossings, insides and what lies at hits."""
 from __future__ import annotations
 
-import difflib
 import operator
-import os
 from typing import (TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, SupportsIndex, Tuple,
                     Union)
 
 from . import _core
-from ._html import table
+from ._hits import AllHits, Hits, Located, frozen
 from ._mesh import Mesh
 from ._types import Accelerator, ArrayLike, Cull, HitField, VectorLike
+from ._value import nearest
 from .errors import UsageError
 
 if TYPE_CHECKING:
@@ -31,20 +30,24 @@ if TYPE_CHECKING:
 
 __all__ = ["AllHits", "Hits", "Tracer", "tracer_from_scene"]
 
-_NONE = 0xFFFFFFFF
 _CULLS = ("none", "back", "front")
 _FIELDS: Tuple[HitField, ...] = ("t", "instance", "primitive", "uv")
-#: The numbers that each attribute of a hit has, and their type.
-_ATTRIBUTES = {"point": (3, "f8"), "point_error": (3, "f8"), "normal": (3, "f8"),
-               "shading_normal": (3, "f8"), "texcoord": (2, "f8"), "material": (1, "u4")}
 
 
 def _choice(keyword: str, found: str, known: Sequence[str]) -> str:
     if found in known:
         return found
-    near = difflib.get_close_matches(str(found), known, 1)
-    hint = f"; did you mean '{near[0]}'?" if near else ""
-    raise UsageError(f"{keyword}: {found!r}; expected one of {', '.join(known)}{hint}")
+    raise UsageError(f"{keyword}: {found!r}; expected one of {', '.join(known)}"
+                     f"{nearest(str(found), list(known))}")
+
+
+def _thread_count(threads: Optional[int]) -> int:
+    if threads is None:
+        return _core.core_count()
+    if isinstance(threads, bool) or not hasattr(threads, "__index__") or not (
+            1 <= operator.index(threads) <= _core.most_threads):
+        raise UsageError(f"threads: {threads!r}; expected a whole number from 1 to {_core.most_threads}")
+    return operator.index(threads)
 
 
 def _real(name: str, value: Union[float, ArrayLike]) -> Rows:
@@ -82,17 +85,33 @@ def _rows(array: Rows, shape: ArrayShape) -> Rows:
     return np.broadcast_to(array, shape + (3,)).reshape(-1, 3)
 
 
+def _kept(array: Rows) -> Rows:
+    """The array; a copy where somebody could write to its memory."""
+    base: Any = array
+    while hasattr(base, "flags") and not base.flags.writeable:
+        base = base.base
+    return array if base is None or isinstance(base, bytes) else array.copy()
+
+
 class _Rays:
     """Rays of one call: their leading shape, and arrays as `_core` takes them."""
 
     def __init__(self, origins: ArrayLike, directions: ArrayLike, t_min: Union[float, ArrayLike],
                  t_max: Union[float, ArrayLike]) -> None:
-        o, d = _vectors("origins", origins), _vectors("directions", directions)
+        self.given = o, d = _vectors("origins", origins), _vectors("directions", directions)
         ends = {name: _real(name, value) for name, value in (("t_min", t_min), ("t_max", t_max))}
         self.shape = _broadcast([("origins", o.shape[:-1]), ("directions", d.shape[:-1]),
                                  *((name, end.shape) for name, end in ends.items())])
         self.origins, self.directions = _rows(o, self.shape), _rows(d, self.shape)
         self.ends = self._end(ends["t_min"]), self._end(ends["t_max"])
+
+    def kept(self) -> Tuple[Rows, Rows]:
+        """The rays, whatever becomes of the arrays that were given."""
+        import numpy as np
+        origins, directions = (
+            _rows(_kept(given), self.shape) if np.may_share_memory(given, rows) else rows
+            for given, rows in zip(self.given, (self.origins, self.directions)))
+        return origins, directions
 
     def _end(self, end: Rows) -> Union[float, Doubles]:
         """One number, or one for each ray."""
@@ -102,191 +121,11 @@ class _Rays:
         return np.ascontiguousarray(np.broadcast_to(end, self.shape), np.float64).reshape(-1)
 
 
-def _frozen(array: AnyArray) -> AnyArray:
-    array.flags.writeable = False
-    return array
-
-
-class _Found:
-    """What `Hits` and `AllHits` share: hits in arrays, and what lies there."""
-
-    __slots__ = ("_tracer", "_origins", "_directions", "_threads", "_arrays", "_shape", "_known")
-
-    def __init__(self, tracer: Tracer, origins: Rows, directions: Rows, threads: Optional[int],
-                 arrays: Dict[str, AnyArray], shape: ArrayShape) -> None:
-        self._tracer, self._origins, self._directions = tracer, origins, directions
-        self._threads, self._arrays, self._shape = threads, arrays, shape
-        self._known: Dict[str, AnyArray] = {}
-
-    def _field(self, name: HitField) -> AnyArray:
-        if name not in self._arrays:
-            raise UsageError(f"{name}: not among the fields that were asked for; expected one of "
-                             f"{', '.join(self._arrays)}")
-        return self._arrays[name]
-
-    def _per_hit(self) -> Tuple[Rows, Rows]:
-        """The ray of each hit."""
-        return self._origins, self._directions
-
-    def _flat(self) -> Tuple[Doubles, Numbers, Numbers, Doubles]:
-        """The four arrays as `_core` takes them."""
-        count = len(self._per_hit()[0])
-        return (self.t.reshape(count), self.instance.reshape(count), self.primitive.reshape(count),
-                self.uv.reshape(count, 2))
-
-    def _attribute(self, name: str) -> AnyArray:
-        if name not in self._known:
-            import numpy as np
-            width, code = _ATTRIBUTES[name]
-            shape = self._shape if width == 1 else self._shape + (width,)
-            out = np.empty(shape, code)
-            origins, directions = self._per_hit()
-            self._tracer._core.attributes(origins, directions, self._flat(),
-                                          self._tracer._threads(self._threads), {name: out})
-            self._known[name] = _frozen(out)
-        return self._known[name]
-
-    @property
-    def t(self) -> Doubles:
-        """Lengths of the direction; infinite: no hit."""
-        return self._field("t")
-
-    @property
-    def instance(self) -> Numbers:
-        """Numbers into `tracer.instances`; 0xFFFFFFFF: no hit."""
-        return self._field("instance")
-
-    @property
-    def primitive(self) -> Numbers:
-        """Of a mesh the row of its triangles; 0xFFFFFFFF: no hit."""
-        return self._field("primitive")
-
-    @property
-    def uv(self) -> Doubles:
-        """Weights of a triangle's vertices 1 and 2."""
-        return self._field("uv")
-
-    @property
-    def point(self) -> Doubles:
-        """Where the surface was hit."""
-        return self._attribute("point")
-
-    @property
-    def point_error(self) -> Doubles:
-        """A bound on the error of `point` on each axis."""
-        return self._attribute("point_error")
-
-    @property
-    def normal(self) -> Doubles:
-        """Unit normals of the surface's front."""
-        return self._attribute("normal")
-
-    @property
-    def shading_normal(self) -> Doubles:
-        """Unit normals, smoothed by those of vertices."""
-        return self._attribute("shading_normal")
-
-    @property
-    def texcoord(self) -> Doubles:
-        """Texture coordinates."""
-        return self._attribute("texcoord")
-
-    @property
-    def material(self) -> Numbers:
-        """Numbers into `tracer.materials`; 0xFFFFFFFF: no hit."""
-        return self._attribute("material")
-
-    def name(self, index: Union[SupportsIndex, Tuple[SupportsIndex, ...]]) -> Optional[str]:
-        """The name of the instance that was hit at that index; None where none was."""
-        number = int(self.instance[index])
-        return None if number == _NONE else self._tracer.instances[number]
-
-    def __getstate__(self) -> Tuple[Any, ...]:
-        return tuple(getattr(self, name) for name in self._slots())
-
-    def __setstate__(self, state: Tuple[Any, ...]) -> None:
-        for name, value in zip(self._slots(), state):
-            setattr(self, name, value)
-
-    @classmethod
-    def _slots(cls) -> List[str]:
-        return [name for base in reversed(cls.__mro__) for name in getattr(base, "__slots__", ())]
-
-
-class Hits(_Found):
-    """The closest hit of each ray, in arrays of the rays' shape. Attributes beside the fields are
-    computed when first asked for, from the arrays of rays that were given, which must not have
-    changed since."""
-
-    __slots__ = ()
-
-    @property
-    def hit(self) -> Bools:
-        """Whether anything was hit."""
-        import numpy as np
-        for name in ("instance", "primitive"):
-            if name in self._arrays:
-                found: Bools = self._arrays[name] != _NONE
-                return found
-        return np.isfinite(self.t)
-
-    @property
-    def shape(self) -> ArrayShape:
-        """The shape of the rays."""
-        return self._shape
-
-    def __len__(self) -> int:
-        return self._shape[0]
-
-    def __repr__(self) -> str:
-        return f"<Hits {self._shape}: {int(self.hit.sum())} hit>"
-
-    def _repr_html_(self) -> str:
-        rows: Dict[str, float] = {"rays": self.hit.size, "hit": int(self.hit.sum())}
-        if "t" in self._arrays and rows["hit"]:
-            rows["nearest"], rows["farthest"] = self.t.min(), self.t[self.hit].max()
-        return table(rows)
-
-
-class AllHits(_Found):
-    """All hits of rays: those of ray `i`, in the order of C, are entries `offsets[i]` to
-    `offsets[i + 1]` of the other arrays, sorted by (t, instance, primitive)."""
-
-    __slots__ = ("offsets", "ray_shape")
-
-    def __init__(self, offsets: Integers, ray_shape: ArrayShape, tracer: Tracer, origins: Rows,
-                 directions: Rows, threads: Optional[int], arrays: Dict[str, AnyArray]) -> None:
-        super().__init__(tracer, origins, directions, threads, arrays, (len(arrays["t"]),))
-        self.offsets, self.ray_shape = offsets, ray_shape
-
-    @property
-    def counts(self) -> Integers:
-        """How many hits each ray has, in the rays' shape."""
-        import numpy as np
-        return np.diff(self.offsets).reshape(self.ray_shape)
-
-    @property
-    def ray(self) -> Integers:
-        """The number of each hit's ray."""
-        import numpy as np
-        return np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
-
-    def _per_hit(self) -> Tuple[Rows, Rows]:
-        ray = self.ray
-        return self._origins[ray], self._directions[ray]
-
-    def __len__(self) -> int:
-        return len(self.t)
-
-    def __repr__(self) -> str:
-        return f"<AllHits of {len(self.offsets) - 1} rays: {len(self)}>"
-
-
 class Tracer:
     """The geometry of a scene for ray queries, made by `Scene.tracer`. It never changes: any number
     of threads may use it at once. Results have the same bits for any number of threads.
 
-    Rays start at `origins` and go along `directions`, arrays of shape (..., 3) that broadcast; t
+    Arrays that it gives are read-only. Rays start at `origins` and go along `directions`, arrays of shape (..., 3) that broadcast; t
     counts lengths of the direction, and hits lie at t_min < t < t_max. Surfaces are met whatever
     their material lets through; hidden nodes are not there. A ray with a NaN, or without a
     direction, hits nothing."""
@@ -301,16 +140,10 @@ class Tracer:
     def _of(cls, scene: Union[Scene, str, bytes], options: Options) -> Tracer:
         """Of a Scene, of its text form (str) or of its binary form (bytes)."""
         time, camera, accel, threads = options
-        core = _core.Tracer(scene, time, camera, accel, threads or len(os.sched_getaffinity(0)))
-        return cls(core, options)
+        return cls(_core.Tracer(scene, time, camera, accel, _thread_count(threads)), options)
 
     def _threads(self, threads: Optional[int]) -> int:
-        chosen = threads if threads is not None else self._options[-1]
-        if chosen is None:
-            return len(os.sched_getaffinity(0))
-        if isinstance(chosen, bool) or not isinstance(chosen, int) or not 1 <= chosen <= 4096:
-            raise UsageError(f"threads: {chosen!r}; expected a whole number from 1 to 4096")
-        return chosen
+        return _thread_count(threads if threads is not None else self._options[-1])
 
     def intersect(self, origins: ArrayLike, directions: ArrayLike, *,
                   t_min: Union[float, ArrayLike] = 0.0, t_max: Union[float, ArrayLike] = float("inf"),
@@ -331,8 +164,10 @@ class Tracer:
                              _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads),
                              *(arrays.get(name) for name in _FIELDS))
         for array in arrays.values():
-            _frozen(array)
-        return Hits(self, rays.origins, rays.directions, threads, arrays, rays.shape)
+            frozen(array)
+        # What lies at hits needs all fields, and the rays.
+        kept = rays.kept() if len(arrays) == len(_FIELDS) else None
+        return Hits(self, kept, threads, arrays, rays.shape)
 
     def occluded(self, origins: ArrayLike, directions: ArrayLike, *,
                  t_min: Union[float, ArrayLike] = 0.0,
@@ -345,7 +180,7 @@ class Tracer:
         self._core.occluded(rays.origins, rays.directions, *rays.ends,
                             _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads),
                             out)
-        return out
+        return frozen(out)
 
     def intersect_all(self, origins: ArrayLike, directions: ArrayLike, *,
                       t_min: Union[float, ArrayLike] = 0.0,
@@ -357,8 +192,7 @@ class Tracer:
         offsets, *arrays = (np.asarray(a) for a in self._core.intersect_all(
             rays.origins, rays.directions, *rays.ends,
             _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads)))
-        return AllHits(offsets, rays.shape, self, rays.origins, rays.directions, threads,
-                       dict(zip(_FIELDS, arrays)))
+        return AllHits(offsets, rays.shape, self, rays.kept(), threads, dict(zip(_FIELDS, arrays)))
 
     def crossings(self, origins: ArrayLike, directions: ArrayLike, *,
                   t_min: Union[float, ArrayLike] = 0.0, t_max: Union[float, ArrayLike] = float("inf"),
@@ -369,7 +203,7 @@ class Tracer:
         rays = _Rays(origins, directions, t_min, t_max)
         out = np.empty(rays.shape, np.int32)
         self._core.crossings(rays.origins, rays.directions, *rays.ends, self._threads(threads), out)
-        return out
+        return frozen(out)
 
     def contains(self, points: ArrayLike, shape: Union[None, int, str] = None, *,
                  threads: Optional[int] = None) -> Bools:
@@ -382,7 +216,7 @@ class Tracer:
             one = np.empty(at.shape[:-1], bool)
             self._core.contains(at.reshape(-1, 3), number, self._threads(threads), one)
             inside |= one
-        return inside
+        return frozen(inside)
 
     def _numbers(self, shape: Union[None, int, str]) -> Sequence[Optional[int]]:
         if shape is None:
@@ -408,9 +242,9 @@ class Tracer:
             raise UsageError(f"size: {(width, height)}; expected 1 to 65536 pixels a side")
         origins, directions = (np.empty((height, width, 3)) for _ in range(2))
         self._core.camera_rays(camera or "", width, height, origins, directions)
-        return origins, directions
+        return frozen(origins), frozen(directions)
 
-    def spawn(self, hits: _Found, directions: ArrayLike) -> Doubles:
+    def spawn(self, hits: Located, directions: ArrayLike) -> Doubles:
         """Where rays start that leave the surfaces of `hits` along `directions`: moved off by the
         bound on the error, so that they do not meet those surfaces there. NaN where there is no
         hit."""
@@ -423,7 +257,7 @@ class Tracer:
         out = np.empty(shape + (3,))
         self._core.spawn(*hits._per_hit(), hits._flat(), _rows(away, shape), self._threads(None),
                          out)
-        return out
+        return frozen(out)
 
     @property
     def bounds(self) -> Doubles:

@@ -1,7 +1,7 @@
 """Rendering: `render`, tasks, and who traces.
 
 A task belongs to a farm. The farm has a thread of its own in the extension module, which runs tasks
-one after the other and never needs Python: a script may compute, sleep or be interrupted meanwhile.
+one after the other and waits for no script: a script may compute, sleep or be interrupted meanwhile.
 """
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ import warnings as _warnings
 from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterator, Literal, NoReturn, Optional,
                     Sequence, Union, overload)
 
-from . import _core
+from . import _core, _messages
 from ._local_farms import BaseFarm, LocalFarm, OfThisProcess, Threads
+from ._options import option_texts
 from ._places import located
 from ._progress import SHOW_SECONDS, Progress, ProgressOption, progress_display
 from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Size, X3dColor, X3dShadows,
                      X3dTexture)
-from ._value import refuse_unknown
+from ._value import level_of_caller, refuse_unknown
 from .errors import (Cancelled, Error, MissingFile, RenderError, SceneError, SceneWarning,
                      UsageError)
 from .picture import Image, Rect
@@ -128,7 +129,7 @@ class Task(OfThisProcess):
         return image
 
     def __iter__(self) -> Iterator[Progress]:
-        """Yields the progress at least every .2 s while it changes, and at the end."""
+        """Yields the progress every .1 s while it changes, and at the end."""
         self._check_process()
         last = None
         while not self._task.wait(SHOW_SECONDS):
@@ -193,41 +194,16 @@ def with_picture(error: Error, image: Optional[Image]) -> Error:
     return error
 
 
-def _as_text(name: str, value: Any) -> str:
-    """A keyword's value as the command line writes it."""
-    if isinstance(value, str):
-        return value
-    if isinstance(value, (bool, bytes)):
-        raise TypeError(f"{name}: {value!r}; expected a number, text or several of them")
-    if isinstance(value, os.PathLike):
-        path: str = os.fspath(value)
-        return path
-    if hasattr(value, "__iter__"):
-        separator = "x" if name == "size" else "-" if name == "frames" else ","
-        return separator.join(_as_text(name, part) for part in value)
-    if hasattr(value, "item"):  # a number of numpy
-        value = value.item()
-    if isinstance(value, (int, float)):
-        return repr(value)
-    raise TypeError(f"{name}: {value!r}; expected a number, text or several of them")
-
-
 def core_options(keywords: dict[str, Any], of_jobs: bool = False) -> _core.Options:
     """Keywords as the options of `tessera render`, or of `tessera submit`."""
     options = _core.Options(of_jobs)
-    for name, value in keywords.items():
-        if value is None or value is False:
-            continue
-        option = name.replace("_", "-")
-        if value is True:
-            options.assign(option, "")
-        elif name == "place":
-            for text in [value] if isinstance(value, str) else value:
-                options.assign(option, text)
-        elif name == "aovs" and not isinstance(value, str) and len(value) == 0:
-            continue
-        else:
-            options.assign(option, _as_text(name, value))
+    for option, text in option_texts(keywords):
+        try:
+            options.assign(option, text)
+        except UsageError as error:
+            # What was given, where the text is ours.
+            given = keywords[option.replace("-", "_")]
+            raise UsageError(error.message.replace(f"'{text}'", repr(given))) from None
     return options
 
 
@@ -236,10 +212,8 @@ def checked_scene(scene: Union[Scene, Path]) -> Union[Scene, str]:
     if isinstance(scene, os.PathLike):
         scene = os.fspath(scene)
     if isinstance(scene, str) and not os.path.exists(scene):
-        missing = MissingFile(f"{scene}: there is no such file; expected a scene", place=scene)
-        missing.filename = scene
-        raise missing
-    if not isinstance(scene, str) and type(scene).__name__ != "Scene":
+        raise MissingFile.of(scene, "a scene")
+    if not isinstance(scene, (str, _messages.Scene)):
         raise TypeError(f"scene: {scene!r:.100}; expected a Scene or the path of a file")
     return scene
 
@@ -257,10 +231,11 @@ def _keep_tiles(options: Any, resume: Any, scene: Any, farm: Optional[BaseFarm])
         raise TypeError(f"resume: {resume!r}; expected True or the path of the picture")
     picture = os.path.splitext(os.path.basename(scene))[0] + ".png" if resume is True else resume
     options.assign("output", os.path.abspath(picture))
-    options.assign("resume", "")
+    options.assign("resume", True)
 
 
-def _started_farm(workers: Optional[int], threads: Optional[int], verify: Optional[float]) -> BaseFarm:
+def started_farm(workers: Optional[int], threads: Optional[int], verify: Optional[float]) -> BaseFarm:
+    """Who traces where no farm is given."""
     if workers == 0:
         _core.share_verified(str(verify or 0), workers)
         return Threads(threads)
@@ -349,11 +324,11 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
     if farm is not None:
         farm._check_process()
     owns_farm = farm is None
-    who = _started_farm(workers, threads, verify) if farm is None else farm
+    who = started_farm(workers, threads, verify) if farm is None else farm
     try:
         core, told = _core.make_task(options, scene, frame)
         for warning in told:
-            _warnings.warn(warning, SceneWarning, stacklevel=2)
+            _warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
         if on_tile is not None or not wait:
             core.keep_tiles()
         who._submit(core)

@@ -20,9 +20,9 @@ from ._places import located
 from ._transforms import Transform
 from ._types import (Accelerator, Aovs, ColorLike, Crop, Integrator, NodeLike, PartsLike, Path, Pattern,
                      Size, TransformsLike)
-from ._value import here
+from ._value import here, refuse_unknown
 from ._view import Background, Camera
-from .errors import SceneError
+from .errors import SceneError, UsageError
 from .picture import Image
 
 if TYPE_CHECKING:
@@ -160,12 +160,17 @@ class Scene(_messages.Scene):
             material: Optional[Union[str, Material]] = None, name: Optional[str] = None) -> Node:
         """Puts shapes, lights, objects, nodes, other scenes or sequences of them below a new node.
 
-        :param material: of the shapes, in place of their own.
+        :param material: of the shapes, in place of their own. Nodes, objects and scenes keep theirs,
+            so that they cannot be given one.
         :return: the node; a Node that is added by itself is returned as it is.
         """
+        if not things:
+            raise TypeError("add() of nothing; expected a Shape, Light, Node, Object, Scene or a "
+                            "sequence of them")
         leaves = flat(things)
         is_alone = len(leaves) == 1
-        if is_alone and isinstance(leaves[0], Node) and transform is None and name is None:
+        if (is_alone and isinstance(leaves[0], Node)
+                and transform is None and material is None and name is None):
             node = leaves[0]
         elif is_alone:
             node = self._node_of(with_material(leaves[0], material))
@@ -189,6 +194,7 @@ class Scene(_messages.Scene):
             self.materials += thing.materials
             self.textures += thing.textures
             self.objects += thing.objects
+            self.includes += thing.includes
             return Node(children=thing.nodes)
         raise TypeError(f"a {type(thing).__name__}; expected a Shape, Light, Node, Object, Scene or a "
                         "sequence of them")
@@ -214,7 +220,7 @@ class Scene(_messages.Scene):
         a render would refuse: it builds all that one needs."""
         undefined = self.info().undefined
         if undefined and not self.includes:  # which may define it
-            raise SceneError(f"{undefined[0]}: used and never defined")
+            raise SceneError(f"scene: {', '.join(undefined)}; expected names that the scene defines")
         try:
             _core.check(self)
         except SceneError as error:
@@ -264,15 +270,30 @@ class Scene(_messages.Scene):
                on_tile: Optional[rendering.TileCallback] = None, **unknown: NoReturn,
                ) -> Iterator[Tuple[int, Image]]:
         """Renders frames one after the other: pairs of number and picture. The options are those of
-        `render`."""
+        `render`. Without `farm` the same workers render all of them."""
         options = {name: value for name, value in locals().items()
                    if name not in ("self", "first", "last", "unknown")}
+        if unknown:
+            refuse_unknown("frames", unknown, ["first", "last", *options])
         asked = self.settings.frames if self.settings is not None else None
         begin = first if first is not None else (asked.first or 0) if asked else 0
         end = last if last is not None else (asked.last or 0) if asked else begin
-        for frame in range(begin, end + 1):
-            image: Image = self.render(frame=frame, **options, **unknown)
-            yield frame, image
+        if end < begin:
+            raise UsageError(f"first: {begin}; expected at most {end}, the last frame")
+        return self._frames(range(begin, end + 1), options)
+
+    def _frames(self, numbers: range, options: Dict[str, Any]) -> Iterator[Tuple[int, Image]]:
+        own = None
+        if options["farm"] is None:
+            own = rendering.started_farm(*(options.pop(name) for name in ("workers", "threads", "verify")))
+            options["farm"] = own
+        try:
+            for frame in numbers:
+                image: Image = self.render(frame=frame, **options)
+                yield frame, image
+        finally:
+            if own is not None:
+                own.close()
 
 
 _SETTINGS = [name for name, held in vars(Scene).items() if isinstance(held, _Setting)]

@@ -269,7 +269,8 @@ void write_image(const fs::path& path, const Film& film, const OutputSettings& s
 FloatImage read_image(const fs::path& path) {
   const ImageCodec::Answer answer =
       decode(ImageRequest::decode_all, path.string(), read_bytes(path.string()));
-  FloatImage image{answer.layout.width, answer.layout.height, {}, {}};
+  FloatImage image{
+      .width = answer.layout.width, .height = answer.layout.height, .channels = {}, .values = {}};
   image.values.resize(answer.layout.bytes() / sizeof(float));
   std::memcpy(image.values.data(), answer.payload->data(), answer.layout.bytes());
   std::string_view names = as_text(*answer.payload).substr(answer.layout.bytes());
@@ -277,6 +278,7 @@ FloatImage read_image(const fs::path& path) {
     image.channels.emplace_back(names.substr(0, names.find('\0')));
     names.remove_prefix(std::min(names.size(), image.channels.back().size() + 1));
   }
+  image.is_float = names == ImageRequest::kFloats;
   return image;
 }
 

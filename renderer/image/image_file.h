@@ -31,6 +31,7 @@ struct FloatImage {
   int width = 0, height = 0;
   std::vector<std::string> channels;  ///< their names, at least one
   std::vector<float> values;
+  bool is_float = false;  ///< the file holds floats, which are light; integers are codes in sRGB
 };
 
 /// A picture as a texture holds it: rows from the top, tightly packed, numbers as the file has

@@ -18,17 +18,19 @@ void darken(google::protobuf::RepeatedPtrField<v1::Node>& nodes, int depth) {
 }  // namespace
 
 v1::Scene geometry_only(const v1::Scene& scene) {
-  v1::Scene out;
-  out.mutable_settings()->CopyFrom(scene.settings());
+  v1::Scene out = scene;
+  out.clear_metadata();
   out.mutable_settings()->clear_sampling();
   out.mutable_settings()->clear_integrator();
   out.mutable_settings()->clear_output();
-  *out.mutable_cameras() = scene.cameras();
-  *out.mutable_objects() = scene.objects();
-  *out.mutable_nodes() = scene.nodes();
-  *out.mutable_includes() = scene.includes();
-  for (const v1::Material& material : scene.materials())
-    out.add_materials()->set_name(material.name());
+  out.clear_background();
+  out.clear_fog();
+  out.clear_textures();
+  for (v1::Material& material : *out.mutable_materials()) {
+    const std::string name = material.name();
+    material.Clear();
+    material.set_name(name);
+  }
   for (v1::Camera& camera : *out.mutable_cameras()) camera.clear_headlight();
   for (v1::Object& object : *out.mutable_objects()) darken(*object.mutable_nodes(), 0);
   darken(*out.mutable_nodes(), 0);

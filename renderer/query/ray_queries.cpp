@@ -11,6 +11,7 @@
 #include "renderer/accel/mesh_shape.h"
 #include "renderer/query/each_ray.h"
 #include "renderer/query/geometry_only.h"
+#include "renderer/scene/read_camera.h"
 #include "renderer/shapes/solid.h"
 
 namespace tessera {
@@ -71,6 +72,7 @@ RayQueries::RayQueries(const v1::Scene& description, const BlobStore& blobs,
     : description_(geometry_only(description)),
       blobs_(blobs),
       frame_(geometry_only(frame)),
+      threads_(threads),
       scene_(build_scene(description_, blobs_, frame_, threads, {}, skips_for_queries(), &names_)),
       insides_(std::make_unique<Insides>()) {
   const std::vector<Instance>& instances = scene_->instances;
@@ -259,11 +261,15 @@ Camera RayQueries::camera(const std::string& name, int width, int height) const 
   if (same) return *scene_->camera;
   v1::FrameSettings frame = frame_;
   if (!name.empty()) frame.set_camera(name);
-  frame.set_width(static_cast<uint32_t>(width == 0 ? this->width() : width));
-  frame.set_height(static_cast<uint32_t>(height == 0 ? this->height() : height));
-  // A camera may be placed so that it sees all of the scene; no tree is built for that.
+  if (width == 0) width = this->width();
+  if (height == 0) height = this->height();
+  const CameraChoice choice = read_camera(description_, frame.camera(), scene_->settings.time);
+  if (!choice.frame_all) return {choice.settings, width, height};
+  // It is placed so that it sees all of the scene; no tree is built for that.
+  frame.set_width(static_cast<uint32_t>(width));
+  frame.set_height(static_cast<uint32_t>(height));
   frame.set_accelerator("linear");
-  return *build_scene(description_, blobs_, frame, 1)->camera;
+  return *build_scene(description_, blobs_, frame, threads_)->camera;
 }
 
 Bounds3 RayQueries::bounds() const {

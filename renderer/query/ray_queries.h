@@ -82,6 +82,7 @@ class RayQueries {
   v1::Scene description_;
   BlobStore blobs_;
   v1::FrameSettings frame_;
+  int threads_;
   SceneNames names_;
   std::shared_ptr<const Scene> scene_;
   std::vector<std::string> materials_;      ///< each name once

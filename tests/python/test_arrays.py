@@ -160,6 +160,35 @@ def test_a_copy_can_be_refused(array, why):
     assert not np.shares_memory(ts.Mesh(shared, FACES, copy=True).positions, shared)
 
 
+@pytest.mark.parametrize("view", [
+    lambda a: a.view(), lambda a: a[:], lambda a: memoryview(a).toreadonly(),
+    lambda a: np.asarray(memoryview(a).toreadonly()),
+    lambda a: np.frombuffer(bytearray(a.tobytes()), "f4").reshape(8, 3)])
+def test_a_read_only_view_of_what_can_be_written_to_is_copied(view):
+    positions = CUBE.copy()
+    shown = view(positions)
+    if isinstance(shown, np.ndarray):
+        shown.flags.writeable = False
+    mesh = ts.Mesh(shown, FACES)
+    before = ts.Scene(nodes=[mesh]).digest
+    positions[:] = 7
+    assert np.array_equal(mesh.positions, CUBE) and ts.Scene(nodes=[ts.Mesh(CUBE, FACES)]).digest == before
+    with pytest.raises(ValueError, match="copy=False, but .*can be written to"):
+        ts.Mesh(shown, FACES, copy=False)
+
+
+def test_views_of_what_nobody_can_write_to_are_shared():
+    fixed = frozen(np.concatenate([CUBE, CUBE]))
+    of_bytes = np.frombuffer(CUBE.tobytes(), "f4").reshape(8, 3)
+    for shown in (fixed[8:], memoryview(fixed[8:]), of_bytes, ts.Mesh(CUBE, FACES).positions):
+        assert np.shares_memory(ts.Mesh(shown, FACES, copy=False).positions, np.asarray(shown))
+
+
+def test_recentring_cannot_go_without_a_copy():
+    with pytest.raises(ValueError, match="copy=False, but recenter=True"):
+        ts.Mesh(frozen(CUBE), FACES, copy=False, recenter=True)
+
+
 def test_rounding_is_told_and_avoided():
     far = CUBE.astype("f8") + [1e7, 0, 0] + .1
     with pytest.warns(ts.PrecisionWarning, match="rounded by up to"):
@@ -211,6 +240,25 @@ def test_vectors():
     assert ts.Scene(nodes=[ts.Sphere(a)]) == ts.Scene(nodes=[ts.Sphere(np.array([1, 2, 3]))])
 
 
+@pytest.mark.parametrize("wrong, found", [
+    ((1, 2), "2 numbers"), ((1, 2, "a"), "'a'"), ("abc", "'abc'"), (3, "3"), ((1, None, 2), "None")])
+def test_what_is_no_vector_is_told(wrong, found):
+    for use in (lambda: ts.Vec(wrong), lambda: ts.Vec(1, 2, 3).dot(wrong)):
+        with pytest.raises(TypeError) as told:
+            use()
+        assert str(told.value) == f"{found}; expected a vector of 3 numbers"
+
+
+def test_a_list_that_changes_while_it_is_read_is_no_vector():
+    class Clears:
+        def __float__(self):
+            numbers.clear()
+            return 1.0
+    numbers = [Clears(), *np.random.default_rng(1).random(2).tolist()]
+    rest = numbers[1:]
+    assert tuple(ts.Vec(numbers)) == (1, *rest) and numbers == []
+
+
 def test_textures_from_arrays():
     for texels, channels, bits in ((np.zeros((2, 3), "u1"), 1, 8), (np.zeros((2, 3, 4), "f2"), 4, 16),
                                    (np.zeros((2, 3, 3), "f8"), 3, 32)):
@@ -228,3 +276,24 @@ def test_meshes_of_others():
     assert np.array_equal(mesh.positions, CUBE) and np.array_equal(mesh.triangles, FACES)
     with pytest.raises(TypeError, match="expected vertices or points"):
         ts.Mesh.from_(object())
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_whole_colours_of_vertices_are_codes_in_srgb(kind):
+    most = np.iinfo(kind).max
+    codes = np.array([(most, 0, most // 2, most // 2)] * 3, kind)
+    for given in (codes, codes[:, :3]):
+        held = ts.Mesh(TRIANGLE, colors=given).colors
+        share = codes[0, 2] / most
+        alpha = share if given is codes else 1
+        assert held[0].tolist() == pytest.approx([1, 0, ((share + .055) / 1.055) ** 2.4, alpha], rel=1e-6)
+
+
+def test_other_whole_colours_are_light_up_to_1():
+    assert ts.Mesh(TRIANGLE, colors=[(1, 0, 0)] * 3).colors.tolist() == [[1, 0, 0, 1]] * 3
+    with pytest.raises(ValueError, match="colors: the whole number 255; expected floats, or uint8"):
+        ts.Mesh(TRIANGLE, colors=[(255, 0, 0)] * 3)
+    assert ts.Mesh(TRIANGLE, colors=[(255., 0, 0)] * 3).colors[0, 0] == 255
+
+
+TRIANGLE = [(0., 0, 0), (1, 0, 0), (0, 1, 0)]

@@ -5,6 +5,7 @@ import pytest
 
 import tessera as ts
 
+IDENTITY = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]
 LINES = pathlib.Path(__file__).read_text(encoding="utf-8").splitlines()
 
 
@@ -57,6 +58,45 @@ def test_a_wrong_colour_tells_its_place_and_the_nearest_name():
     assert str(told.value) == (f"{__file__}:{line}: nodes[0].materials[0].diffuse: 'rde': no colour; expected a "
                                "name or '#rrggbb'; did you mean 'red'?")
     assert told.value.place == f"{__file__}:{line}" and told.value.suggestion == "red"
+
+
+def test_a_wrong_texture_tells_its_place():
+    material = ts.Classic(specular=memoryview(bytes(10)).cast("B", [1, 2, 5]))
+    with pytest.raises(ts.SceneError, match=r"specular: texels: shape \(1, 2, 5\)") as told:
+        digest(ts.Sphere(material=material))
+    assert told.value.path == "nodes[0].materials[0].specular" and told.value.place.startswith(__file__)
+
+
+def test_values_that_are_no_part_of_a_scene_equal_nothing():
+    assert ts.Classic(diffuse="tomatoo") != ts.Classic(diffuse="tomato")
+    assert ts.Classic(diffuse="tomatoo") != ts.Classic(diffuse=memoryview(bytes(10)).cast("B", [1, 2, 5]))
+
+
+class Stops:
+    """Ctrl-C, or whatever, while a number of the user's is read."""
+    def __init__(self, what):
+        self.what = what
+
+    def __float__(self):
+        raise self.what
+
+    def __array__(self, *_):
+        raise self.what
+
+    def __index__(self):
+        raise self.what
+
+
+@pytest.mark.parametrize("what", [KeyboardInterrupt, MemoryError])
+@pytest.mark.parametrize("make", [
+    lambda stops: ts.Sphere(radius=stops), lambda stops: ts.Sphere(center=(stops, 0, 0)),
+    lambda stops: ts.PointLight(color=(stops, 0, 0)), lambda stops: ts.ImageTexture(width=stops),
+    lambda stops: ts.ImageTexture(texels=stops)])
+def test_what_is_not_about_the_value_passes(make, what):
+    for raised, expected in ((what, what), (RuntimeError, ts.SceneError)):
+        value = make(Stops(raised))
+        with pytest.raises(expected):
+            digest(ts.Sphere(material=ts.Unlit(color=value)) if isinstance(value, ts.Texture) else value)
 
 
 def test_whole_numbers_have_bounds():
@@ -132,6 +172,14 @@ def test_what_the_renderer_refuses_of_parts_without_names_has_its_line_in_the_sc
 @pytest.mark.parametrize("wrong, path, found", [
     (lambda s: s.add(ts.Sphere(), ts.Sphere(radius=-1)), "nodes[0].children[1].shape.radius", "-1"),
     (lambda s: s.add(ts.Torus(minor_radius=-2)), "nodes[0].shape.minor_radius", "-2"),
+    (lambda s: (s.instances(ts.Box(), [IDENTITY] * 2), s.nodes.append(ts.Sphere(radius=-3))),
+     "nodes[1].radius", "-3"),
+    (lambda s: (s.instances(ts.Box(), [IDENTITY] * 2), s.nodes.append(ts.Node(name="x", shape=ts.Sphere(radius=-3)))),
+     "nodes[1].shape.radius", "-3"),
+    (lambda s: s.nodes.append(ts.Node(billboard_axis=(0, 1, 0), shape=ts.Sphere(
+        radius=-4, transform=ts.scale(2)))), "nodes[0].shape.radius", "-4"),
+    (lambda s: s.nodes.append(ts.Node(billboard_axis=(0, 1, 0), children=[ts.Box()], shape=ts.Sphere(
+        radius=-4, transform=ts.scale(2)))), "nodes[0].shape.radius", "-4"),
     (lambda s: s.add(ts.Torus(minor_radius=-2), name="hall"), "nodes[0].shape.minor_radius", "-2"),
 ])
 def test_what_only_the_renderer_sees_has_its_line_too(wrong, path, found):

@@ -1,8 +1,14 @@
 """The keywords of render() are the options of the command line."""
 import inspect
 import re
+import warnings
+
+import numpy as np
+import pytest
+from tessera.compat import MeshIntersector
 
 import tessera as ts
+from tessera import rendering
 
 # What the command line has for files and terminals, which Python has otherwise.
 INSTEAD = {
@@ -24,14 +30,126 @@ def test_each_option_is_a_keyword(tessera):
 
 
 def test_options_of_numbers_are_those_of_pictures():
-    image = ts.Image.from_array([[.5]])
-    for name in OUTPUT:
-        try:
-            image.to_srgb(**{name.replace("-", "_"): "?"})
-        except ts.UsageError as error:
-            assert "no option is called so" not in str(error)
+    keywords = set(inspect.signature(ts.Image.save).parameters) - {"self", "paths", "unknown"}
+    assert keywords == {name.replace("-", "_") for name in OUTPUT}
+    assert set(inspect.signature(ts.Image.to_srgb).parameters) - {"self", "unknown"} < keywords
 
 
 def test_every_keyword_is_documented():
     text = inspect.getdoc(ts.render)
     assert all(f":param {name}:" in text for name in OF_PYTHON - {"scene", "unknown"})
+
+
+FRAME = {"size": (32, 18), "workers": 0, "threads": 1}
+SCENE = ts.Scene(nodes=[ts.Sphere()], frames=(0, 3))
+
+
+@pytest.mark.parametrize("given", [0, 1, 0., "no", ""])
+def test_flags_are_true_or_false(given):
+    with pytest.raises(ts.UsageError, match="^denoise: .*; expected true or false$"):
+        SCENE.render(denoise=given, **FRAME)
+
+
+def test_flags_of_numpy():
+    dark = ts.Scene(nodes=[ts.Sphere()], background=1)
+    plain = dark.render(denoise=np.bool_(False), spp=4, **FRAME)
+    assert plain == dark.render(spp=4, **FRAME) != dark.render(denoise=np.bool_(True), spp=4, **FRAME)
+
+
+@pytest.mark.parametrize("option", [{"spp": True}, {"spp": False}, {"size": True}, {"camera": False}])
+def test_others_are_no_flags(option):
+    with pytest.raises(ts.UsageError, match=f"^{next(iter(option))}: (true|false); expected"):
+        SCENE.render(**{**FRAME, **option})
+
+
+@pytest.mark.parametrize("option, message", [
+    ({"size": (64., 36)}, r"size: \(64\.0, 36\); expected"),
+    ({"crop": (0, 0, 9)}, r"crop: \(0, 0, 9\); expected"),
+    ({"crop": (0, 0, 99, 9)}, r"crop: 0,0,99,9; expected a part of the frame, 0,0,32,18"),
+    ({"integrator": "paht"}, "integrator: 'paht'; expected .* did you mean 'path'"),
+])
+def test_wrong_values_are_told_as_they_were_given(option, message):
+    with pytest.raises(ts.UsageError, match=message):
+        SCENE.render(**{**FRAME, **option})
+
+
+def test_counts_may_be_numbers_of_numpy():
+    with ts.LocalFarm(workers=np.int64(1), threads=np.uint8(1)) as farm:
+        assert repr(farm) == "LocalFarm(workers=1, threads=1)"
+    with pytest.raises(TypeError, match="workers: 1.5; expected a whole number"):
+        ts.LocalFarm(workers=1.5)
+
+
+IMAGE = ts.Image.from_array([[.5]])
+BOX = MeshIntersector([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+
+
+@pytest.mark.parametrize("call, keyword, near", [
+    (SCENE.render, "sppp", "spp"), (SCENE.frames, "sppp", "spp"), (IMAGE.to_srgb, "gama", "gamma"),
+    (lambda **keywords: IMAGE.save("x.png", **keywords), "ocio_vew", "ocio_view"),
+    (lambda **keywords: ts.load("x.x3d", **keywords), "x3d_strct", "x3d_strict"),
+    *((lambda name=name, **keywords: getattr(BOX, name)((0, 0, 1), (0, 0, -1), **keywords),
+       "ray_origns", "ray_origins") for name in ("intersects_id", "intersects_location", "intersects_first",
+                                                 "intersects_any")),
+])
+def test_unknown_keywords(call, keyword, near):
+    with pytest.raises(TypeError, match=f"has no keyword '{keyword}'; did you mean '{near}'?"):
+        call(**{keyword: 1})
+
+
+class OwnScene(ts.Scene):
+    __slots__ = ()
+
+
+class Scene:
+    """Of somebody else."""
+
+
+def test_scenes_are_told_by_their_class():
+    assert ts.render(OwnScene(nodes=[ts.Sphere()]), **FRAME) == ts.render(SCENE, **FRAME)
+    with pytest.raises(TypeError, match="scene: .* expected a Scene or the path of a file"):
+        ts.render(Scene(), **FRAME)
+
+
+def test_frames_share_one_farm(monkeypatch):
+    started = []
+    real = rendering.LocalFarm
+    monkeypatch.setattr(rendering, "LocalFarm", lambda *args: started.append(real(*args)) or started[-1])
+    assert [number for number, _ in SCENE.frames(size=(32, 18), workers=1)] == [0, 1, 2, 3]
+    assert len(started) == 1 and started[0].closed
+    first = SCENE.frames(size=(32, 18), workers=1)
+    next(first)
+    first.close()
+    assert len(started) == 2 and started[1].closed
+    with pytest.raises(ts.UsageError, match="first: 5; expected at most 3, the last frame"):
+        SCENE.frames(5)
+
+
+def test_warnings_name_the_script(tmp_path, monkeypatch):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl nothing\nf 1 3 2\n")
+    path = tmp_path / "a.obj"
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        scene = ts.load(path)
+        ts.render(path, **FRAME)
+        real = rendering._core.make_task
+        monkeypatch.setattr(rendering._core, "make_task", lambda *given: (real(*given)[0], ["odd"]))
+        list(scene.frames(0, 0, **FRAME))
+    of_scene = [warning for warning in told if warning.category is ts.SceneWarning]
+    assert len(of_scene) >= 3 and {warning.filename for warning in of_scene} == {__file__}
+
+
+def test_undefined_names_are_told_with_what_is_expected():
+    scene = ts.Scene(nodes=[ts.Sphere(material="glod"), ts.Sphere(material="brass")],
+                     materials=[ts.Classic(name="gold")])
+    with pytest.raises(ts.SceneError, match="'brass'.*'glod'; did you mean 'gold'.*; expected names that"):
+        scene.check()
+
+
+def test_load_has_the_options_of_reading(tessera):
+    of_files = set(re.findall(r"--(x3d-[a-z-]+|assets|place)\b", tessera("help", "render")))
+    keywords = set(inspect.signature(ts.load).parameters) - {"path", "frame", "unknown"}
+    assert keywords == {name.replace("-", "_") for name in of_files}
+    for name in keywords - {"place"}:
+        with pytest.raises(ts.Error, match=f"^{name}: "):
+            ts.load(__file__, **{name: "?"})

@@ -59,7 +59,7 @@ def test_shapes_and_types(image):
         assert image.aov(name).shape == (40, 60) and image.aov(name).dtype == np.float32
     assert image.aov("id").shape == (40, 60) and image.aov("id").dtype == np.uint32
     assert (image.aov("samples") == 4).all()
-    with pytest.raises(ts.UsageError, match="no 'dept'"):
+    with pytest.raises(ts.UsageError, match="aov: 'dept'; expected one of those that were rendered: albedo, .*did you mean 'depth'"):
         image.aov("dept")
 
 
@@ -79,8 +79,6 @@ def test_the_bytes_of_the_png(image, tmp_path):
     assert (decoded_png((tmp_path / "x.png").read_bytes()) == again).all()
     assert (decoded_png(image._repr_png_()) == image.to_srgb()).all()
     assert image.to_srgb().dtype == np.uint8 and (again != image.to_srgb()).any()
-    with pytest.raises(ts.UsageError, match="exposur: no option .* did you mean 'exposure'"):
-        image.to_srgb(exposur=1)
     with pytest.raises(ts.UsageError, match="nowhere"):
         image.save(tmp_path / "nowhere" / "x.png")
 
@@ -92,8 +90,9 @@ def test_a_large_picture_is_shown_smaller():
 
 def test_aovs_are_the_channels_of_the_exr(image, tmp_path):
     image.save(tmp_path / "x.exr")
-    names, values = ts._core.read_picture(str(tmp_path / "x.exr"))
+    names, values, is_float = ts._core.read_picture(str(tmp_path / "x.exr"))
     values = np.asarray(values)
+    assert is_float
     prefixes = {"normal": "N", "depth": "Z", "position": "P"}
     for name in image.aovs:
         prefix = prefixes.get(name, name)
@@ -130,8 +129,84 @@ def test_pictures_from_arrays(tmp_path):
     for wrong in (np.zeros((2, 2, 4)), np.zeros((0, 2, 3)), np.zeros(3)):
         with pytest.raises(ts.UsageError, match=r"expected \(h, w, 3\)"):
             ts.Image.from_array(wrong)
-    with pytest.raises(TypeError, match="numbers of type"):
-        ts.Image.from_array(np.zeros((2, 2, 3), complex))
+    with pytest.raises(ts.UsageError, match="no alpha: multiply it in, or leave it out by array"):
+        ts.Image.from_array(np.zeros((2, 2, 4), np.uint8))
+    for wrong in (complex, np.int64, np.int32, np.uint32, np.int8, bool, object):
+        with pytest.raises(TypeError, match="array: numbers of type .*; expected floats, uint8 or uint16"):
+            ts.Image.from_array(np.zeros((2, 2, 3), wrong))
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_whole_numbers_are_codes_in_srgb(kind):
+    most = np.iinfo(kind).max
+    codes = np.linspace(0, most, 256).astype(kind)[None]
+    shown = ts.Image.from_array(codes)
+    assert (shown.to_srgb()[:, :, 0] == np.arange(256)).all() and shown == ts.Image.from_array(codes, linear=False)
+    assert (ts.Image.from_array(codes, linear=True).linear[:, :, 0] == (codes / most).astype("f4")).all()
+    assert (ts.Image.from_array(codes / most).linear[:, :, 0] == (codes / most).astype("f4")).all()
+
+
+def test_the_bytes_of_a_picture_make_it_again(image):
+    codes = image.to_srgb()
+    assert (ts.Image.from_array(codes).to_srgb() == codes).all()
+
+
+def test_pictures_are_equal_that_have_the_same_beside_light(image):
+    plain = ts.Image.from_array(image.linear)
+    assert plain != image and plain == ts.Image.from_array(image.linear) and plain.sha256 == image.sha256
+    less = ts.render(KNOT, workers=0, size=(70, 50), crop=(5, 4, 65, 44), spp=4, aovs=["depth"])
+    assert less != image and less.sha256 == image.sha256
+    assert len({image, plain, less}) == 3 and image != "picture"
+
+
+def test_other_light_keeps_the_rest(image):
+    half = image.apply(lambda light: light / 2)
+    assert (half.linear == image.linear / 2).all() and half.aovs == image.aovs and half.stats == image.stats
+    for name in image.aovs:
+        assert np.array_equal(half.aov(name), image.aov(name)), name
+    assert half != image and half.apply(lambda light: light * 2) == image
+    asked = ts.Scene(width=4, height=4, exposure=2, background=(.3, .2, .1)).render(workers=0)
+    assert (asked.apply(lambda light: light).to_srgb() == asked.to_srgb()).all()
+    with pytest.raises(ts.UsageError, match=r"shape \(20, 60, 3\); expected \(40, 60, 3\)"):
+        image.apply(lambda light: light[::2])
+
+
+def test_all_files_are_written_that_can_be(image, tmp_path):
+    with pytest.raises(ts.Error) as told:
+        image.save(tmp_path / "no" / "a.png", tmp_path / "b.png", tmp_path / "c.what", tmp_path / "d.pfm")
+    assert len(str(told.value).splitlines()) == 2 and "c.what" in str(told.value)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["b.png", "d.pfm"]
+
+
+def test_what_a_file_holds_tells_whether_it_is_light(tmp_path):
+    values = np.random.default_rng(4).uniform(0, 1, (4, 5, 3)).astype("f4")
+    image = ts.Image.from_array(values)
+    for name in ("a.exr", "a.pfm", "a.png"):
+        image.save(tmp_path / name)
+    (tmp_path / "a.exr").rename(tmp_path / "exr.png")
+    (tmp_path / "a.png").rename(tmp_path / "png.exr")
+    assert (ts.read_image(tmp_path / "exr.png").linear == values).all()
+    assert (ts.read_image(tmp_path / "png.exr").to_srgb() == image.to_srgb()).all()
+    assert ts.compare(tmp_path / "exr.png", tmp_path / "a.pfm").max == 0
+    (tmp_path / "a.tiff").write_bytes(float_tiff(values))
+    assert (ts.read_image(tmp_path / "a.tiff").linear == values).all()
+
+
+def float_tiff(values):
+    """A file of 32-bit floats in one strip."""
+    height, width, _ = values.shape
+    tags = [(256, 4, 1, width), (257, 4, 1, height), (258, 3, 3, 8), (259, 3, 1, 1), (262, 3, 1, 2),
+            (273, 4, 1, 200), (277, 3, 1, 3), (278, 4, 1, height), (279, 4, 1, values.nbytes), (339, 3, 3, 14)]
+    entries = b"".join(struct.pack("<HHII", *tag) for tag in tags)
+    head = b"II*\0" + struct.pack("<I", 20) + struct.pack("<6H", 32, 32, 32, 3, 3, 3)
+    return (head + struct.pack("<H", len(tags)) + entries + bytes(4)).ljust(200, b"\0") + values.tobytes()
+
+
+def test_a_picture_that_is_missing():
+    for call in (ts.read_image, lambda path: ts.compare(path, path)):
+        with pytest.raises(ts.MissingFile, match="^nope.png: there is no such file; expected a picture") as told:
+            call("nope.png")
+        assert told.value.filename == "nope.png"
 
 
 def test_pictures_are_compared():

@@ -157,7 +157,7 @@ WRONG = [
     (dict(t_min="x"), "t_min: dtype"),
     (dict(origins=np.zeros((4, 3), complex)), "origins: dtype complex128; expected float64"),
     (dict(cull="bakc"), "cull: 'bakc'; expected one of none, back, front; did you mean 'back'?"),
-    (dict(threads=0), "threads: 0; expected a whole number from 1 to 4096"),
+    (dict(threads=0), "threads: 0; expected a whole number from 1 to 1024"),
     (dict(fields=("t", "primitve")), "did you mean 'primitive'?"),
 ]
 
@@ -167,6 +167,24 @@ def test_wrong_arguments_are_told(closed, wrong, told):
     with pytest.raises(ValueError) as raised:
         closed[0].intersect(**{"origins": [1, 1, 1], "directions": [0, 0, 1], **wrong})
     assert told in str(raised.value) and isinstance(raised.value, ts.UsageError)
+
+
+@pytest.mark.parametrize("threads", [-1, 0, 10**9, 1.5, True, "2"])
+def test_a_wrong_number_of_threads_is_told_when_a_tracer_is_made(threads):
+    with pytest.raises(ts.UsageError, match="threads: .*expected a whole number from 1 to 1024"):
+        ts.Scene(nodes=[ts.Box()]).tracer(threads=threads)
+
+
+@pytest.mark.parametrize("options", [{}, dict(frame_all=True)])
+def test_rays_of_a_camera_for_another_size_are_those_of_a_scene_of_that_size(options):
+    def made(width, height, camera=None):
+        scene = ts.Scene(width=width, height=height, nodes=[ts.Sphere((3, 2, 1), 2)])
+        scene.cameras = [ts.Camera(name="other"), ts.Camera(name="c", **options)]
+        scene.cameras[1].perspective = ts.Perspective(field_of_view=31)
+        return scene.tracer(threads=2, camera=camera)
+    for got, expected in zip(made(64, 36).camera_rays((12, 20), "c"), made(12, 20, "c").camera_rays()):
+        assert np.array_equal(got, expected) and got.shape == (20, 12, 3)
+    assert not np.array_equal(made(12, 20).camera_rays(camera="c")[1], made(12, 20).camera_rays()[1])
 
 
 def test_wrong_meshes_scenes_and_shapes_are_told(closed):

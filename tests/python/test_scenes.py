@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import pickle
 import subprocess
 import warnings
 
@@ -83,6 +84,64 @@ def test_instances_are_nodes():
     for i in range(3):
         few.add(cube, transform=ts.matrix(matrices[i]))
     assert many == few and many.info().counts == few.info().counts
+
+
+def test_transforms_of_instances_stay_checked():
+    scene = ts.Scene()
+    many = scene.instances(ts.Box(), [np.eye(4)] * 3, names=["a", "b", "c"])
+    many.transforms = [ts.translate(1, 0, 0), ts.scale(2), ts.rotate("x", 90)]
+    assert many.transforms.shape == (3, 3, 4) and many.transforms[0, 0, 3] == 1
+    for wrong in (np.zeros((2, 2)), np.full((3, 3, 4), np.nan), "matrices"):
+        with pytest.raises((ValueError, TypeError), match="transforms: "):
+            many.transforms = wrong
+    assert eval(repr(many), vars(ts)) == many and pickle.loads(pickle.dumps(many)) == many
+    many.names.pop()
+    with pytest.raises(ts.SceneError, match="2 names; expected 3, one an instance") as told:
+        scene.digest
+    assert told.value.path == "nodes[0]" and told.value.place.startswith(__file__)
+    many.names = None
+    for array, found in ((ts.Array.of([1.0], "d", [1]), r"shape \(1,\)"), (np.zeros((9, 3, 4)), "a numpy"),
+                         (ts.Array.of([0.0] * 12, "f", [1, 3, 4]), "shape")):
+        ts.Instances._transforms.__set__(many, array)
+        with pytest.raises(ts.SceneError, match=found):
+            scene.digest
+
+
+def test_properties_are_equal_in_any_order():
+    properties = {f"key {i}": str(i) for i in range(60)}
+    for _ in range(20):
+        assert ts.Metadata(properties=properties) == ts.Metadata(properties=dict(reversed(properties.items())))
+
+
+@pytest.mark.parametrize("value", [
+    ts.Scene(spp=np.int64(4)), ts.Sphere(radius=np.float64(.5)), ts.Sphere(center=np.array([1, 2, 3])),
+    ts.Sphere(center=np.array([1, 2, 3], ">i2")), ts.Sphere(center=np.array([1, 2, 3], "u8")),
+    ts.Sphere(flip_normals=np.bool_(True)), ts.Sphere(center=np.array([.5, 2, 3], ">f4"))])
+def test_numbers_of_numpy_print_as_what_makes_them_again(value):
+    assert eval(repr(value), vars(ts)) == value
+    assert "Array" not in repr(ts.Sphere(radius=np.float64(.5))) and repr(ts.Sphere(center=np.array(["x"])))
+
+
+def test_what_is_added_keeps_all_it_has():
+    other, scene = ts.Scene(includes=[ts.Include("room.tessera")]), ts.Scene()
+    scene.add(other)
+    assert scene.includes == other.includes
+    for thing in (ts.Node(), ts.Object(), other, scene.instances("cube", [np.eye(4)])):
+        with pytest.raises(TypeError, match=f"material: for a {type(thing).__name__}.*expected shapes"):
+            scene.add(thing, material="red")
+    with pytest.raises(TypeError, match="material: for a Object"):
+        scene.instances(ts.Object("cube"), [np.eye(4)], material="red")
+    with pytest.raises(TypeError, match="nothing; expected a Shape"):
+        scene.add()
+    red = scene.add(ts.Sphere(), ts.PointLight(), material="red")
+    assert red.children[0].shape.materials == ["red"] and scene.add([]).children == []
+
+
+@pytest.mark.parametrize("make", [ts.translate, ts.scale])
+def test_two_numbers_are_no_transform(make):
+    for numbers in (dict(x=1, y=2), dict(x=1, z=2)):
+        with pytest.raises(TypeError, match=r"\(\) of 2 numbers; expected 1 or 3"):
+            make(**numbers)
 
 
 def test_shapes_combine():

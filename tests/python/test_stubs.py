@@ -203,7 +203,8 @@ def test_frames_and_jobs_take_the_options_of_render():
         return set(inspect.signature(function).parameters)
     of_files = {"place", "assets", "x3d_color", "x3d_shadows", "x3d_texture", "x3d_weld", "x3d_strict",
                 "x3d_two_sided"}
-    assert options(ts.render) - options(ts.Scene.frames) == {"scene", "time", "frame", "wait", *of_files}
+    assert options(ts.render) - options(ts.Scene.frames) == {
+        "scene", "time", "frame", "wait", "resume", *of_files}
     assert options(ts.render) - options(ts.Farm.submit) == {
         "frame", "wait", "workers", "threads", "verify", "farm", "progress", "on_tile", "denoise", "resume"}
 

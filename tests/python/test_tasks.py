@@ -211,10 +211,10 @@ def test_worker_processes_are_kept(expected):
 
 
 @pytest.mark.parametrize("wrong, message", [
-    ({"spp": 0}, "spp: '0'; expected a whole number"),
+    ({"spp": 0}, "spp: 0; expected a whole number"),
     ({"min_spp": 4}, "min_spp: is for target_error"),
     ({"accel": "bvj"}, "did you mean 'bvh'"),
-    ({"crop": (0, 0, 2000, 1)}, "crop: reaches beyond"),
+    ({"crop": (0, 0, 2000, 1)}, "crop: 0,0,2000,1; expected a part of the frame, 0,0,960,540"),
     ({"frame": 1, "time": 2.}, "time: a frame has its own instant"),
     ({"workers": -1}, "workers: -1; expected a whole number from 1 to 1024"),
     ({"threads": 0}, "threads: 0; expected a whole number from 1 to 1024"),

@@ -61,7 +61,8 @@ struct ImageRequest {
   enum Call : uint32_t {
     encode,      ///< payload: pixels, 3 channels or those named; the reply: the file's bytes
     decode_all,  ///< of a file: all channels as floats, alpha not multiplied in, then the
-                 ///< channels' names, each ended by a zero
+                 ///< channels' names, each ended by a zero, then kFloats if the file holds
+                 ///< floats
     decode,      ///< of a file: pixels as it has them, at most 4 channels, in the fewest bits that
                  ///< hold them, alpha not multiplied in
     convert_colors,  ///< payload: pixels of 3 floats; the reply: the same by OpenColorIO
@@ -79,7 +80,8 @@ struct ImageRequest {
   uint64_t payload_bytes = 0;    ///< or, of a file to decode, those of the memory
 
   bool decodes() const { return call == decode_all || call == decode; }
-  static constexpr uint32_t kVersion = 11;
+  static constexpr uint32_t kVersion = 12;
+  static constexpr std::string_view kFloats = "floats";
 };
 
 /// The program's argument where it shall convert colours, for which it may read files, and decode

@@ -156,6 +156,7 @@ ImageAnswer decode_all(const std::string& format, int file) {
   read_pixels(*input, OIIO::TypeDesc::FLOAT, PixelLayout::kMostChannels, answer);
   std::string names;
   for (int i = 0; i < spec.nchannels; ++i) names.append(spec.channel_name(i)).push_back('\0');
+  if (spec.channelformat(0).is_floating_point()) names += ImageRequest::kFloats;
   if (names.size() > PixelLayout::kLongestNames) fail_image("its channels have too long names");
   answer.payload.insert(answer.payload.end(), names.begin(), names.end());
   return answer;

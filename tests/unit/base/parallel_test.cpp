@@ -34,5 +34,26 @@ TEST(Parallel, ThrowsTheFirstOfTheFailures) {
   }
 }
 
+TEST(Parallel, EndsEarlyWhereTheCallerIsCancelled) {
+  for (const int threads : {1, 4}) {
+    std::atomic<bool> flag{false};
+    std::atomic<int> done{0};
+    const Cancellation cancellation(&flag);
+    const auto work = [&] {
+      for_each_parallel(4, threads, [&](size_t) {
+        for_each_parallel(1000, threads, [&](size_t) {
+          if (++done >= 10) flag = true;
+        });
+      });
+    };
+    EXPECT_THROW(work(), WorkCancelled);
+    EXPECT_GE(done, 10);
+    EXPECT_LE(done, 9 + threads * threads);
+    flag = false;
+    EXPECT_NO_THROW(for_each_parallel(4, threads, [](size_t) {}));
+  }
+  EXPECT_EQ(Cancellation::current(), nullptr);
+}
+
 }  // namespace
 }  // namespace tessera
