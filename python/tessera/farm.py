@@ -76,8 +76,9 @@ class Farm(BaseFarm):
         all of it. The options are those of `render` that say what to render."""
         options = {name: value for name, value in locals().items() if name not in _OF_JOBS}
         access = self._ask()
-        if not -1000 <= priority <= 1000:
-            raise UsageError(f"priority: {priority}; expected a whole number from -1000 to 1000")
+        most = _core.most_priority
+        if not -most <= priority <= most:
+            raise UsageError(f"priority: {priority}; expected a whole number from {-most} to {most}")
         if not 1 <= weight <= 1000:
             raise UsageError(f"weight: {weight}; expected a whole number from 1 to 1000")
         refused = set(unknown) & {"workers", "threads", "verify", "farm", "progress", "wait"}
