@@ -140,10 +140,9 @@ std::string what_prevents_sharing(const ArraySource& source, ElementType type) {
 }
 
 /// Texels keep their type where textures have it.
-ElementType texel_type(const ArraySource& source) {
-  if (source.kind == 'u' && source.item_size == 1) return kElementOf<uint8_t>;
-  if (source.kind == 'f' && source.item_size == 2) return {'e', 2};
-  if (source.kind == 'f') return kElementOf<float>;
+ElementType kept_texel_type(const ArraySource& source) {
+  if (source.kind == 'u' && source.item_size == 1) return texel_type(8);
+  if (source.kind == 'f') return texel_type(source.item_size == 2 ? 16 : 32);
   throw py::type_error("texels: integers of more than 8 bits; expected uint8, float16 or float32");
 }
 
@@ -219,6 +218,11 @@ py::tuple take_positions(py::handle given, py::handle copy, bool recenter) {
 
 }  // namespace
 
+ElementType texel_type(uint32_t bits) {
+  if (bits == 32) return kElementOf<float>;
+  return bits == 16 ? ElementType{'e', 2} : kElementOf<uint8_t>;
+}
+
 std::pair<ElementType, py::ssize_t> blob_layout(const std::string& field) {
   static const std::map<std::string, std::pair<ElementType, py::ssize_t>> layouts = {
       {"positions", {kElementOf<float>, 3}},    {"normals", {kElementOf<float>, 3}},
@@ -234,7 +238,7 @@ py::object take_blob_array(py::handle given, const std::string& field, py::handl
   const ArraySource source = array_source(given, field);
   const bool is_texels = field == "texels";
   if (is_texels) {
-    type = texel_type(source);
+    type = kept_texel_type(source);
   } else {
     // The number of triangles is free; `rows` bounds what they refer to.
     check_shape(source, field, columns, field == "triangles" ? -1 : rows);

@@ -27,6 +27,9 @@ std::pair<Digest, BlobData> blob_of(const Array& array);
 /// The array of a field's blob, for handing out.
 Array array_of_blob(BlobData blob, ElementType type, Array::Shape shape);
 
+/// The type of texels of so many bits.
+ElementType texel_type(uint32_t bits);
+
 /// The type of that field's elements, and how many there are in a row (0: one, without an axis).
 std::pair<ElementType, pybind11::ssize_t> blob_layout(const std::string& field);
 

@@ -7,6 +7,8 @@
 #include "front/texture_decoder.h"
 #include "python/array.h"
 #include "python/bindings.h"
+#include "python/mesh_arrays.h"
+#include "renderer/math/encodings.h"
 #include "scenes/import/mip_levels.h"
 
 namespace py = pybind11;
@@ -14,21 +16,10 @@ namespace py = pybind11;
 namespace tessera {
 namespace {
 
-ElementType element_of(uint32_t bits) {
-  switch (bits) {
-    case 8:
-      return kElementOf<uint8_t>;
-    case 16:
-      return {'e', 2};
-    default:
-      return kElementOf<float>;
-  }
-}
-
 /// The picture in a file: (h, w, c) uint8, half or float, as the file has them.
 Array read_texture(const std::string& path) {
   const DecodedTexture decoded = decode_texture(path, false);
-  return Array(decoded.texels, decoded.texels->data(), element_of(decoded.bits),
+  return Array(decoded.texels, decoded.texels->data(), texel_type(decoded.bits),
                {decoded.height, decoded.width, decoded.channels});
 }
 
@@ -53,6 +44,7 @@ std::pair<Array, uint32_t> with_mip_levels(const Array& texels, bool is_srgb) {
 void bind_textures(py::module_& module) {
   module.def("read_texture", &read_texture, py::call_guard<py::gil_scoped_release>(),
              "The picture in a file as an array.");
+  module.def("srgb_to_linear", &srgb_to_linear, "A channel of sRGB from 0 to 1 as linear light.");
   module.def("with_mip_levels", &with_mip_levels, "Texels with all smaller levels behind them.");
 }
 

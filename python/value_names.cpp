@@ -6,6 +6,7 @@
 
 #include "base/digest.h"
 #include "base/lower_case.h"
+#include "python/generate/named_things.h"
 #include "python/value_reader.h"
 
 // The part of ValueReader that puts materials, textures and objects where their names are wanted.
@@ -24,16 +25,15 @@ const pb::FieldDescriptor* list_of(const pb::Descriptor* type) {
 }
 
 const pb::Descriptor* named_type(const pb::FieldDescriptor& field) {
-  const std::string& name = field.name();
-  const pb::Descriptor* owner = field.containing_type();
-  if (owner == v1::Background::Cube::descriptor() || name == "texture" || name == "normal_map") {
-    return v1::Texture::descriptor();
+  static auto* const known =
+      new std::unordered_map<const pb::FieldDescriptor*, const pb::Descriptor*>;
+  const auto [at, is_new] = known->try_emplace(&field);
+  if (is_new) {
+    const std::string full = field.full_name();
+    const std::string type = type_named_by(full.substr(field.file()->package().size() + 1));
+    if (!type.empty()) at->second = field.file()->FindMessageTypeByName(type);
   }
-  const bool is_material = name == "materials" ||
-                           (name == "back" && owner == v1::Material::descriptor()) ||
-                           (name == "material" && owner == v1::Include::descriptor());
-  if (is_material) return v1::Material::descriptor();
-  return name == "instance_of" ? v1::Object::descriptor() : nullptr;
+  return at->second;
 }
 
 std::string describe_found(py::handle value) {

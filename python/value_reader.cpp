@@ -132,7 +132,7 @@ void ValueReader::read_fields(py::handle value, const ValueClass& made, Message&
 
 void ValueReader::read_field(py::handle held, const Field& field, Message& message) {
   if (field.is_map()) {
-    read_map(held, field, message);
+    read_map(held, message);
   } else if (field.is_repeated()) {
     read_list(held, field, message);
   } else {
@@ -160,10 +160,10 @@ void ValueReader::read_list(py::handle held, const Field& field, Message& messag
   }
 }
 
-void ValueReader::read_map(py::handle held, const Field& field, Message& message) {
+/// Of the one map that there is, which the generator of the classes sees to.
+void ValueReader::read_map(py::handle held, Message& message) {
   if (!py::isinstance<py::dict>(held)) fail(describe_found(held), "a dict of text");
   auto& map = *static_cast<v1::Metadata&>(message).mutable_properties();
-  if (field.containing_type() != v1::Metadata::descriptor()) return;
   for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(held)) {
     map[to_text(key)] = to_text(value);
   }
@@ -306,72 +306,6 @@ void ValueReader::read_array(py::handle held, const Field& field, v1::BlobRef& m
   blobs_.put(digest, bytes);
   message.set_digest(digest.hex());
   message.set_size(bytes->size());
-}
-
-void ValueReader::read_node(py::handle held, v1::Node& node) {
-  const ValueClass* made = find_value_class(held);
-  if (made && made->message == v1::Shape::descriptor()) {
-    read(held, *node.mutable_shape());
-    add_shape_transform(held, node);
-  } else if (made && made->message == v1::Light::descriptor()) {
-    read(held, *node.mutable_light());
-  } else if (made && made->message == v1::Object::descriptor()) {
-    node.set_instance_of(collect(held, *made));
-  } else {
-    read(held, node);
-  }
-}
-
-/// A shape's own transform acts first, then that of its node. A billboard turns between them.
-void ValueReader::add_shape_transform(py::handle shape, v1::Node& node) {
-  const ValueClass& made = *find_value_class(shape);
-  const py::object held = get_slot(made.field("transform"), shape);
-  if (held.is_none()) return;
-  v1::Transform transform;
-  read(held, transform);
-  if (transform.steps().empty()) return;
-  if (node.has_billboard_axis()) {
-    v1::Node& child = *node.add_children();
-    child.mutable_shape()->Swap(node.mutable_shape());
-    node.clear_shape();
-    *child.mutable_transform() = transform;
-    return;
-  }
-  for (v1::TransformKey& key : *node.mutable_keys()) {
-    key.mutable_transform()->MergeFrom(transform);
-  }
-  if (node.keys().empty()) node.mutable_transform()->MergeFrom(transform);
-}
-
-void ValueReader::read_instances(py::handle instances, const Field& field, Message& message) {
-  values_.push_back(instances);
-  const py::object object = instances.attr("object"), names = instances.attr("names");
-  const ValueClass* made = find_value_class(object);
-  const std::string name = made ? collect(object, *made) : to_text(object);
-  const py::object transforms = instances.attr("_transforms");
-  if (!py::isinstance<Array>(transforms)) fail(describe_found(transforms), "an Array");
-  const Array& matrices = transforms.cast<const Array&>();
-  const Array::Shape& shape = matrices.shape();
-  if (matrices.type().code != 'd' || shape.size() != 3 || shape[1] != 3 || shape[2] != 4) {
-    fail(fmt::format("transforms of shape {}", shape_text(shape)), "(any, 3, 4) of float64");
-  }
-  py::list texts;
-  if (!names.is_none()) {
-    texts = py::list(names);
-    if (std::ssize(texts) != shape[0]) {
-      fail(fmt::format("{} names", texts.size()), fmt::format("{}, one an instance", shape[0]));
-    }
-  }
-  const auto* numbers = static_cast<const double*>(matrices.data());
-  for (py::ssize_t i = 0; i < shape[0]; ++i, numbers += 12) {
-    auto& node = static_cast<v1::Node&>(*message.GetReflection()->AddMessage(&message, &field));
-    node.set_instance_of(name);
-    if (!names.is_none()) node.set_name(to_text(texts[static_cast<size_t>(i)]));
-    auto& rows = *node.mutable_transform()->add_steps()->mutable_matrix()->mutable_rows();
-    rows.Reserve(12);
-    rows.Add(numbers, numbers + 12);
-  }
-  values_.pop_back();
 }
 
 /// A material, texture or object of the scene's own lists.

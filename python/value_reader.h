@@ -17,6 +17,7 @@ namespace tessera {
 /// The scene's list of materials, of textures or of objects; null for any other type.
 const google::protobuf::FieldDescriptor* list_of(const google::protobuf::Descriptor* type);
 /// The type that a string field may be given instead of its name; null: none.
+/// Needs the GIL.
 const google::protobuf::Descriptor* named_type(const google::protobuf::FieldDescriptor& field);
 /// What a value is, for messages: a number or text itself, or "a Sphere".
 std::string describe_found(pybind11::handle value);
@@ -69,7 +70,7 @@ class ValueReader {
   void read_fields(pybind11::handle value, const ValueClass& made, Message& message);
   void read_field(pybind11::handle held, const Field& field, Message& message);
   void read_list(pybind11::handle held, const Field& field, Message& message);
-  void read_map(pybind11::handle held, const Field& field, Message& message);
+  void read_map(pybind11::handle held, Message& message);
   void read_one(pybind11::handle held, const Field& field, Message& message);
   void read_message(pybind11::handle held, const Field& field, Message& message);
   void read_input(pybind11::handle held, Message& message);

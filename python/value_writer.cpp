@@ -117,8 +117,7 @@ class ValueWriter {
     Array::Shape shape = {0};
     if (field == "texels") {
       const auto& image = static_cast<const v1::Texture::Image&>(owner);
-      if (image.bits() == 16) type = {'e', 2};
-      if (image.bits() == 32) type = kElementOf<float>;
+      type = texel_type(image.bits());
       shape = {image.height(), image.width(), image.channels()};
     }
     const auto count = static_cast<py::ssize_t>(blob->size()) / type.size;

@@ -39,6 +39,12 @@ int main(int count, char** arguments) {
   google::protobuf::DescriptorPool pool;
   const google::protobuf::FileDescriptor* file = pool.BuildFile(files.file(0));
   if (!file) return 1;
+  for (int i = 0; i < file->message_type_count(); ++i) {
+    const std::string fault = tessera::unknown_field(*file->message_type(i));
+    if (fault.empty()) continue;
+    std::fprintf(stderr, "%s\n", fault.c_str());
+    return 1;
+  }
   std::string text = kHead + tessera::enumerations(*file);
   const std::vector<tessera::PythonClass> classes = tessera::python_classes(*file);
   for (const tessera::PythonClass& made : classes) text += tessera::to_python(made);

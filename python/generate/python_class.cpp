@@ -9,6 +9,7 @@
 #include <set>
 
 #include "python/generate/enum_names.h"
+#include "python/generate/named_things.h"
 
 namespace tessera {
 namespace {
@@ -35,15 +36,6 @@ const std::map<std::string, std::string> kWords = {{"Settings.accelerator", "Acc
 const std::map<std::string, std::string> kRenamed = {{"TriangleMesh", "Mesh"},
                                                      {"Texture.GradientRamp", "GradientTexture"},
                                                      {"Light.Cylinder", "BeamLight"}};
-/// String fields that name a thing of the scene, for which the thing itself is taken too.
-const std::map<std::string, std::string> kNames = {
-    {"ColorInput.texture", "Texture"},    {"FloatInput.texture", "Texture"},
-    {"Material.normal_map", "Texture"},   {"Background.Panorama.texture", "Texture"},
-    {"Background.Cube.front", "Texture"}, {"Background.Cube.back", "Texture"},
-    {"Background.Cube.left", "Texture"},  {"Background.Cube.right", "Texture"},
-    {"Background.Cube.top", "Texture"},   {"Background.Cube.bottom", "Texture"},
-    {"Material.back", "Material"},        {"Shape.materials", "Material"},
-    {"Include.material", "Material"},     {"Node.instance_of", "Object"}};
 
 std::string short_name(const std::string& full_name) {
   return full_name.substr(std::string("tessera.v1.").size());
@@ -55,6 +47,22 @@ std::string class_name(const pb::Descriptor& message) {
   const pb::Descriptor* parent = message.containing_type();
   if (!parent) return message.name();
   return is_union(*parent) ? message.name() + parent->name() : parent->name() + message.name();
+}
+
+/// What of a field ValueReader and ValueWriter do not know; empty: nothing.
+std::string unknown_kind(const pb::FieldDescriptor& field) {
+  using Field = pb::FieldDescriptor;
+  const auto type = field.cpp_type();
+  if (field.is_map()) {
+    return short_name(field.full_name()) == "Metadata.properties" ? "" : "a second map";
+  }
+  if (type == Field::CPPTYPE_INT64 || type == Field::CPPTYPE_UINT64) return "a number of 64 bits";
+  if (field.type() == Field::TYPE_BYTES) return "bytes";
+  const bool may_be_many = type == Field::CPPTYPE_DOUBLE || type == Field::CPPTYPE_FLOAT ||
+                           type == Field::CPPTYPE_UINT32 || type == Field::CPPTYPE_STRING ||
+                           type == Field::CPPTYPE_MESSAGE;
+  return field.is_repeated() && !may_be_many ? fmt::format("many of type {}", field.cpp_type_name())
+                                             : "";
 }
 
 /// The comments before and behind it, as one paragraph.
@@ -98,7 +106,8 @@ std::string element_type(const pb::FieldDescriptor& field) {
     case pb::FieldDescriptor::CPPTYPE_STRING: {
       const std::string name = short_name(field.full_name());
       if (kWords.contains(name)) return kWords.at(name);
-      return kNames.contains(name) ? fmt::format("Union[str, {}]", kNames.at(name)) : "str";
+      const std::string named = type_named_by(name);
+      return named.empty() ? "str" : fmt::format("Union[str, {}]", named);
     }
     case pb::FieldDescriptor::CPPTYPE_MESSAGE: {
       const std::string name = short_name(field.message_type()->full_name());
@@ -309,6 +318,22 @@ std::string quoted(const std::vector<PythonField>& fields) {
 bool is_union(const pb::Descriptor& message) {
   const pb::OneofDescriptor* kinds = kinds_of(message);
   return kinds && kinds->name() == "kind" && message.FindFieldByName("name") != nullptr;
+}
+
+std::string unknown_field(const pb::Descriptor& message) {
+  if (kPlain.contains(short_name(message.full_name()))) return "";
+  for (int i = 0; i < message.field_count(); ++i) {
+    const pb::FieldDescriptor& field = *message.field(i);
+    const std::string kind = unknown_kind(field);
+    if (!kind.empty())
+      return fmt::format("{}: {}; expected what values of Python are made of", field.full_name(),
+                         kind);
+  }
+  for (int i = 0; i < message.nested_type_count(); ++i) {
+    const std::string inside = unknown_field(*message.nested_type(i));
+    if (!inside.empty()) return inside;
+  }
+  return "";
 }
 
 std::vector<PythonClass> python_classes(const pb::FileDescriptor& file) {

@@ -31,6 +31,10 @@ struct PythonClass {
 /// fields, such as Shape, Light, Material and Texture.
 bool is_union(const google::protobuf::Descriptor& message);
 
+/// The first field of a message, or of one inside it, that python/value_reader.h and value_writer.h
+/// do not know, with what it is; empty: there is none.
+std::string unknown_field(const google::protobuf::Descriptor& message);
+
 /// The classes of all messages of a file, bases before what derives from them.
 std::vector<PythonClass> python_classes(const google::protobuf::FileDescriptor& file);
 

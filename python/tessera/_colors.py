@@ -4,6 +4,7 @@ from __future__ import annotations
 import colorsys
 from typing import Any, NamedTuple
 
+from . import _core
 from ._core import Vec
 from ._types import ColorLike
 from ._value import nearest
@@ -62,12 +63,7 @@ def color(given: ColorLike) -> Color:
 
 def hsl(hue: float, saturation: float, lightness: float) -> Color:
     """The colour of a hue in degrees, a saturation and a lightness from 0 to 1, decoded from sRGB."""
-    return Color(*map(_decoded, colorsys.hls_to_rgb(hue / 360 % 1, lightness, saturation)))
-
-
-def _decoded(value: float) -> float:
-    """From sRGB to linear, IEC 61966-2-1."""
-    return float(value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4)
+    return Color(*map(_core.srgb_to_linear, colorsys.hls_to_rgb(hue / 360 % 1, lightness, saturation)))
 
 
 def _from_text(text: str) -> Color:
@@ -79,5 +75,5 @@ def _from_text(text: str) -> Color:
     if len(digits) != 6 or not set(digits) <= set("0123456789abcdef"):
         hint = nearest(word, list(COLORS))
         raise SceneError(f"'{text}': no colour; expected a name or '#rrggbb'{hint}")
-    r, g, b = (_decoded(int(digits[i:i + 2], 16) / 255) for i in (0, 2, 4))
+    r, g, b = (_core.srgb_to_linear(int(digits[i:i + 2], 16) / 255) for i in (0, 2, 4))
     return Color(r, g, b)

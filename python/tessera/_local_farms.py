@@ -124,7 +124,8 @@ class Threads(BaseFarm):
         return f"Threads({self.count or ''})"
 
 
-def _count(name: str, value: SupportsIndex, most: int = 1024) -> int:
+def _count(name: str, value: SupportsIndex) -> int:
+    most = _core.most_threads
     if isinstance(value, bool) or not hasattr(value, "__index__"):
         raise TypeError(f"{name}: {value!r}; expected a whole number")
     count = operator.index(value)

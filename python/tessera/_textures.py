@@ -11,8 +11,6 @@ from ._transforms import Transform
 from ._types import ArrayLike, Path
 from ._value import here
 
-_BITS = {"B": 8, "e": 16, "f": 32}
-
 
 class ImageTexture(_messages.ImageTexture):
     """A picture, from an array (h, w) or (h, w, channels) of uint8, float16 or float32, or from a
@@ -49,12 +47,9 @@ class ImageTexture(_messages.ImageTexture):
         shape = texels.shape
         if len(shape) not in (2, 3) or 0 in shape or (len(shape) == 3 and not 1 <= shape[2] <= 4):
             raise ValueError(f"texels: shape {shape}; expected (h, w) or (h, w, c) with 1 to 4 channels")
-        if texels.format not in _BITS:
-            raise TypeError(f"texels: numbers of type {texels.format!r}; expected uint8, float16 or "
-                            "float32")
         self.height, self.width = shape[:2]
         self.channels = shape[2] if len(shape) == 3 else 1
-        self.bits = _BITS[texels.format]
+        self.bits = 8 * memoryview(texels).itemsize  # type: ignore[arg-type]
         if encoding is None and self.bits > 8:
             self.encoding = "linear"
         wants_levels = self.filter in (None, "trilinear") and not self.texels_at_corners

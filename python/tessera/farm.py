@@ -82,8 +82,9 @@ class Farm(BaseFarm):
         if unknown:
             refuse_unknown("submit", unknown, [*options, *_OF_JOBS])
         access = self._ask()
-        if not -1000 <= priority <= 1000:
-            raise UsageError(f"priority: {priority}; expected a whole number from -1000 to 1000")
+        most = _core.most_priority
+        if not -most <= priority <= most:
+            raise UsageError(f"priority: {priority}; expected a whole number from {-most} to {most}")
         if not 1 <= weight <= 1000:
             raise UsageError(f"weight: {weight}; expected a whole number from 1 to 1000")
         number, told = access.submit(core_options(options, of_jobs=True), checked_scene(scene), name,

@@ -1,0 +1,38 @@
+"""The classes are made of fields that the module can read and write; others end the build."""
+import os
+import pathlib
+import shutil
+import subprocess
+
+import pytest
+
+GENERATOR = pathlib.Path(os.environ["TESSERA_PROGRAM"]).parent / "generate_messages"
+pytestmark = pytest.mark.skipif(not (shutil.which("protoc") and GENERATOR.exists()),
+                                reason="needs protoc and the generator of this build")
+
+
+def generate(tmp_path, field):
+    (tmp_path / "scene.proto").write_text(f"""
+        syntax = "proto3"; package tessera.v1; enum Kind {{ NONE = 0; }}
+        message Metadata {{ map<string, string> properties = 1; }}
+        message BlobRef {{ string digest = 1; uint64 size = 2; }}
+        message Scene {{ Metadata metadata = 1; message Inside {{ {field} = 1; }} Inside inside = 2; }}""")
+    subprocess.run(["protoc", "--proto_path=.", "--include_source_info", "--descriptor_set_out=scene.descriptors",
+                    "scene.proto"], check=True, cwd=tmp_path)
+    return subprocess.run([GENERATOR, "scene.descriptors", "made.py"], capture_output=True, text=True, cwd=tmp_path)
+
+
+@pytest.mark.parametrize("field, found", [
+    ("int64 much", "a number of 64 bits"), ("uint64 much", "a number of 64 bits"), ("bytes much", "bytes"),
+    ("map<string, string> much", "a second map"), ("repeated bool much", "many of type bool"),
+    ("repeated int32 much", "many of type int32"), ("repeated Kind much", "many of type enum")])
+def test_a_field_that_values_cannot_have_ends_the_build(tmp_path, field, found):
+    done = generate(tmp_path, field)
+    assert done.returncode == 1 and not (tmp_path / "made.py").exists()
+    assert done.stderr == f"tessera.v1.Scene.Inside.much: {found}; expected what values of Python are made of\n"
+
+
+@pytest.mark.parametrize("field", ["repeated double much", "repeated uint32 much", "repeated string much",
+                                   "repeated Metadata much", "optional bool much", "Kind much", "BlobRef much"])
+def test_other_fields_become_attributes(tmp_path, field):
+    assert generate(tmp_path, field).returncode == 0 and "    much: " in (tmp_path / "made.py").read_text()
