@@ -514,7 +514,7 @@ MUTATIONS = [
              "  state_->start = std::move(start);",
              "  state_->start = [farm = std::make_shared<std::unique_ptr<TracingFarm>>(start())] {\n"
              "    return std::move(*farm);\n  };", PYTHON, "test_interrupt.py"),
-    Mutation("Python: a keyword has no effect", "python/tessera/rendering.py",
-             "        if value is None or value is False:", "        if value is None or value is False or name == 'seed':",
+    Mutation("Python: a keyword has no effect", "python/tessera/_options.py",
+             "if each is not None and not (", "if each is not None and name != 'seed' and not (",
              PYTHON, "test_same_bits.py"),
 ]
