@@ -101,7 +101,7 @@ class LocalFarm(BaseFarm):
         self.workers, self.threads = workers, threads
         if not 0 <= verify <= 1:
             raise UsageError(f"verify: {verify}; expected a share from 0 to 1")
-        if verify > 0 and (self.workers or _core.core_count()) < 2:
+        if verify > 0 and (self.workers or os.cpu_count() or 1) < 2:
             raise UsageError("verify: needs a second worker; expected workers=2 or more")
         program()  # Workers are its processes: ImportError tells where it is not of our version.
         super().__init__(_core.local_farm(self.workers, self.threads, float(verify)))
@@ -128,8 +128,7 @@ class Threads(BaseFarm):
         return f"Threads({self.count or ''})"
 
 
-def _check_count(name: str, value: Optional[int], least: int) -> None:
-    most = _core.most_threads
+def _check_count(name: str, value: Optional[int], least: int, most: int = 1024) -> None:
     if value is None:
         return
     if isinstance(value, bool) or not isinstance(value, int):
