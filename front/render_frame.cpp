@@ -26,6 +26,7 @@ FrameRender::FrameRender(const RenderOptions& options, const FrameScene& scene,
       output_(scene.loaded.scene.settings().output()),
       scene_digest_(scene.digest),
       settings_(frame_settings(options, scene.loaded.scene, frame)) {
+  check_instant(options, frame.has_value());
   check_picture_options(options, settings_);
   output_settings(options.scene, output_, options.output);
 }

@@ -304,7 +304,6 @@ std::filesystem::path numbered_path(const std::filesystem::path& path, int frame
 
 v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& scene,
                                  std::optional<int> frame) {
-  check_instant(options, frame.has_value());
   const v1::Settings& settings = scene.settings();
   v1::FrameSettings asked;
   if (options.size) {
