@@ -84,7 +84,8 @@ Picture linear_picture(const FloatImage& image, const std::string& path) {
   for (size_t pixel = 0; pixel < out.pixels(); ++pixel) {
     for (const size_t channel : channels) {
       const float value = image.values[pixel * image.channels.size() + channel];
-      out.values.push_back(image.is_float ? value : static_cast<float>(srgb_to_linear(double{value})));
+      out.values.push_back(image.is_float ? value
+                                          : static_cast<float>(srgb_to_linear(double{value})));
     }
   }
   return out;

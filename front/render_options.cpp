@@ -339,7 +339,8 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
 
 void check_instant(const RenderOptions& options, bool is_frame) {
   if (!options.time || !is_frame) return;
-  throw usage_error("--time: a frame has its own instant; expected no --time beside it");
+  throw usage_error(fmt::format("--time: a frame{} has its own instant; expected one of the two",
+                                options.frames ? " of --frames" : ""));
 }
 
 void check_verify(double verify, int workers) {

@@ -12,7 +12,8 @@ PyObject* refuse(const char* why) {
 }
 
 void fill(py::module_& module) {
-  module.def("is_main_interpreter", is_main_interpreter, "Whether the caller runs in the main interpreter.");
+  module.def("is_main_interpreter", is_main_interpreter,
+             "Whether the caller runs in the main interpreter.");
   tessera::bind_errors(module);
   tessera::bind_arrays(module);
   tessera::bind_mesh_arrays(module);

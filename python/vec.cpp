@@ -124,18 +124,14 @@ py::object compare_numbers(const Vec& a, py::handle other) {
 }
 
 void define_operators(py::class_<Vec>& type) {
-  define(type, "__add__", with_vector([](const Vec& a, const Vec& b) {
-           return each(a, b, std::plus<>());
-         }));
-  define(type, "__radd__", with_vector([](const Vec& a, const Vec& b) {
-           return each(b, a, std::plus<>());
-         }));
-  define(type, "__sub__", with_vector([](const Vec& a, const Vec& b) {
-           return each(a, b, std::minus<>());
-         }));
-  define(type, "__rsub__", with_vector([](const Vec& a, const Vec& b) {
-           return each(b, a, std::minus<>());
-         }));
+  define(type, "__add__",
+         with_vector([](const Vec& a, const Vec& b) { return each(a, b, std::plus<>()); }));
+  define(type, "__radd__",
+         with_vector([](const Vec& a, const Vec& b) { return each(b, a, std::plus<>()); }));
+  define(type, "__sub__",
+         with_vector([](const Vec& a, const Vec& b) { return each(a, b, std::minus<>()); }));
+  define(type, "__rsub__",
+         with_vector([](const Vec& a, const Vec& b) { return each(b, a, std::minus<>()); }));
   define(type, "__mul__", with_number(scaled));
   define(type, "__rmul__", with_number(scaled));
   define(type, "__truediv__", with_number(divided));

@@ -132,7 +132,8 @@ std::string field_doc(const pb::FieldDescriptor& field) {
   return doc;
 }
 
-void add_holders(const pb::Descriptor& in, const pb::Descriptor& held, std::set<std::string>& names) {
+void add_holders(const pb::Descriptor& in, const pb::Descriptor& held,
+                 std::set<std::string>& names) {
   for (int i = 0; i < in.nested_type_count(); ++i) add_holders(*in.nested_type(i), held, names);
   for (int i = 0; i < in.field_count(); ++i) {
     if (in.field(i)->message_type() == &held) names.insert(class_name(in));
