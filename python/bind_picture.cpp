@@ -27,8 +27,7 @@ using PicturePointer = std::shared_ptr<RenderedPicture>;
 using OptionValues = std::vector<std::pair<std::string, OptionValue>>;
 
 /// The settings of `--exposure`, `--tone-map` and the like laid over what the scene asks.
-OutputSettings settings_of(const RenderedPicture& picture,
-                           const OptionValues& values) {
+OutputSettings settings_of(const RenderedPicture& picture, const OptionValues& values) {
   OutputOptions options;
   OptionList list;
   add_output_options(list, options);
@@ -50,8 +49,7 @@ std::vector<Value> gather(const Film& film, int first, int count) {
   return out;
 }
 
-Array to_srgb(const PicturePointer& picture,
-              const OptionValues& values) {
+Array to_srgb(const PicturePointer& picture, const OptionValues& values) {
   const OutputSettings settings = settings_of(*picture, values);
   if (settings.color_management) {
     throw usage_error("--ocio-...: are for files; expected them at save()");
@@ -213,7 +211,7 @@ Array channels_of(const PicturePointer& picture, const std::string& name) {
 
 void bind_picture(py::module_& module) {
   using Release = py::call_guard<py::gil_scoped_release>;
-  py::class_<RenderedPicture, PicturePointer>(module, "Picture")
+  bind_class<RenderedPicture, PicturePointer>(module, "Picture")
       .def_property_readonly("width", [](const RenderedPicture& p) { return p.film.width(); })
       .def_property_readonly("height", [](const RenderedPicture& p) { return p.film.height(); })
       .def_property_readonly("aovs",

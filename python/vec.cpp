@@ -124,18 +124,14 @@ py::object compare_numbers(const Vec& a, py::handle other) {
 }
 
 void define_operators(py::class_<Vec>& type) {
-  define(type, "__add__", with_vector([](const Vec& a, const Vec& b) {
-           return each(a, b, std::plus<>());
-         }));
-  define(type, "__radd__", with_vector([](const Vec& a, const Vec& b) {
-           return each(b, a, std::plus<>());
-         }));
-  define(type, "__sub__", with_vector([](const Vec& a, const Vec& b) {
-           return each(a, b, std::minus<>());
-         }));
-  define(type, "__rsub__", with_vector([](const Vec& a, const Vec& b) {
-           return each(b, a, std::minus<>());
-         }));
+  define(type, "__add__",
+         with_vector([](const Vec& a, const Vec& b) { return each(a, b, std::plus<>()); }));
+  define(type, "__radd__",
+         with_vector([](const Vec& a, const Vec& b) { return each(b, a, std::plus<>()); }));
+  define(type, "__sub__",
+         with_vector([](const Vec& a, const Vec& b) { return each(a, b, std::minus<>()); }));
+  define(type, "__rsub__",
+         with_vector([](const Vec& a, const Vec& b) { return each(b, a, std::minus<>()); }));
   define(type, "__mul__", with_number(scaled));
   define(type, "__rmul__", with_number(scaled));
   define(type, "__truediv__", with_number(divided));
@@ -154,9 +150,10 @@ void define_operators(py::class_<Vec>& type) {
 }  // namespace
 
 void bind_vec(py::module_& module) {
-  py::class_<Vec> type(module, "Vec", py::buffer_protocol(),
-                       "A vector of three numbers, which never changes. Tuples, lists and arrays "
-                       "are taken wherever a Vec is.");
+  auto type =
+      bind_class<Vec>(module, "Vec", py::buffer_protocol(),
+                      "A vector of three numbers, which never changes. Tuples, lists and arrays "
+                      "are taken wherever a Vec is.");
   type.def(py::init([](double x, double y, double z) {
              return Vec{{x, y, z}};
            }),
