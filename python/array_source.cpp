@@ -5,6 +5,8 @@
 #include <cctype>
 #include <optional>
 
+#include "python/errors.h"
+
 namespace py = pybind11;
 
 namespace tessera {
@@ -62,8 +64,8 @@ ArraySource from_buffer(py::handle given, const std::string& name) {
   auto held = std::make_shared<HeldBuffer>();
   if (PyObject_GetBuffer(given.ptr(), &held->view, PyBUF_RECORDS_RO)) {
     PyErr_Clear();
-    throw py::type_error(fmt::format("{}: a {} without strides; expected an array of numbers", name,
-                                     Py_TYPE(given.ptr())->tp_name));
+    throw py::type_error(fmt::format("{}: {} without strides; expected an array of numbers", name,
+                                     with_article(Py_TYPE(given.ptr())->tp_name)));
   }
   const Py_buffer& view = held->view;
   std::string_view format = view.format ? view.format : "B";
@@ -155,8 +157,8 @@ class Flattener {
     const double number = PyFloat_AsDouble(given.ptr());
     if (number == -1 && PyErr_Occurred()) {
       PyErr_Clear();
-      throw py::type_error(
-          fmt::format("{}: a {}; expected numbers", name_, Py_TYPE(given.ptr())->tp_name));
+      throw py::type_error(fmt::format("{}: {}; expected numbers", name_,
+                                       with_article(Py_TYPE(given.ptr())->tp_name)));
     }
     numbers_.push_back(number);
     if (!all_whole_) return;
@@ -209,8 +211,8 @@ ArraySource array_source(py::handle given, const std::string& name) {
       !PyBytes_Check(given.ptr())) {
     return Flattener(name).take(given);
   }
-  throw py::type_error(
-      fmt::format("{}: a {}; expected an array of numbers", name, Py_TYPE(given.ptr())->tp_name));
+  throw py::type_error(fmt::format("{}: {}; expected an array of numbers", name,
+                                   with_article(Py_TYPE(given.ptr())->tp_name)));
 }
 
 std::string shape_text(const Array::Shape& shape) {

@@ -8,7 +8,7 @@ from typing import (TYPE_CHECKING, Any, Generic, Iterable, NoReturn, Optional, T
 from . import _core, _messages
 from ._transforms import Transform, as_ndarray
 from ._types import ArrayLike
-from ._value import here, level_of_caller
+from ._value import here, level_of_caller, with_article
 from .errors import PrecisionWarning
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ class Mesh(_messages.Mesh):
         if triangles is None and hasattr(source, "cells_dict"):
             triangles = source.cells_dict.get("triangle")
         if positions is None or triangles is None:
-            raise TypeError(f"a {type(source).__name__}; expected vertices or points, and faces, "
+            raise TypeError(f"{with_article(source)}; expected vertices or points, and faces, "
                             "triangles or cells")
         return cls(positions, triangles, normals=normals, uvs=uvs, colors=colors,
                    face_materials=face_materials, materials=materials, closed=closed,
