@@ -259,6 +259,23 @@ def test_a_texture_that_is_not_there_is_told(tmp_path):
         ts.ImageTexture(np.zeros((2, 2), np.int64))
 
 
+def test_one_material_for_a_mesh_that_has_one_a_triangle_is_refused():
+    red, blue = ts.Classic(diffuse="red"), ts.Classic(diffuse="blue")
+    arrays = [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 1)]
+    mesh = ts.Mesh(*arrays, materials=[red, blue], face_materials=[0, 1])
+    scene = ts.Scene()
+    for call in (lambda: scene.add(mesh, material=red),
+                 lambda: scene.instances(mesh, np.eye(4)[None], material=red),
+                 lambda: ts.Mesh(*arrays, material=red, materials=[red, blue], face_materials=[0, 1]),
+                 lambda: setattr(mesh, "material", red)):
+        with pytest.raises(ValueError, match="^material: for a Mesh with face_materials"):
+            call()
+    assert mesh.materials == [red, blue] and mesh.material is red and not scene.nodes
+    mesh.face_materials = None
+    mesh.material = blue
+    assert mesh.materials == [blue]
+
+
 def test_messages_name_values_with_their_article_and_whole_characters():
     for scene, message in ((ts.Scene(nodes=[ts.Node(instance_of=3)]), "3; expected an Object or"),
                            (ts.Scene(objects=[3]), "3; expected an Object"),
