@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import operator
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from typing import Any, List, Tuple, Union
 
 from ._types import Path
@@ -38,7 +38,8 @@ def _text(name: str, value: Any) -> Union[bool, str]:
         return _text(name, value.item())
     if isinstance(value, (int, float)):
         return repr(value)
-    if name in _LISTS and hasattr(value, "__iter__") and not isinstance(value, (bytes, Mapping)):
+    if name in _LISTS and hasattr(value, "__iter__") and not isinstance(value, (bytes, Mapping)) and (
+            name == "aovs" or not isinstance(value, Set)):  # which has no order
         return _SEPARATORS.get(name, ",").join(_part(name, part) for part in several(value, name))
     expected = "a number, text or several of them" if name in _LISTS else "a number or text"
     raise TypeError(f"{name}: {value!r:.100}; expected {expected}")
@@ -55,6 +56,8 @@ def plain_text(name: str, given: Union[str, os.PathLike[str]]) -> str:
     """Text, or the path of a file, as options and scenes hold it: UTF-8 without a NUL.
 
     Raises UsageError for other text, `name` being the keyword's."""
+    if not isinstance(given, (str, os.PathLike)):
+        raise TypeError(f"{name}: {given!r:.100}; expected text")
     text = os.fspath(given)
     if isinstance(text, bytes):
         text = os.fsdecode(text)

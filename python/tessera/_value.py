@@ -170,5 +170,5 @@ def several(items: Iterable[T], name: str) -> List[T]:
 
 
 def nearest(name: str, known: List[str]) -> str:
-    nearest = _core.nearest_name(name, known)
+    nearest = _core.nearest_name(name.encode(errors="replace").decode(), known)
     return f"; did you mean '{nearest}'?" if nearest else ""

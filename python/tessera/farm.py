@@ -40,11 +40,11 @@ class Farm(BaseFarm):
         self._thread = None
         if not number("timeout", timeout) > 0:
             raise UsageError(f"timeout: {timeout}; expected seconds above 0")
-        self.endpoint = endpoint
+        self.endpoint = plain_text("endpoint", endpoint)
         self.key = "" if key is None else plain_text("key", key)
         self.server_key = "" if server_key is None else plain_text("server_key", server_key)
         self.timeout = float(timeout)
-        arguments = (endpoint, self.key, self.server_key, self.timeout)
+        arguments = (self.endpoint, self.key, self.server_key, self.timeout)
         self._access: Optional[_core.FarmAccess] = _core.FarmAccess(*arguments)
         super().__init__(_core.remote_farm(*arguments))
 

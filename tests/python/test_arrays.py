@@ -48,6 +48,12 @@ def test_arrays_of_ctypes_are_taken_everywhere():
             == ts.Scene().instances("it", matrices))
     assert np.array_equal(ts.matrix(of_ctypes(ctypes.c_float, matrices[0])).array, matrices[0])
     assert ts.ImageTexture(of_ctypes(ctypes.c_ubyte, texels)) == ts.ImageTexture(texels)
+    rays = np.array([[(0, 0, 5), (0, 0, 6)], [(0, 0, -1), (0, 0, 1)]], "f8")
+    tracer = ts.Scene(nodes=[ts.Sphere()]).tracer()
+    for code in (ctypes.c_double, ctypes.c_float):
+        hits = tracer.intersect(*(of_ctypes(code, each) for each in rays),
+                                t_max=of_ctypes(code, np.array([9., 9])))
+        assert hits.t.tolist() == tracer.intersect(*rays).t.tolist()
 
 
 class Shrinking:
