@@ -211,7 +211,7 @@ Array channels_of(const PicturePointer& picture, const std::string& name) {
 
 void bind_picture(py::module_& module) {
   using Release = py::call_guard<py::gil_scoped_release>;
-  py::class_<RenderedPicture, PicturePointer>(module, "Picture")
+  bind_class<RenderedPicture, PicturePointer>(module, "Picture")
       .def_property_readonly("width", [](const RenderedPicture& p) { return p.film.width(); })
       .def_property_readonly("height", [](const RenderedPicture& p) { return p.film.height(); })
       .def_property_readonly("aovs",

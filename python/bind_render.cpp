@@ -158,13 +158,13 @@ void bind_access(py::module_& module) {
       .value("forget", v1::JobQuery::FORGET)
       .value("retry", v1::JobQuery::RETRY)
       .value("none", v1::JobQuery::ASK);
-  py::class_<FetchedPicture>(module, "FetchedPicture")
+  bind_class<FetchedPicture>(module, "FetchedPicture")
       .def_readonly("has_ended", &FetchedPicture::has_ended)
       .def_readonly("picture", &FetchedPicture::picture)
       .def("throw_failure", [](const FetchedPicture& fetched) {
         if (fetched.failure) throw *fetched.failure;
       });
-  py::class_<FarmAccess, std::shared_ptr<FarmAccess>>(module, "FarmAccess")
+  bind_class<FarmAccess, std::shared_ptr<FarmAccess>>(module, "FarmAccess")
       .def(py::init([](const std::string& endpoint, const std::string& key,
                        const std::string& server_key, double patience) {
         return std::make_shared<FarmAccess>(connection_of(endpoint, key, server_key, patience));
@@ -210,7 +210,7 @@ void bind_access(py::module_& module) {
 }
 
 void bind_task(py::module_& module) {
-  py::class_<FrameTask, std::shared_ptr<FrameTask>>(module, "Task")
+  bind_class<FrameTask, std::shared_ptr<FrameTask>>(module, "Task")
       .def("wait",
            [](const FrameTask& task, double seconds) {
              const py::gil_scoped_release release;
@@ -236,15 +236,15 @@ void bind_task(py::module_& module) {
 }  // namespace
 
 void bind_render(py::module_& module) {
-  py::class_<OptionTexts>(module, "Options")
+  bind_class<OptionTexts>(module, "Options")
       .def(py::init<bool>())
       .def("assign", &OptionTexts::assign)
       .def("names", &OptionTexts::names);
   bind_task(module);
   bind_access(module);
   translate_farm_errors();
-  py::class_<FarmThread, std::shared_ptr<FarmThread>>(module, "FarmThread")
-      .def("submit", &FarmThread::submit, Release())
+  bind_class<FarmThread, std::shared_ptr<FarmThread>>(module, "FarmThread")
+      .def("submit", &FarmThread::submit, py::arg().none(false), Release())
       .def("close", &FarmThread::close, Release());
   module.def("make_task", &make_task);
   module.def("share_verified", &share_verified);

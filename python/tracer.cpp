@@ -305,7 +305,8 @@ void bind_queries(py::class_<RayQueries>& tracer) {
 }  // namespace
 
 void bind_tracer(py::module_& module) {
-  py::class_<RayQueries> tracer(module, "Tracer", "The geometry of a scene, for `tessera.Tracer`.");
+  auto tracer =
+      bind_class<RayQueries>(module, "Tracer", "The geometry of a scene, for `tessera.Tracer`.");
   tracer
       .def(py::init([](const py::object& scene, std::optional<double> time,
                        const std::string& camera, const std::string& accelerator, int threads) {

@@ -11,6 +11,7 @@
 #include "base/digest.h"
 #include "proto/wire/scene_codec.h"
 #include "python/array_source.h"
+#include "python/errors.h"
 #include "python/generate/enum_names.h"
 #include "python/mesh_arrays.h"
 
@@ -97,7 +98,7 @@ void ValueReader::fail(const std::string& found, const std::string& expected) co
 void ValueReader::read(py::handle value, Message& message) {
   const ValueClass* made = find_value_class(value);
   if (!made || made->message != message.GetDescriptor()) {
-    fail(describe_found(value), fmt::format("a {}", message.GetDescriptor()->name()));
+    fail(describe_found(value), with_article(message.GetDescriptor()->name()));
   }
   if (values_.size() >= size_t{kMaxSceneDepth}) {
     fail("something inside itself, or nested too deep",
@@ -312,7 +313,7 @@ void ValueReader::read_array(py::handle held, const Field& field, v1::BlobRef& m
 void ValueReader::read_member(py::handle held, const Field& field) {
   const ValueClass* made = find_value_class(held);
   if (!made || made->message != field.message_type()) {
-    fail(describe_found(held), fmt::format("a {}", field.message_type()->name()));
+    fail(describe_found(held), with_article(field.message_type()->name()));
   }
   collect(held, *made);
 }

@@ -3,12 +3,13 @@ from __future__ import annotations
 
 import sys
 from types import CodeType
-from typing import Any, Dict, List, Mapping, NoReturn, Optional, Tuple, Type, TypeVar, Union
+from typing import Any, Dict, Iterable, List, Mapping, NoReturn, Optional, Tuple, Type, TypeVar, Union
 
 from . import _core
 from .errors import SceneError
 
 V = TypeVar("V", bound="Value")
+T = TypeVar("T")
 Place = Tuple[Union[CodeType, str], int]
 
 # The class that users see, by message and kind.
@@ -151,6 +152,23 @@ def refuse_unknown(function: str, unknown: Mapping[str, Any], known: List[str]) 
     raise TypeError(f"{function}() has no keyword '{name}'{nearest(name, known)}")
 
 
+def with_article(value: object) -> str:
+    """What a value is, for messages: "an int"."""
+    name = type(value).__name__
+    return f"{'an' if name[:1] in 'AEIOaeio' else 'a'} {name}"
+
+
+def several(items: Iterable[T], name: str) -> List[T]:
+    """A list of what was given as `name`."""
+    try:
+        return list(items)
+    except NotImplementedError:
+        view: object = items
+        if not isinstance(view, memoryview):
+            raise
+    raise TypeError(f"{name}: a memoryview of shape {view.shape}; expected a sequence")
+
+
 def nearest(name: str, known: List[str]) -> str:
-    nearest = _core.nearest_name(name, known)
+    nearest = _core.nearest_name(name.encode(errors="replace").decode(), known)
     return f"; did you mean '{nearest}'?" if nearest else ""
