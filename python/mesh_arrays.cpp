@@ -76,11 +76,13 @@ std::shared_ptr<const uint32_t[]> to_indices(const ArraySource& source, const st
     all_fit = narrow_indices(source, limit, indices.get());
   }
   if (all_fit) return indices;
-  py::ssize_t at = 0, bad = -1;
+  std::optional<py::ssize_t> first;
+  py::ssize_t at = 0;
   for_each_element<uint64_t>(source, 0, source.count(), [&](uint64_t index) {
-    if (index >= limit && bad < 0) bad = at;
+    if (index >= limit && !first) first = at;
     ++at;
   });
+  const py::ssize_t bad = first.value_or(0);  // another thread may have mended it meanwhile
   std::string found;
   for_each_element<int64_t>(source, bad, 1, [&](int64_t index) {
     found =

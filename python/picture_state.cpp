@@ -41,7 +41,7 @@ State state_of(const std::shared_ptr<RenderedPicture>& picture) {
           serialize_scene(asked),
           {told.scene_digest, told.seed, told.samples_per_pixel, told.denoiser, told.colors,
            told.frame_width, told.frame_height},
-          std::move(holes),
+          holes,
           picture->statistics};
 }
 

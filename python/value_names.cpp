@@ -30,7 +30,7 @@ const pb::Descriptor* named_type(const pb::FieldDescriptor& field) {
       new std::unordered_map<const pb::FieldDescriptor*, const pb::Descriptor*>;
   const auto [at, is_new] = known->try_emplace(&field);
   if (is_new) {
-    const std::string full = field.full_name();
+    const std::string& full = field.full_name();
     const std::string type = type_named_by(full.substr(field.file()->package().size() + 1));
     if (!type.empty()) at->second = field.file()->FindMessageTypeByName(type);
   }
