@@ -5,6 +5,8 @@
 #include <cctype>
 #include <optional>
 
+#include "python/gil.h"
+
 namespace py = pybind11;
 
 namespace tessera {
@@ -18,7 +20,7 @@ struct HeldBuffer {
   HeldBuffer& operator=(const HeldBuffer&) = delete;
   ~HeldBuffer() {
     if (!Py_IsInitialized()) return;
-    const py::gil_scoped_acquire locked;
+    const GilAcquire locked;
     PyBuffer_Release(&view);
   }
 };

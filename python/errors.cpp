@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "python/bindings.h"
+#include "python/gil.h"
 
 namespace py = pybind11;
 
@@ -13,7 +14,7 @@ py::object error_class(const char* name) {
 
 py::error_already_set python_error(const char* name, const std::string& message) {
   const py::object type = error_class(name);
-  PyErr_SetObject(type.ptr(), type(message).ptr());
+  PyErr_SetObject(type.ptr(), run_or_sleep([&] { return type(message); }).ptr());
   return {};
 }
 
@@ -23,7 +24,8 @@ namespace {
 /// suggestion from the message.
 void set_python_error(const Error& error) {
   const py::object make = py::module_::import("tessera.errors").attr("from_core");
-  const py::object made = make(error.what(), static_cast<int>(error.code()));
+  const py::object made =
+      run_or_sleep([&] { return make(error.what(), static_cast<int>(error.code())); });
   PyErr_SetObject(py::type::of(made).ptr(), made.ptr());
 }
 

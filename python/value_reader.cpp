@@ -12,6 +12,7 @@
 #include "proto/wire/scene_codec.h"
 #include "python/array_source.h"
 #include "python/generate/enum_names.h"
+#include "python/gil.h"
 #include "python/mesh_arrays.h"
 
 namespace py = pybind11;
@@ -62,7 +63,7 @@ template <class Take>
 py::object ValueReader::taken(Take take) const {
   std::string refused;
   try {
-    return take();
+    return run_or_sleep(take);
   } catch (py::error_already_set& error) {
     refused = py::str(error.value()).cast<std::string>();
     error.restore();
@@ -87,9 +88,11 @@ void ValueReader::fail(const std::string& found, const std::string& expected) co
                                                  !PyErr_ExceptionMatches(PyExc_MemoryError));
   if (!is_about_it) throw py::error_already_set();
   PyErr_Clear();
-  const py::object error = parts().errors.attr("scene_error")(
-      found, expected, path_text(),
-      values_.empty() ? py::none() : py::reinterpret_borrow<py::object>(values_.back()));
+  const py::object error = run_or_sleep([&] {
+    return parts().errors.attr("scene_error")(
+        found, expected, path_text(),
+        values_.empty() ? py::none() : py::reinterpret_borrow<py::object>(values_.back()));
+  });
   PyErr_SetObject(py::type::of(error).ptr(), error.ptr());
   throw py::error_already_set();
 }
@@ -103,6 +106,12 @@ void ValueReader::read(py::handle value, Message& message) {
     fail("something inside itself, or nested too deep",
          fmt::format("at most {} levels", kMaxSceneDepth));
   }
+  // Ctrl-C is looked for now and then, since to look takes longer than to read a small value.
+  constexpr uint32_t kValuesBetweenSignals = 1024;
+  if (++read_count_ % kValuesBetweenSignals == 0 && PyErr_CheckSignals() != 0) {
+    throw py::error_already_set();
+  }
+  if (values_.empty() || made->message == v1::Object::descriptor()) check_node_count(value);
   values_.push_back(value);
   read_fields(value, *made, message);
   values_.pop_back();
