@@ -49,6 +49,14 @@ const Parts& parts() {
   return *found;
 }
 
+/// What function(argument) returns. Holds no reference that the end of a daemon thread would drop.
+py::object call_python(py::handle function, py::handle argument) {
+  PyObject* const made =
+      run_or_sleep([&] { return PyObject_CallOneArg(function.ptr(), argument.ptr()); });
+  if (!made) throw py::error_already_set();
+  return py::reinterpret_steal<py::object>(made);
+}
+
 /// An array of at least two axes, which stands for a texture of its own.
 bool is_picture(py::handle value) {
   if (!PyObject_CheckBuffer(value.ptr())) return false;
@@ -63,7 +71,7 @@ template <class Take>
 py::object ValueReader::taken(Take take) const {
   std::string refused;
   try {
-    return run_or_sleep(take);
+    return take();
   } catch (py::error_already_set& error) {
     refused = py::str(error.value()).cast<std::string>();
     error.restore();
@@ -255,7 +263,7 @@ void ValueReader::read_input(py::handle held, Message& message) {
   const bool is_color = message.GetDescriptor() == v1::ColorInput::descriptor();
   py::object texture = py::reinterpret_borrow<py::object>(held);
   if (!made && is_picture(held)) {
-    texture = taken([&] { return parts().texture_from(held); });
+    texture = taken([&] { return call_python(parts().texture_from, held); });
     made_here_.push_back(texture);
     made = find_value_class(texture);
   }
@@ -273,7 +281,7 @@ void ValueReader::read_input(py::handle held, Message& message) {
 /// A name, a grey number or three numbers.
 void ValueReader::read_color(py::handle held, v1::Color& color) {
   if (py::isinstance<py::str>(held)) {
-    read_numbers(taken([&] { return parts().color(held); }), color);
+    read_numbers(taken([&] { return call_python(parts().color, held); }), color);
   } else if (PyNumber_Check(held.ptr()) && !PySequence_Check(held.ptr())) {
     const double grey = to_number(held);
     color.set_r(grey), color.set_g(grey), color.set_b(grey);
