@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "python/errors.h"
+#include "python/gil.h"
 
 namespace py = pybind11;
 
@@ -20,7 +21,7 @@ struct HeldBuffer {
   HeldBuffer& operator=(const HeldBuffer&) = delete;
   ~HeldBuffer() {
     if (!Py_IsInitialized()) return;
-    const py::gil_scoped_acquire locked;
+    const GilAcquire locked;
     PyBuffer_Release(&view);
   }
 };

@@ -21,6 +21,7 @@
 #include "python/array.h"
 #include "python/bindings.h"
 #include "python/errors.h"
+#include "python/gil.h"
 #include "python/interruptible.h"
 #include "python/picture.h"
 #include "python/scene_values.h"
@@ -30,7 +31,7 @@ namespace py = pybind11;
 namespace tessera {
 namespace {
 
-using Release = py::call_guard<py::gil_scoped_release>;
+using Release = py::call_guard<GilRelease>;
 
 /// The options of a command, each assigned by its long name and a text.
 class OptionTexts {
@@ -69,11 +70,12 @@ std::pair<std::shared_ptr<FrameTask>, std::vector<std::string>> make_task(
     const OptionTexts& texts, const py::object& scene, std::optional<int> frame) {
   RenderOptions options = texts.options;
   const auto load = loader_of(options, scene);
-  const py::gil_scoped_release release;
-  FrameScene made = measured([&] { return load(frame.value_or(0)); });
-  std::vector<std::string> warnings = scene_warnings(options, made.loaded);
-  auto task = std::make_shared<FrameTask>(std::move(options), std::move(made), frame);
-  return {std::move(task), std::move(warnings)};
+  return run_interruptibly([&](const std::atomic<bool>&) {
+    FrameScene made = measured([&] { return load(frame.value_or(0)); });
+    std::vector<std::string> warnings = scene_warnings(options, made.loaded);
+    auto task = std::make_shared<FrameTask>(std::move(options), std::move(made), frame);
+    return std::pair(std::move(task), std::move(warnings));
+  });
 }
 
 /// The share of tiles to be traced twice by so many workers.
@@ -213,7 +215,7 @@ void bind_task(py::module_& module) {
   bind_class<FrameTask, std::shared_ptr<FrameTask>>(module, "Task")
       .def("wait",
            [](const FrameTask& task, double seconds) {
-             const py::gil_scoped_release release;
+             const GilRelease release;
              return task.wait(std::chrono::microseconds(static_cast<int64_t>(seconds * 1e6)));
            })
       .def("is_done", &FrameTask::is_done)

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "python/bindings.h"
+#include "python/gil.h"
 
 namespace py = pybind11;
 
@@ -15,7 +16,7 @@ py::object error_class(const char* name) {
 
 py::error_already_set python_error(const char* name, const std::string& message) {
   const py::object type = error_class(name);
-  PyErr_SetObject(type.ptr(), type(message).ptr());
+  PyErr_SetObject(type.ptr(), run_or_sleep([&] { return type(message); }).ptr());
   return {};
 }
 
@@ -36,7 +37,8 @@ void set_python_error(const Error& error) {
   const auto message = py::reinterpret_steal<py::object>(
       PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "surrogateescape"));
   if (!message) throw py::error_already_set();
-  const py::object made = make(message, static_cast<int>(error.code()));
+  const py::object made =
+      run_or_sleep([&] { return make(message, static_cast<int>(error.code())); });
   PyErr_SetObject(py::type::of(made).ptr(), made.ptr());
 }
 

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 from types import CodeType
 from typing import Any, Dict, Iterable, List, Mapping, NoReturn, Optional, Tuple, Type, TypeVar, Union
 
@@ -14,6 +15,9 @@ Place = Tuple[Union[CodeType, str], int]
 
 # The class that users see, by message and kind.
 CLASSES: Dict[Tuple[str, str], Type[Value]] = {}
+
+_MOST_SHOWN = 100_000
+_being_shown = threading.local()  # `count`: the values in the text that repr() is making
 
 
 class Value(_core.ValueBase):
@@ -47,7 +51,17 @@ class Value(_core.ValueBase):
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(self._arguments())})"
+        """Evaluates back, but for a value with over 100,000 others in it: `...` stands for the rest.
+        Nodes that are listed twice at each level would make a text without end."""
+        begins = not hasattr(_being_shown, "count")
+        _being_shown.count = 1 if begins else _being_shown.count + 1
+        try:
+            if _being_shown.count > _MOST_SHOWN:
+                return "..."
+            return f"{type(self).__name__}({', '.join(self._arguments())})"
+        finally:
+            if begins:
+                del _being_shown.count
 
     def _arguments(self) -> List[str]:
         held = ((name, getattr(self, name)) for name in self._FIELDS)
