@@ -503,7 +503,7 @@ MUTATIONS = [
              "return Array(picture, film.values().data()", "return Array(nullptr, film.values().data()",
              PYTHON, "test_pictures.py"),
     Mutation("Python: the GIL is not released", "python/interruptible.h",
-             "    const py::gil_scoped_release release;\n", "", PYTHON,
+             "    const GilRelease release;\n    const bool has_ended", "    const bool has_ended", PYTHON,
              "test_rays_robust.py"),
     Mutation("Python: t is cast to single precision", "renderer/query/ray_queries.cpp",
              "out.t[i] = hit.t;", "out.t[i] = static_cast<float>(hit.t);", PYTHON, "test_rays_exact.py"),
