@@ -135,22 +135,35 @@ def where(value: Any) -> Optional[Tuple[str, int]]:
 
 
 def refuse_name(value: Value, name: str) -> NoReturn:
-    """Says that a class has no such attribute, and which is nearest."""
+    """Says that a class has no such attribute, or none that is assigned to, and which is nearest."""
+    held = getattr(type(value), name, None)
+    if callable(held) or (isinstance(held, property) and held.fset is None):
+        settings = CLASSES["tessera.v1.Settings", ""]
+        hint = f"; did you mean 'settings.{name}'?" if name in settings._FIELDS else ""
+        raise AttributeError(f"{type(value).__name__}.{name} cannot be assigned to{hint}")
     hint = nearest(name, [n for n in dir(type(value)) if not n.startswith("_")])
     raise AttributeError(f"{type(value).__name__} has no attribute '{name}'{hint}")
 
 
 def refuse_keywords(value: Value, unknown: Mapping[str, Any]) -> NoReturn:
     """Says that a constructor has no such keyword, and which is nearest."""
-    refuse_unknown(type(value).__name__, unknown, list(value._FIELDS))
+    from inspect import signature  # here: few scripts need it
+    known = [name for name in signature(type(value)).parameters if name not in unknown]
+    refuse_unknown(type(value).__name__, unknown, known)
 
 
 def refuse_unknown(function: str, unknown: Mapping[str, Any], known: List[str]) -> NoReturn:
-    """Says that a function has no such keyword, and which is nearest."""
+    """Says that a function has no such keyword, and which is nearest, or else which it has."""
     name = next(iter(unknown))
-    raise TypeError(f"{function}() has no keyword '{name}'{nearest(name, known)}")
+    hint = nearest(name, known) or f"; expected one of {', '.join(each for each in known if each != 'unknown')}"
+    raise TypeError(f"{function}() has no keyword '{name}'{hint}")
 
 
 def nearest(name: str, known: List[str]) -> str:
-    nearest = _core.nearest_name(name, known)
-    return f"; did you mean '{nearest}'?" if nearest else ""
+    """"; did you mean 'x'?" for the name that is most like one; or nothing."""
+    near = _core.nearest_name(name, known)
+    word = name.rpartition("_")[2]
+    begun = [each for each in known if name.startswith(each + "_")]
+    if begun and near and not _core.nearest_name(word, [near.rpartition("_")[2]]):
+        near = max(begun, key=len)  # 'diffuse' for 'diffuse_color', and not 'diffuse_model'
+    return f"; did you mean '{near}'?" if near else ""

@@ -61,6 +61,8 @@ def test_shapes_and_types(image):
     assert (image.aov("samples") == 4).all()
     with pytest.raises(ts.UsageError, match="aov: 'dept'; expected one of those that were rendered: albedo, .*did you mean 'depth'"):
         image.aov("dept")
+    with pytest.raises(ts.UsageError, match="aov: 'depth'; expected none: this picture has no AOVs"):
+        ts.Image.from_array([[.5]]).aov("depth")
 
 
 def test_light_without_aovs_is_a_view_of_the_film():
