@@ -13,7 +13,7 @@ from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterator, Literal, 
                     Sequence, Union, overload)
 
 from . import _core, _messages
-from ._local_farms import BaseFarm, LocalFarm, OfThisProcess, Threads
+from ._local_farms import BaseFarm, LocalFarm, OfThisProcess, Threads, whole_count
 from ._options import option_texts
 from ._places import located
 from ._progress import SHOW_SECONDS, Progress, ProgressOption, progress_display
@@ -238,7 +238,7 @@ def started_farm(workers: Optional[int], threads: Optional[int], verify: Optiona
     """Who traces where no farm is given."""
     if workers == 0:
         _core.share_verified(str(verify or 0), workers)
-        return Threads(threads)
+        return Threads(None if threads is None else whole_count("threads", threads))
     return LocalFarm(workers, 1 if threads is None else threads, verify or 0)
 
 
@@ -313,7 +313,7 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
     """
     keywords = {name: value for name, value in locals().items() if name not in _OF_PYTHON}
     if unknown:
-        refuse_unknown("render", unknown, [*keywords, *_OF_PYTHON])
+        refuse_unknown("render", unknown, [*keywords, *sorted(_OF_PYTHON)])
     if farm is not None and not isinstance(farm, BaseFarm):
         raise TypeError(f"farm: {farm!r}; expected a LocalFarm, Threads or Farm")
     if farm is not None and (workers is not None or threads is not None or verify is not None):

@@ -216,15 +216,16 @@ class Scene(_messages.Scene):
         return _core.digest(self)
 
     def check(self) -> None:
-        """Raises SceneError for names that are used and never defined, and for whatever of the scene
-        a render would refuse: it builds all that one needs."""
-        undefined = self.info().undefined
-        if undefined and not self.includes:  # which may define it
-            raise SceneError(f"scene: {', '.join(undefined)}; expected names that the scene defines")
+        """Raises SceneError for whatever of the scene a render would refuse, as it builds all that one
+        needs, and for names that are used and never defined."""
         try:
             _core.check(self)
         except SceneError as error:
             raise located(self, error) from None
+        undefined = self.info().undefined
+        if undefined and not self.includes:  # which may define it
+            what, mark, hint = undefined[0].partition(";")
+            raise SceneError(f"scene: {what} is not defined{mark}{hint}")
 
     def info(self) -> Summary:
         """Counts of what the scene holds, and names that are not used or not defined."""
@@ -276,6 +277,9 @@ class Scene(_messages.Scene):
         if unknown:
             refuse_unknown("frames", unknown, ["first", "last", *options])
         asked = self.settings.frames if self.settings is not None else None
+        if first is None and last is None and asked is None:
+            raise UsageError("frames: the scene has none of its own; expected frames(first, last) or "
+                             "Scene(frames=(first, last))")
         begin = first if first is not None else (asked.first or 0) if asked else 0
         end = last if last is not None else (asked.last or 0) if asked else begin
         if end < begin:
