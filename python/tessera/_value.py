@@ -1,6 +1,7 @@
 """What all values of a scene have in common."""
 from __future__ import annotations
 
+import re
 import sys
 from types import CodeType
 from typing import Any, Dict, List, Mapping, NoReturn, Optional, Tuple, Type, TypeVar, Union
@@ -65,6 +66,12 @@ def _slots(value: Value) -> Dict[str, Any]:
     """What the slots hold, whatever properties hide them."""
     names = (name for base in type(value).__mro__ for name in base.__dict__.get("__slots__", ()))
     return {name: slot_of(type(value), name).__get__(value) for name in names if name != "_place"}
+
+
+def words_of(made: type, field: str) -> str:
+    """What the class tells of a field: its unit, default and values."""
+    found = re.search(rf"^ +{field}: (.*(?:\n {{12}}.*)*)", made.__doc__ or "", re.MULTILINE)
+    return " ".join(found.group(1).split()) if found else ""
 
 
 def slot_of(made: type, name: str) -> Any:

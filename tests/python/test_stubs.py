@@ -233,8 +233,20 @@ def test_each_public_name_has_words():
 def test_the_words_of_a_class_tell_each_field():
     values = [made for made in map(vars(ts).get, ts.__all__) if inspect.isclass(made) and issubclass(made, ts.Value)]
     silent = [f"{made.__name__}.{field}" for made in values for field in made._FIELDS
-              if not re.search(rf"^    {field}: \S", inspect.getdoc(made), re.M)]
+              if not re.search(rf"^    {field}: \S", inspect.getdoc(made), re.M) and not field.startswith("inline_")]
     assert silent == [] and len(values) > 50
+
+
+def test_the_words_are_those_of_python():
+    for made in map(vars(_messages).get, _messages.__all__):
+        assert not re.search(r"\b[A-Z]+_[A-Z_]+\b|\bPHONG\b|\binline_|: \w+: 1;", made.__doc__), made
+    assert inspect.getdoc(ts.Frames).startswith("The frames of an animation")
+    assert 'levels: of detail, each half the last, rounded up; 0: 1\n' in ts.ImageTexture.__doc__
+    assert re.search(r'filter: "trilinear" .default.', ts.ImageTexture.__doc__)
+    assert "no default" in ts.SpotLight.__doc__ and "no default" in ts.DirectionalLight.__doc__
+    assert 'auto (default)' in ts.Scene.integrator.__doc__ and '"on" (default)' in ts.Scene.shadows.__doc__
+    assert all(f":param {name}:" in ts.Image.save.__doc__ for name in ("exposure", "tone_map", "gamma"))
+    assert "docs/python.md" in ts.__doc__
 
 
 def test_the_words_of_a_class_tell_each_value_of_its_fields():
