@@ -4,7 +4,7 @@ from __future__ import annotations
 import json
 import os
 from typing import (TYPE_CHECKING, Any, Dict, Generic, Iterable, Iterator, List, NamedTuple, NoReturn,
-                    Optional, Sequence, Tuple, TypeVar, Union, overload)
+                    Optional, Sequence, Tuple, Type, TypeVar, Union, overload)
 
 from . import _core, _messages, rendering
 from ._graph import Instances, flat, with_material
@@ -17,10 +17,11 @@ from ._messages import (Fog, Frames, Include, IntegratorSettings, IntegratorSett
 from ._nodes import Node
 from ._progress import ProgressOption
 from ._places import located
+from ._placing import everything_in
 from ._transforms import Transform
 from ._types import (Accelerator, Aovs, ColorLike, Crop, Integrator, NodeLike, PartsLike, Path, Pattern,
                      Size, TransformsLike)
-from ._value import here, refuse_unknown
+from ._value import Value, here, nearest, refuse_unknown, words_of
 from ._view import Background, Camera
 from .errors import SceneError, UsageError
 from .picture import Image
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from .rays import Tracer
 
 T = TypeVar("T")
+V = TypeVar("V", bound=Value)
 
 
 class Summary(NamedTuple):
@@ -48,7 +50,7 @@ class _Setting(Generic[T]):
     def __init__(self, path: str, made: type = Settings) -> None:
         self._part, _, field = path.rpartition(".")
         self._field, self._made = field, made
-        self.__doc__ = f"The field `{path}` of `settings`."
+        self.__doc__ = f"`settings.{path}`: {words_of(made, field)}"
 
     @overload
     def __get__(self, scene: None, _: Any = None) -> _Setting[T]: ...
@@ -162,7 +164,8 @@ class Scene(_messages.Scene):
 
         :param material: of the shapes, in place of their own. Nodes, objects and scenes keep theirs,
             so that they cannot be given one.
-        :return: the node; a Node that is added by itself is returned as it is.
+        :return: the node; a Node that is added by itself is returned as it is. One thing is its
+            `shape`, `light` or `instance_of`, several are in nodes of their own, its `children`.
         """
         if not things:
             raise TypeError("add() of nothing; expected a Shape, Light, Node, Object, Scene or a "
@@ -209,6 +212,19 @@ class Scene(_messages.Scene):
         added = Instances(object, transforms, names, material=material)
         self.nodes.append(added)
         return added
+
+    def find(self, name: str, kind: Type[V] = Value) -> V:  # type: ignore[assignment]
+        """The first part of that name and class: `scene.find("ivory", ts.Classic).diffuse = "red"`.
+        Finds cameras, materials, textures, objects, nodes, and what is in those."""
+        parts = [*self.cameras, *self.materials, *self.textures, *self.objects, *self.nodes]
+        named: Dict[Any, V] = {}
+        for part in (part for top in parts for part in everything_in(top)):
+            if isinstance(part, kind) and getattr(part, "name", None):
+                named.setdefault(getattr(part, "name"), part)
+        if name in named:
+            return named[name]
+        hint = nearest(name, list(named))
+        raise UsageError(f"name: {name!r}; expected that of a {kind.__name__} of the scene{hint}")
 
     @property
     def digest(self) -> str:
@@ -271,7 +287,8 @@ class Scene(_messages.Scene):
                on_tile: Optional[rendering.TileCallback] = None, **unknown: NoReturn,
                ) -> Iterator[Tuple[int, Image]]:
         """Renders frames one after the other: pairs of number and picture. The options are those of
-        `render`. Without `farm` the same workers render all of them."""
+        `render`. Without `farm` the same workers render all of them. Numbers left out are those of
+        `settings.frames`, whose `per_second` tells at which time a frame is."""
         options = {name: value for name, value in locals().items()
                    if name not in ("self", "first", "last", "unknown")}
         if unknown:

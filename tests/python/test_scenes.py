@@ -257,3 +257,20 @@ def test_a_texture_that_is_not_there_is_told(tmp_path):
             ts.ImageTexture(wrong)
     with pytest.raises(TypeError, match="texels: .*expected uint8, float16 or float32"):
         ts.ImageTexture(np.zeros((2, 2), np.int64))
+
+
+def test_find_gives_the_first_part_of_a_name_and_class():
+    ivory, lamp = ts.Classic(name="ivory"), ts.PointLight(name="lamp")
+    inner = ts.Sphere(name="ball", material=ts.Unlit(name="glow"))
+    scene = ts.Scene(materials=[ivory], objects=[ts.Object("thing", [ts.Node("leaf", shape=inner)])])
+    node = scene.add(lamp, ts.Box(material="ivory"), name="ball")
+    assert scene.find("ivory") is ivory and scene.find("lamp", ts.Light) is lamp
+    assert scene.find("ball", ts.Node) is node and scene.find("ball") is inner
+    assert scene.find("glow", ts.Material) is inner.material and scene.find("leaf").shape is inner
+    scene.find("ivory", ts.Classic).diffuse = "red"
+    assert ivory.diffuse == "red"
+    for wrong in (lambda: scene.find("ivoy", ts.Material), lambda: scene.find("ivoy")):
+        with pytest.raises(ts.UsageError, match="name: 'ivoy'; expected that of a .*; did you mean 'ivory'"):
+            wrong()
+    with pytest.raises(ts.UsageError, match="expected that of a Unlit"):
+        scene.find("ivory", ts.Unlit)
