@@ -9,7 +9,7 @@ import os
 import sys
 import time
 import warnings as _warnings
-from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterator, Literal, NoReturn, Optional,
+from typing import (TYPE_CHECKING, Any, AsyncIterator, Callable, Generator, Iterator, Literal, NoReturn, Optional,
                     Sequence, Union, overload)
 
 from . import _core, _messages
@@ -137,6 +137,16 @@ class Task(OfThisProcess):
             if now != last:
                 yield now
             last = now
+        yield self.progress
+
+    async def __aiter__(self) -> AsyncIterator[Progress]:
+        import asyncio
+        last = None
+        while not self.done():
+            if self.progress != last:
+                last = self.progress
+                yield last
+            await asyncio.sleep(SHOW_SECONDS)
         yield self.progress
 
     def __await__(self) -> Generator[Any, None, Image]:

@@ -51,6 +51,7 @@ def decoded_png(data):
 
 
 def test_shapes_and_types(image):
+    assert image.size == (60, 40) and image.shape == image.linear.shape
     assert image.linear.shape == (40, 60, 3) and image.linear.dtype == np.float32
     assert not image.linear.flags.writeable
     for name in ("albedo", "normal", "position", "variance"):
