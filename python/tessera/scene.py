@@ -76,6 +76,24 @@ class _Setting(Generic[T]):
         setattr(owner, self._field, list(held) if self._field == "response" else held)
 
 
+class _BackgroundField:
+    """What rays see that meet nothing; a colour stands for the background that is it everywhere."""
+
+    def __init__(self) -> None:
+        self._slot: Any = _messages.Scene.__dict__["background"]
+
+    @overload
+    def __get__(self, scene: None, _: Any = None) -> _BackgroundField: ...
+    @overload
+    def __get__(self, scene: Scene, _: Any = None) -> Optional[Background]: ...
+    def __get__(self, scene: Optional[Scene], _: Any = None) -> Any:
+        return self if scene is None else self._slot.__get__(scene)
+
+    def __set__(self, scene: Scene, given: Optional[Union[Background, ColorLike]]) -> None:
+        is_color = given is not None and not isinstance(given, Value)
+        self._slot.__set__(scene, Background.solid(given) if is_color else given)  # type: ignore[arg-type]
+
+
 class Scene(_messages.Scene):
     """Everything that a picture is made of: a value, which is read when it is rendered or saved.
 
@@ -85,6 +103,7 @@ class Scene(_messages.Scene):
 
     __slots__ = ()
 
+    background: _BackgroundField = _BackgroundField()  # type: ignore[assignment]
     width: _Setting[int] = _Setting("width")
     height: _Setting[int] = _Setting("height")
     time: _Setting[float] = _Setting("time")
@@ -146,8 +165,7 @@ class Scene(_messages.Scene):
         if camera is not None:
             self.camera = camera
         if background is not None:
-            self.background = (background if isinstance(background, Background)
-                               else Background.solid(background))
+            self.background = background
 
     @property
     def camera(self) -> Optional[Camera]:

@@ -259,6 +259,18 @@ def test_a_texture_that_is_not_there_is_told(tmp_path):
         ts.ImageTexture(np.zeros((2, 2), np.int64))
 
 
+def test_a_colour_is_a_background():
+    scene = ts.Scene(background="red")
+    scene.background = "navy"
+    assert scene.background == ts.Background.solid("navy")
+    assert scene == ts.Scene(background=ts.Background.solid("navy")) == pickle.loads(pickle.dumps(scene))
+    scene.background = None
+    assert scene == ts.Scene()
+    scene.background = ts.Sphere()
+    with pytest.raises(ts.SceneError, match="background: .*; expected a Background"):
+        scene.digest
+
+
 def test_find_gives_the_first_part_of_a_name_and_class():
     ivory, lamp = ts.Classic(name="ivory"), ts.PointLight(name="lamp")
     inner = ts.Sphere(name="ball", material=ts.Unlit(name="glow"))

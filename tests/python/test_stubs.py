@@ -31,6 +31,7 @@ node: ts.Node = scene.add(ts.Sphere((0, 0, 0), 1.0, material=red), transform=ts.
 node.transform = ts.translate(1, 2, 3) @ ts.scale(2) @ ts.rotate("x", 90)
 scene.add([ts.PointLight(np.zeros(3), intensity=2), ts.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)])], scene)
 scene.camera = ts.Camera.look_at((0, 0, 5), ts.Vec(0, 0, 0), fov=40, lens=ts.Lens(radius=.1, focus=5))
+scene.background = "red"
 scene.background = ts.Background(glow=.5)
 scene.background = ts.Background.gradient(sky="skyblue", ground=(1, 1, 1))
 sky: ts.Background = scene.background
