@@ -132,7 +132,8 @@ class RenderRun {
     scene_ = measured([&] { return load_frame(options_, frame); });
     parse_seconds_ = scene_.load_seconds;
     // A wrong option is told before all that may be said of the scene.
-    FrameRender(options_, scene_, options_.frames ? std::optional(frame) : std::nullopt);
+    [[maybe_unused]] const FrameRender checked(
+        options_, scene_, options_.frames ? std::optional(frame) : std::nullopt);
     if (options_.quiet) return;
     for (const auto& warnings :
          {scene_warnings(options_, scene_.loaded), file_warnings(options_, scene_.loaded)}) {

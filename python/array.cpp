@@ -139,7 +139,7 @@ py::tuple reduce(const py::object& self, int protocol) {
 }  // namespace
 
 void bind_arrays(py::module_& module) {
-  py::class_<Array>(module, "Array", py::buffer_protocol(),
+  bind_class<Array>(module, "Array", py::buffer_protocol(),
                     "A read-only array: `numpy.asarray` and `memoryview` share its memory.")
       .def_buffer(buffer_of)
       .def_property_readonly("shape", shape_of, "The length of each axis.")

@@ -5,6 +5,9 @@
 #include <cctype>
 #include <optional>
 
+#include "python/errors.h"
+#include "python/gil.h"
+
 namespace py = pybind11;
 
 namespace tessera {
@@ -18,7 +21,7 @@ struct HeldBuffer {
   HeldBuffer& operator=(const HeldBuffer&) = delete;
   ~HeldBuffer() {
     if (!Py_IsInitialized()) return;
-    const py::gil_scoped_acquire locked;
+    const GilAcquire locked;
     PyBuffer_Release(&view);
   }
 };
@@ -50,12 +53,20 @@ bool is_frozen(py::handle view) {
   return false;
 }
 
+/// The strides in bytes of an array in C order without gaps.
+Array::Shape contiguous_strides(const Array::Shape& shape, py::ssize_t item_size) {
+  Array::Shape strides(shape.size());
+  py::ssize_t stride = item_size;
+  for (size_t axis = shape.size(); axis-- > 0; stride *= shape[axis]) strides[axis] = stride;
+  return strides;
+}
+
 ArraySource from_buffer(py::handle given, const std::string& name) {
   auto held = std::make_shared<HeldBuffer>();
   if (PyObject_GetBuffer(given.ptr(), &held->view, PyBUF_RECORDS_RO)) {
     PyErr_Clear();
-    throw py::type_error(fmt::format("{}: a {} without strides; expected an array of numbers", name,
-                                     Py_TYPE(given.ptr())->tp_name));
+    throw py::type_error(fmt::format("{}: {} without strides; expected an array of numbers", name,
+                                     with_article(Py_TYPE(given.ptr())->tp_name)));
   }
   const Py_buffer& view = held->view;
   std::string_view format = view.format ? view.format : "B";
@@ -76,7 +87,11 @@ ArraySource from_buffer(py::handle given, const std::string& name) {
   source.item_size = view.itemsize;
   source.read_only = view.readonly && is_frozen(given);
   source.shape.assign(view.shape, view.shape + view.ndim);
-  source.strides.assign(view.strides, view.strides + view.ndim);
+  if (view.strides) {
+    source.strides.assign(view.strides, view.strides + view.ndim);
+  } else {  // as ctypes leaves it out although it was asked for: in C order without gaps
+    source.strides = contiguous_strides(source.shape, view.itemsize);
+  }
   source.owner = std::move(held);
   return source;
 }
@@ -101,10 +116,7 @@ class Flattener {
       source.data = reinterpret_cast<const std::byte*>(kept->data());
       source.owner = kept;
     }
-    source.strides.resize(shape_.size());
-    py::ssize_t stride = 8;
-    for (size_t axis = shape_.size(); axis-- > 0; stride *= shape_[axis])
-      source.strides[axis] = stride;
+    source.strides = contiguous_strides(shape_, source.item_size);
     return source;
   }
 
@@ -127,7 +139,13 @@ class Flattener {
           fmt::format("{}: rows of different lengths ({} and {}); expected an array", name_,
                       shape_.size() > axis ? shape_[axis] : 1, count));
     }
-    for (py::ssize_t i = 0; i < count && i < PySequence_Fast_GET_SIZE(items.ptr()); ++i) {
+    for (py::ssize_t i = 0; i < count; ++i) {
+      if (i >= PySequence_Fast_GET_SIZE(items.ptr())) {
+        throw py::value_error(
+            fmt::format("{}: a sequence that shrank from {} to {} while it was read; expected an "
+                        "array",
+                        name_, count, PySequence_Fast_GET_SIZE(items.ptr())));
+      }
       add(py::reinterpret_borrow<py::object>(PySequence_Fast_GET_ITEM(items.ptr(), i)), axis + 1);
     }
   }
@@ -140,8 +158,8 @@ class Flattener {
     const double number = PyFloat_AsDouble(given.ptr());
     if (number == -1 && PyErr_Occurred()) {
       PyErr_Clear();
-      throw py::type_error(
-          fmt::format("{}: a {}; expected numbers", name_, Py_TYPE(given.ptr())->tp_name));
+      throw py::type_error(fmt::format("{}: {}; expected numbers", name_,
+                                       with_article(Py_TYPE(given.ptr())->tp_name)));
     }
     numbers_.push_back(number);
     if (!all_whole_) return;
@@ -194,8 +212,8 @@ ArraySource array_source(py::handle given, const std::string& name) {
       !PyBytes_Check(given.ptr())) {
     return Flattener(name).take(given);
   }
-  throw py::type_error(
-      fmt::format("{}: a {}; expected an array of numbers", name, Py_TYPE(given.ptr())->tp_name));
+  throw py::type_error(fmt::format("{}: {}; expected an array of numbers", name,
+                                   with_article(Py_TYPE(given.ptr())->tp_name)));
 }
 
 std::string shape_text(const Array::Shape& shape) {

@@ -15,6 +15,7 @@
 #include "front/all_failures.h"
 #include "front/output_settings.h"
 #include "python/bindings.h"
+#include "python/gil.h"
 #include "python/picture.h"
 #include "renderer/image/image_file.h"
 
@@ -65,7 +66,7 @@ py::bytes encode(const PicturePointer& picture, const std::string& path,
                  const OptionValues& values) {
   std::string bytes;
   {
-    const py::gil_scoped_release release;
+    const GilRelease release;
     bytes = encode_image(path, picture->film, settings_of(*picture, values), picture->metadata);
   }
   return py::bytes(bytes);
@@ -140,7 +141,7 @@ std::vector<std::string> names_of(AovSet aovs) {
 py::tuple read_file(const std::string& path) {
   FloatImage image;
   {
-    const py::gil_scoped_release release;
+    const GilRelease release;
     image = read_image(path);
   }
   const auto channels = static_cast<py::ssize_t>(image.channels.size());
@@ -164,7 +165,7 @@ py::dict compare(const py::buffer& first, const py::buffer& second) {
   PictureError error;
   double ssim = 0;
   {
-    const py::gil_scoped_release release;
+    const GilRelease release;
     difference = difference_of(a.values, b.values, kFilmChannels, width);
     error = picture_error(a, b);
     ssim = mean_ssim(a, b);
@@ -215,8 +216,8 @@ Array channels_of(const PicturePointer& picture, const std::string& name) {
 }
 
 void bind_picture(py::module_& module) {
-  using Release = py::call_guard<py::gil_scoped_release>;
-  py::class_<RenderedPicture, PicturePointer>(module, "Picture")
+  using Release = py::call_guard<GilRelease>;
+  bind_class<RenderedPicture, PicturePointer>(module, "Picture")
       .def_property_readonly("width", [](const RenderedPicture& p) { return p.film.width(); })
       .def_property_readonly("height", [](const RenderedPicture& p) { return p.film.height(); })
       .def_property_readonly("aovs",

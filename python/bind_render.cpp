@@ -21,6 +21,7 @@
 #include "python/array.h"
 #include "python/bindings.h"
 #include "python/errors.h"
+#include "python/gil.h"
 #include "python/interruptible.h"
 #include "python/picture.h"
 #include "python/scene_values.h"
@@ -30,7 +31,7 @@ namespace py = pybind11;
 namespace tessera {
 namespace {
 
-using Release = py::call_guard<py::gil_scoped_release>;
+using Release = py::call_guard<GilRelease>;
 
 /// The options of a command, each assigned by its long name and a text.
 class OptionTexts {
@@ -69,11 +70,12 @@ std::pair<std::shared_ptr<FrameTask>, std::vector<std::string>> make_task(
     const OptionTexts& texts, const py::object& scene, std::optional<int> frame) {
   RenderOptions options = texts.options;
   const auto load = loader_of(options, scene);
-  const py::gil_scoped_release release;
-  FrameScene made = measured([&] { return load(frame.value_or(0)); });
-  std::vector<std::string> warnings = scene_warnings(options, made.loaded);
-  auto task = std::make_shared<FrameTask>(std::move(options), std::move(made), frame);
-  return {std::move(task), std::move(warnings)};
+  return run_interruptibly([&](const std::atomic<bool>&) {
+    FrameScene made = measured([&] { return load(frame.value_or(0)); });
+    std::vector<std::string> warnings = scene_warnings(options, made.loaded);
+    auto task = std::make_shared<FrameTask>(std::move(options), std::move(made), frame);
+    return std::pair(std::move(task), std::move(warnings));
+  });
 }
 
 /// The share of tiles to be traced twice by so many workers.
@@ -158,13 +160,13 @@ void bind_access(py::module_& module) {
       .value("forget", v1::JobQuery::FORGET)
       .value("retry", v1::JobQuery::RETRY)
       .value("none", v1::JobQuery::ASK);
-  py::class_<FetchedPicture>(module, "FetchedPicture")
+  bind_class<FetchedPicture>(module, "FetchedPicture")
       .def_readonly("has_ended", &FetchedPicture::has_ended)
       .def_readonly("picture", &FetchedPicture::picture)
       .def("throw_failure", [](const FetchedPicture& fetched) {
         if (fetched.failure) throw *fetched.failure;
       });
-  py::class_<FarmAccess, std::shared_ptr<FarmAccess>>(module, "FarmAccess")
+  bind_class<FarmAccess, std::shared_ptr<FarmAccess>>(module, "FarmAccess")
       .def(py::init([](const std::string& endpoint, const std::string& key,
                        const std::string& server_key, double patience) {
         return std::make_shared<FarmAccess>(connection_of(endpoint, key, server_key, patience));
@@ -210,10 +212,10 @@ void bind_access(py::module_& module) {
 }
 
 void bind_task(py::module_& module) {
-  py::class_<FrameTask, std::shared_ptr<FrameTask>>(module, "Task")
+  bind_class<FrameTask, std::shared_ptr<FrameTask>>(module, "Task")
       .def("wait",
            [](const FrameTask& task, double seconds) {
-             const py::gil_scoped_release release;
+             const GilRelease release;
              return task.wait(std::chrono::microseconds(static_cast<int64_t>(seconds * 1e6)));
            })
       .def("is_done", &FrameTask::is_done)
@@ -236,15 +238,15 @@ void bind_task(py::module_& module) {
 }  // namespace
 
 void bind_render(py::module_& module) {
-  py::class_<OptionTexts>(module, "Options")
+  bind_class<OptionTexts>(module, "Options")
       .def(py::init<bool>())
       .def("assign", &OptionTexts::assign)
       .def("names", &OptionTexts::names);
   bind_task(module);
   bind_access(module);
   translate_farm_errors();
-  py::class_<FarmThread, std::shared_ptr<FarmThread>>(module, "FarmThread")
-      .def("submit", &FarmThread::submit, Release())
+  bind_class<FarmThread, std::shared_ptr<FarmThread>>(module, "FarmThread")
+      .def("submit", &FarmThread::submit, py::arg().none(false), Release())
       .def("close", &FarmThread::close, Release());
   module.def("make_task", &make_task);
   module.def("share_verified", &share_verified);

@@ -1,4 +1,5 @@
 #include "python/bindings.h"
+#include "python/gil.h"
 
 namespace py = pybind11;
 
@@ -52,6 +53,7 @@ extern "C" PYBIND11_EXPORT PyObject* PyInit__core() {
   auto module = py::module_::create_extension_module("_core", nullptr, &definition);
   try {
     fill(module);
+    tessera::UnlockedWork::is_waited_for_at_exit();
     return module.ptr();
   }
   PYBIND11_CATCH_INIT_EXCEPTIONS

@@ -6,6 +6,9 @@
 
 namespace tessera {
 
+/// "a list", "an int", for messages.
+std::string with_article(const std::string& noun);
+
 /// The class of that name in `tessera.errors`, such as "SceneError".
 pybind11::object error_class(const char* name);
 

@@ -11,6 +11,7 @@
 
 #include "base/cancellation.h"
 #include "base/signal_stack.h"
+#include "python/gil.h"
 
 namespace tessera {
 
@@ -23,23 +24,28 @@ auto run_interruptibly(const Work& work) {
   namespace py = pybind11;
   std::atomic<bool> cancelled{false};
   std::packaged_task task([&] {
+    const UnlockedWork unlocked;
     const SignalStack stack;
     const Cancellation cancellation(&cancelled);
     return work(cancelled);
   });
   auto result = task.get_future();
   std::optional<py::error_already_set> interrupt;
+  std::jthread worker(std::ref(task));
+  const auto ends_within = [&](std::chrono::milliseconds time) {
+    const GilRelease release;
+    const bool has_ended = result.wait_for(time) == std::future_status::ready;
+    if (_Py_IsFinalizing()) cancelled = true;
+    return has_ended;
+  };
+  while (!ends_within(std::chrono::milliseconds(20))) {
+    if (cancelled || PyErr_CheckSignals() == 0) continue;
+    interrupt.emplace();
+    cancelled = true;
+  }
   {
-    const py::gil_scoped_release release;
-    const std::jthread worker(std::ref(task));
-    while (result.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
-      if (cancelled) continue;
-      const py::gil_scoped_acquire acquire;
-      if (PyErr_CheckSignals() != 0) {
-        interrupt.emplace();
-        cancelled = true;
-      }
-    }
+    const GilRelease release;
+    worker.join();
   }
   if (interrupt) throw *interrupt;
   return result.get();

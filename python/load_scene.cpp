@@ -31,11 +31,8 @@ py::tuple load(const std::string& path, const OptionValues& values, int32_t fram
   add_place_option(list, reading.placements);
   add_read_options(list, reading);
   for (const auto& [name, value] : values) assign_option(list, name, value);
-  LoadedScene loaded;
-  {
-    const py::gil_scoped_release unlocked;
-    loaded = read_scene(path, reading);
-  }
+  LoadedScene loaded =
+      run_interruptibly([&](const std::atomic<bool>&) { return read_scene(path, reading); });
   return py::make_tuple(value_of({std::move(loaded.scene), std::move(loaded.blobs)}),
                         loaded.warnings);
 }
@@ -43,7 +40,8 @@ py::tuple load(const std::string& path, const OptionValues& values, int32_t fram
 /// (counts by what is counted, what is never used, what is used and never defined).
 py::tuple summary_of(py::handle scene) {
   const SceneWithBlobs made = message_of(scene);
-  const SceneSummary summary = summarize(made.scene, made.blobs);
+  const SceneSummary summary = run_interruptibly(
+      [&](const std::atomic<bool>&) { return summarize(made.scene, made.blobs); });
   py::dict counts;
   for (const SceneSummary::Count& each : summary.counts) counts[py::str(each.what)] = each.count;
   return py::make_tuple(counts, summary.unused, summary.undefined);

@@ -11,6 +11,7 @@
 #include "python/array_kernels.h"
 #include "python/array_source.h"
 #include "python/bindings.h"
+#include "python/gil.h"
 #include "renderer/math/encodings.h"
 
 namespace py = pybind11;
@@ -72,15 +73,17 @@ std::shared_ptr<const uint32_t[]> to_indices(const ArraySource& source, const st
       std::make_shared_for_overwrite<uint32_t[]>(static_cast<size_t>(source.count()));
   bool all_fit;
   {
-    const py::gil_scoped_release unlocked;
+    const GilRelease unlocked;
     all_fit = narrow_indices(source, limit, indices.get());
   }
   if (all_fit) return indices;
-  py::ssize_t at = 0, bad = -1;
+  std::optional<py::ssize_t> first;
+  py::ssize_t at = 0;
   for_each_element<uint64_t>(source, 0, source.count(), [&](uint64_t index) {
-    if (index >= limit && bad < 0) bad = at;
+    if (index >= limit && !first) first = at;
     ++at;
   });
+  const py::ssize_t bad = first.value_or(0);  // another thread may have mended it meanwhile
   std::string found;
   for_each_element<int64_t>(source, bad, 1, [&](int64_t index) {
     found =
@@ -99,7 +102,7 @@ std::vector<float> to_colors(const ArraySource& source) {
   double worst = 0;
   const py::ssize_t columns = source.shape.size() == 2 ? source.shape[1] : 4;
   std::vector<float> colors;
-  std::optional<py::gil_scoped_release> unlocked(std::in_place);
+  std::optional<GilRelease> unlocked(std::in_place);
   colors.reserve(static_cast<size_t>(source.count() / columns * 4));
   py::ssize_t column = 0;
   for_each_element<double>(source, 0, source.count(), [&](double value) {
@@ -119,7 +122,7 @@ std::vector<float> to_colors(const ArraySource& source) {
 
 std::vector<float> to_floats(const ArraySource& source) {
   std::vector<float> floats;
-  const py::gil_scoped_release unlocked;
+  const GilRelease unlocked;
   if (source.is_plain(kElementOf<float>)) {
     floats.resize(static_cast<size_t>(source.count()));
     if (!floats.empty()) std::memcpy(floats.data(), source.data, floats.size() * sizeof(float));
@@ -201,7 +204,7 @@ py::tuple take_positions(py::handle given, py::handle copy, bool recenter) {
   std::array<double, 3> middle{};
   VertexBounds bounds;
   {
-    const py::gil_scoped_release unlocked;
+    const GilRelease unlocked;
     bounds = round_all(source, middle, rounded.get());
     if (recenter && count > 0) {
       for (size_t axis = 0; axis < 3; ++axis)
@@ -271,7 +274,7 @@ std::pair<Digest, BlobData> blob_of(const Array& array) {
     const std::span<const std::byte> bytes = array.bytes();
     std::pair<Digest, BlobData> made;
     {
-      const py::gil_scoped_release unlocked;
+      const GilRelease unlocked;
       made = {Digest::of(bytes), Blob::share(array.owner(), bytes)};
     }
     array.blob() = std::move(made);  // with the GIL: others may look at it at once

@@ -41,7 +41,7 @@ State state_of(const std::shared_ptr<RenderedPicture>& picture) {
           serialize_scene(asked),
           {told.scene_digest, told.seed, told.samples_per_pixel, told.denoiser, told.colors,
            told.frame_width, told.frame_height},
-          std::move(holes),
+          holes,
           picture->statistics};
 }
 
@@ -73,7 +73,7 @@ std::shared_ptr<RenderedPicture> picture_of(const State& state) {
 }  // namespace
 
 void bind_picture_state(py::module_& module) {
-  module.def("picture_state", &state_of, "What a picture is made of.");
+  module.def("picture_state", &state_of, py::arg().none(false), "What a picture is made of.");
   module.def("picture_of_state", &picture_of, "The picture that is made of that.");
 }
 

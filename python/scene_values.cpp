@@ -6,6 +6,8 @@
 #include "proto/tessera/v1/scene.pb.h"
 #include "python/bindings.h"
 #include "python/errors.h"
+#include "python/gil.h"
+#include "python/interruptible.h"
 #include "python/value_classes.h"
 #include "python/value_reader.h"
 #include "python/value_writer.h"
@@ -51,26 +53,27 @@ py::bytes describe(py::handle value) {
 
 std::string digest_of(py::handle scene) {
   const SceneWithBlobs made = message_of(scene);
-  const py::gil_scoped_release unlocked;
-  return Digest::of(serialize_scene(made.scene)).hex();
+  return run_interruptibly(
+      [&](const std::atomic<bool>&) { return Digest::of(serialize_scene(made.scene)).hex(); });
 }
 
 void save(py::handle scene, const std::string& path) {
   const SceneWithBlobs made = message_of(scene);
-  const py::gil_scoped_release unlocked;
-  write_scene_file(path, made.scene, made.blobs);
+  run_interruptibly(
+      [&](const std::atomic<bool>&) { write_scene_file(path, made.scene, made.blobs); });
 }
 
 std::string to_json(py::handle scene) {
   const SceneWithBlobs made = message_of(scene);
-  const py::gil_scoped_release unlocked;
-  return encode_scene(made.scene, made.blobs, SceneEncoding::json);
+  return run_interruptibly([&](const std::atomic<bool>&) {
+    return encode_scene(made.scene, made.blobs, SceneEncoding::json);
+  });
 }
 
 py::object from_json(const std::string& text, const py::dict& arrays) {
   SceneWithBlobs made;
   {
-    const py::gil_scoped_release unlocked;
+    const GilRelease unlocked;
     made = decode_scene(text, SceneEncoding::json, "dict");
   }
   for (const auto& [digest, array] : arrays) {

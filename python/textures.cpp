@@ -7,6 +7,7 @@
 #include "front/texture_decoder.h"
 #include "python/array.h"
 #include "python/bindings.h"
+#include "python/gil.h"
 #include "python/mesh_arrays.h"
 #include "renderer/math/encodings.h"
 #include "scenes/import/mip_levels.h"
@@ -33,7 +34,7 @@ std::pair<Array, uint32_t> with_mip_levels(const Array& texels, bool is_srgb) {
                          .bits = static_cast<uint32_t>(8 * texels.type().size),
                          .texels = nullptr};
   texture.texels = copy_to_blob(texels.bytes());
-  const py::gil_scoped_release release;
+  const GilRelease release;
   const uint32_t levels = add_mip_levels(texture, is_srgb);
   const auto size = static_cast<py::ssize_t>(texture.texels->size()) / texels.type().size;
   return {Array(texture.texels, texture.texels->data(), texels.type(), {size}), levels};
@@ -42,7 +43,7 @@ std::pair<Array, uint32_t> with_mip_levels(const Array& texels, bool is_srgb) {
 }  // namespace
 
 void bind_textures(py::module_& module) {
-  module.def("read_texture", &read_texture, py::call_guard<py::gil_scoped_release>(),
+  module.def("read_texture", &read_texture, py::call_guard<GilRelease>(),
              "The picture in a file as an array.");
   module.def("srgb_to_linear", &srgb_to_linear, "A channel of sRGB from 0 to 1 as linear light.");
   module.def("with_mip_levels", &with_mip_levels, "Texels with all smaller levels behind them.");

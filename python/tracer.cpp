@@ -8,6 +8,7 @@
 #include "python/array.h"
 #include "python/bindings.h"
 #include "python/errors.h"
+#include "python/gil.h"
 #include "python/interruptible.h"
 #include "python/scene_values.h"
 #include "renderer/query/ray_queries.h"
@@ -124,7 +125,7 @@ template <typename Work>
 void trace(size_t count, int threads, const Work& work) {
   constexpr size_t kFew = 4096;
   if (count <= kFew) {
-    const py::gil_scoped_release release;
+    const GilRelease release;
     work(QueryControl{});
     return;
   }
@@ -160,9 +161,10 @@ SceneWithBlobs scene_of(const py::object& scene) {
   const SceneWithBlobs made = message_of(scene);
   RenderOptions options;
   options.scene = kSceneOfPython;
-  const py::gil_scoped_release release;
-  LoadedScene loaded = load_frame(options, made, 0);
-  return {std::move(loaded.scene), std::move(loaded.blobs)};
+  return run_interruptibly([&](const std::atomic<bool>&) {
+    LoadedScene loaded = load_frame(options, made, 0);
+    return SceneWithBlobs{std::move(loaded.scene), std::move(loaded.blobs)};
+  });
 }
 
 template <typename T>
@@ -189,7 +191,7 @@ void camera_rays(const RayQueries& queries, const std::string& name, int width, 
   const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
   const PlainArray<double> o("origins", origins, 3 * pixels);
   const PlainArray<double> d("directions", directions, 3 * pixels);
-  const py::gil_scoped_release release;
+  const GilRelease release;
   const Camera camera = queries.camera(name, width, height);
   for (size_t i = 0; i < pixels; ++i) {
     const size_t row_number = i / static_cast<size_t>(width);
@@ -305,7 +307,8 @@ void bind_queries(py::class_<RayQueries>& tracer) {
 }  // namespace
 
 void bind_tracer(py::module_& module) {
-  py::class_<RayQueries> tracer(module, "Tracer", "The geometry of a scene, for `tessera.Tracer`.");
+  auto tracer =
+      bind_class<RayQueries>(module, "Tracer", "The geometry of a scene, for `tessera.Tracer`.");
   tracer
       .def(py::init([](const py::object& scene, std::optional<double> time,
                        const std::string& camera, const std::string& accelerator, int threads) {

@@ -6,6 +6,7 @@
 
 #include "base/digest.h"
 #include "base/lower_case.h"
+#include "python/errors.h"
 #include "python/generate/named_things.h"
 #include "python/value_reader.h"
 
@@ -29,7 +30,7 @@ const pb::Descriptor* named_type(const pb::FieldDescriptor& field) {
       new std::unordered_map<const pb::FieldDescriptor*, const pb::Descriptor*>;
   const auto [at, is_new] = known->try_emplace(&field);
   if (is_new) {
-    const std::string full = field.full_name();
+    const std::string& full = field.full_name();
     const std::string type = type_named_by(full.substr(field.file()->package().size() + 1));
     if (!type.empty()) at->second = field.file()->FindMessageTypeByName(type);
   }
@@ -41,8 +42,11 @@ std::string describe_found(py::handle value) {
   std::string text = py::isinstance<py::str>(value) || py::isinstance<py::float_>(value) ||
                              py::isinstance<py::int_>(value) || value.is_none()
                          ? py::repr(value).cast<std::string>()
-                         : std::string("a ") + Py_TYPE(value.ptr())->tp_name;
-  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
+                         : with_article(Py_TYPE(value.ptr())->tp_name);
+  if (text.size() <= kLongest) return text;
+  size_t end = kLongest;
+  while ((text[end] & 0xC0) == 0x80) --end;  // a character is left out as a whole
+  return text.substr(0, end) + "...";
 }
 
 std::string bytes_of(const pb::Message& message) {
@@ -60,7 +64,7 @@ std::string ValueReader::name_of(py::handle held, const Field& field) {
   const ValueClass* made = find_value_class(held);
   if (made && made->message == type) return collect(held, *made);
   if (!PyUnicode_Check(held.ptr())) {
-    fail(describe_found(held), fmt::format("a {} or the name of one", type->name()));
+    fail(describe_found(held), with_article(type->name()) + " or the name of one");
   }
   return to_text(held);
 }

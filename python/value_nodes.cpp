@@ -1,13 +1,73 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <unordered_map>
+
+#include "proto/wire/scene_codec.h"
 #include "python/array_source.h"
 #include "python/value_reader.h"
+#include "renderer/scene/scene_graph.h"
 
 // The part of ValueReader that makes nodes: of shapes, lights, objects and many instances.
 
 namespace py = pybind11;
 
 namespace tessera {
+namespace {
+
+/// Counts the nodes of the message that a value stands for. Each value is visited once, however
+/// often it stands in others: nodes that are listed twice at each level double their number.
+class NodeCounter {
+ public:
+  /// The nodes inside of `value`, or kMaxNodeVisits + 1 where they are more. `depth` is the number
+  /// of values around it.
+  size_t count_in(py::handle value, int depth) {
+    const ValueClass* made = find_value_class(value);
+    if (!made || depth > kMaxSceneDepth) return 0;  // which reading will refuse
+    const auto known = counts_.find(value.ptr());
+    if (known != counts_.end()) return known->second;
+    size_t count = 0;
+    for (const ValueField& field : made->fields) {
+      const auto* type = field.field ? field.field->message_type() : nullptr;
+      if (type != v1::Node::descriptor() && type != v1::Shape::descriptor()) continue;
+      const py::object held = get_slot(field, value);
+      count += field.field->is_repeated() ? count_list(held, depth) : count_in(held, depth + 1);
+    }
+    count = std::min(count, kMaxNodeVisits + 1);
+    if (count > 0) counts_[value.ptr()] = count;
+    return count;
+  }
+
+ private:
+  /// Other iterables than these are not looked into: some can be read only once.
+  size_t count_list(py::handle held, int depth) {
+    if (!PyList_Check(held.ptr()) && !PyTuple_Check(held.ptr())) return 0;
+    size_t count = 0;
+    for (py::ssize_t i = 0; i < PySequence_Fast_GET_SIZE(held.ptr()); ++i) {
+      look_for_ctrl_c();
+      const auto item = py::reinterpret_borrow<py::object>(PySequence_Fast_GET_ITEM(held.ptr(), i));
+      count += 1 + count_in(item, depth + 1);
+    }
+    return count;
+  }
+
+  void look_for_ctrl_c() {
+    constexpr uint32_t kNodesBetween = 1024;
+    if (++visits_ % kNodesBetween == 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+
+  uint32_t visits_ = 0;
+  std::unordered_map<PyObject*, size_t> counts_;
+};
+
+}  // namespace
+
+void ValueReader::check_node_count(py::handle value) {
+  node_count_ += NodeCounter().count_in(value, 0);
+  if (node_count_ > kMaxNodeVisits) {
+    fail(fmt::format("more than {} nodes", kMaxNodeVisits), "fewer");
+  }
+}
 
 void ValueReader::read_node(py::handle held, v1::Node& node) {
   const ValueClass* made = find_value_class(held);

@@ -11,7 +11,9 @@
 #include "base/digest.h"
 #include "proto/wire/scene_codec.h"
 #include "python/array_source.h"
+#include "python/errors.h"
 #include "python/generate/enum_names.h"
+#include "python/gil.h"
 #include "python/mesh_arrays.h"
 
 namespace py = pybind11;
@@ -46,6 +48,14 @@ struct Parts {
 const Parts& parts() {
   static const auto* const found = new Parts;
   return *found;
+}
+
+/// What function(argument) returns. Holds no reference that the end of a daemon thread would drop.
+py::object call_python(py::handle function, py::handle argument) {
+  PyObject* const made =
+      run_or_sleep([&] { return PyObject_CallOneArg(function.ptr(), argument.ptr()); });
+  if (!made) throw py::error_already_set();
+  return py::reinterpret_steal<py::object>(made);
 }
 
 /// An array of at least two axes, which stands for a texture of its own.
@@ -87,9 +97,11 @@ void ValueReader::fail(const std::string& found, const std::string& expected) co
                                                  !PyErr_ExceptionMatches(PyExc_MemoryError));
   if (!is_about_it) throw py::error_already_set();
   PyErr_Clear();
-  const py::object error = parts().errors.attr("scene_error")(
-      found, expected, path_text(),
-      values_.empty() ? py::none() : py::reinterpret_borrow<py::object>(values_.back()));
+  const py::object error = run_or_sleep([&] {
+    return parts().errors.attr("scene_error")(
+        found, expected, path_text(),
+        values_.empty() ? py::none() : py::reinterpret_borrow<py::object>(values_.back()));
+  });
   PyErr_SetObject(py::type::of(error).ptr(), error.ptr());
   throw py::error_already_set();
 }
@@ -97,12 +109,18 @@ void ValueReader::fail(const std::string& found, const std::string& expected) co
 void ValueReader::read(py::handle value, Message& message) {
   const ValueClass* made = find_value_class(value);
   if (!made || made->message != message.GetDescriptor()) {
-    fail(describe_found(value), fmt::format("a {}", message.GetDescriptor()->name()));
+    fail(describe_found(value), with_article(message.GetDescriptor()->name()));
   }
   if (values_.size() >= size_t{kMaxSceneDepth}) {
     fail("something inside itself, or nested too deep",
          fmt::format("at most {} levels", kMaxSceneDepth));
   }
+  // Ctrl-C is looked for now and then, since to look takes longer than to read a small value.
+  constexpr uint32_t kValuesBetweenSignals = 1024;
+  if (++read_count_ % kValuesBetweenSignals == 0 && PyErr_CheckSignals() != 0) {
+    throw py::error_already_set();
+  }
+  if (values_.empty() || made->message == v1::Object::descriptor()) check_node_count(value);
   values_.push_back(value);
   read_fields(value, *made, message);
   values_.pop_back();
@@ -246,7 +264,7 @@ void ValueReader::read_input(py::handle held, Message& message) {
   const bool is_color = message.GetDescriptor() == v1::ColorInput::descriptor();
   py::object texture = py::reinterpret_borrow<py::object>(held);
   if (!made && is_picture(held)) {
-    texture = taken([&] { return parts().texture_from(held); });
+    texture = taken([&] { return call_python(parts().texture_from, held); });
     made_here_.push_back(texture);
     made = find_value_class(texture);
   }
@@ -264,7 +282,7 @@ void ValueReader::read_input(py::handle held, Message& message) {
 /// A name, a grey number or three numbers.
 void ValueReader::read_color(py::handle held, v1::Color& color) {
   if (py::isinstance<py::str>(held)) {
-    read_numbers(taken([&] { return parts().color(held); }), color);
+    read_numbers(taken([&] { return call_python(parts().color, held); }), color);
   } else if (PyNumber_Check(held.ptr()) && !PySequence_Check(held.ptr())) {
     const double grey = to_number(held);
     color.set_r(grey), color.set_g(grey), color.set_b(grey);
@@ -312,7 +330,7 @@ void ValueReader::read_array(py::handle held, const Field& field, v1::BlobRef& m
 void ValueReader::read_member(py::handle held, const Field& field) {
   const ValueClass* made = find_value_class(held);
   if (!made || made->message != field.message_type()) {
-    fail(describe_found(held), fmt::format("a {}", field.message_type()->name()));
+    fail(describe_found(held), with_article(field.message_type()->name()));
   }
   collect(held, *made);
 }

@@ -77,6 +77,8 @@ class ValueReader {
   void read_color(pybind11::handle held, v1::Color& color);
   void read_numbers(pybind11::handle held, Message& message);
   void read_array(pybind11::handle held, const Field& field, v1::BlobRef& message);
+  /// Refuses a scene, an object or a node with too many nodes in it, before they are read.
+  void check_node_count(pybind11::handle value);
   void read_node(pybind11::handle held, v1::Node& node);
   void add_shape_transform(pybind11::handle shape, v1::Node& node);
   void read_instances(pybind11::handle instances, const Field& field, Message& message);
@@ -94,6 +96,8 @@ class ValueReader {
   std::vector<pybind11::handle> values_;  ///< those being read, the outermost first
   std::unordered_map<const google::protobuf::Descriptor*, Collection> collections_;
   std::vector<NamedPart> named_parts_;
+  size_t node_count_ = 0;    ///< in the values that check_node_count() was called for
+  uint32_t read_count_ = 0;  ///< calls of read()
   std::vector<pybind11::object> made_here_;  ///< keeps alive what name_of has addresses of
 };
 

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "python/generate/enum_names.h"
+#include "python/gil.h"
 #include "python/mesh_arrays.h"
 #include "python/value_classes.h"
 
@@ -91,7 +92,7 @@ class ValueWriter {
     }
     if (type == v1::Color::descriptor()) {
       const auto& color = static_cast<const v1::Color&>(message);
-      return color_(color.r(), color.g(), color.b());
+      return run_or_sleep([&] { return color_(color.r(), color.g(), color.b()); });
     }
     if (type == v1::ColorInput::descriptor()) {
       const auto& input = static_cast<const v1::ColorInput&>(message);

@@ -150,9 +150,10 @@ void define_operators(py::class_<Vec>& type) {
 }  // namespace
 
 void bind_vec(py::module_& module) {
-  py::class_<Vec> type(module, "Vec", py::buffer_protocol(),
-                       "A vector of three numbers, which never changes. Tuples, lists and arrays "
-                       "are taken wherever a Vec is.");
+  auto type =
+      bind_class<Vec>(module, "Vec", py::buffer_protocol(),
+                      "A vector of three numbers, which never changes. Tuples, lists and arrays "
+                      "are taken wherever a Vec is.");
   type.def(py::init([](double x, double y, double z) {
              return Vec{{x, y, z}};
            }),

@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "base/cancellation.h"
 #include "proto/wire/scene_codec.h"
 #include "proto/wire/scene_errors.h"
 
@@ -57,8 +58,14 @@ bool may_be_faulty(const FieldDescriptor& field) {
           type == FieldDescriptor::CPPTYPE_FLOAT || type == FieldDescriptor::CPPTYPE_ENUM);
 }
 
+void end_if_cancelled() {
+  const std::atomic<bool>* const cancelled = Cancellation::current();
+  if (cancelled && *cancelled) throw WorkCancelled{};
+}
+
 /// `depth` is the number of messages that `message` lies in.
 std::optional<SceneFault> fault_in(const pb::Message& message, Places* places, int depth) {
+  end_if_cancelled();
   const pb::Reflection& reflection = *message.GetReflection();
   std::vector<const FieldDescriptor*> fields;
   reflection.ListFields(message, &fields);
@@ -100,6 +107,7 @@ void collect_blobs(const v1::BlobRef& ref, std::unordered_set<std::string>& seen
 
 void collect_blobs(const pb::Message& message, std::unordered_set<std::string>& seen,
                    std::vector<v1::BlobRef>& out) {
+  end_if_cancelled();
   const pb::Reflection& reflection = *message.GetReflection();
   std::vector<const FieldDescriptor*> fields;
   reflection.ListFields(message, &fields);

@@ -278,7 +278,7 @@ std::string argument(const PythonField& field) {
 std::string assignment(const PythonField& field) {
   const std::string& name = field.name;
   if (field.is_map) return fmt::format("dict({0}) if {0} is not None else {{}}", name);
-  if (field.is_list) return fmt::format("list({0}) if {0} is not None else []", name);
+  if (field.is_list) return fmt::format("several({0}, \"{0}\") if {0} is not None else []", name);
   return name;
 }
 

@@ -7,7 +7,7 @@ from . import _core, _messages
 from ._messages import Object
 from ._transforms import as_ndarray
 from ._types import PartsLike, TransformsLike
-from ._value import Value, here
+from ._value import Value, here, several, with_article
 
 if TYPE_CHECKING:
     import numpy as np
@@ -80,9 +80,9 @@ def flat(things: Any) -> List[Any]:
     if isinstance(things, Value):
         return [things]
     if isinstance(things, str) or not hasattr(things, "__iter__"):
-        raise TypeError(f"a {type(things).__name__}; expected a Shape, Light, Node, Object, Scene or a "
+        raise TypeError(f"{with_article(things)}; expected a Shape, Light, Node, Object, Scene or a "
                         "sequence of them")
-    return [leaf for thing in things for leaf in flat(thing)]
+    return [leaf for thing in several(things, "nodes") for leaf in flat(thing)]
 
 
 def with_material(thing: T, material: Optional[Union[str, _messages.Material]]) -> T:
@@ -90,7 +90,7 @@ def with_material(thing: T, material: Optional[Union[str, _messages.Material]]) 
     if material is None or isinstance(thing, _messages.Light):
         return thing
     if not isinstance(thing, _messages.Shape):
-        raise TypeError(f"material: for a {type(thing).__name__}, whose shapes have their own; expected "
+        raise TypeError(f"material: for {with_article(thing)}, whose shapes have their own; expected "
                         "shapes and lights")
     copy: Any = thing.__copy__()
     copy.material = material

@@ -7,7 +7,7 @@ import warnings
 from typing import Any, Dict, Mapping, NoReturn, Optional, Sequence, Union
 
 from . import _core
-from ._options import option_texts
+from ._options import option_texts, whole
 from ._types import Path, X3dColor, X3dShadows, X3dTexture
 from ._value import level_of_caller, refuse_unknown
 from .errors import SceneWarning
@@ -38,9 +38,9 @@ def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
                if name not in ("path", "frame", "unknown")}
     if unknown:
         refuse_unknown("load", unknown, ["path", "frame", *options])
-    name = os.fspath(path)
-    checked_scene(name)
-    scene, told = _core.load(name, option_texts(options), frame)
+    name = checked_scene(os.fspath(path))
+    assert isinstance(name, str)
+    scene, told = _core.load(name, option_texts(options), whole("frame", frame))
     for warning in told:
         warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
     return scene

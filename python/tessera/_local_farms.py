@@ -2,13 +2,13 @@
 from __future__ import annotations
 
 import atexit
-import operator
 import os
 import warnings
 import weakref
 from typing import NoReturn, Optional, SupportsIndex, TypeVar, Union
 
 from . import _core
+from ._options import whole
 from ._program import program
 from .errors import UsageError
 
@@ -127,9 +127,7 @@ class Threads(BaseFarm):
 def whole_count(name: str, value: SupportsIndex) -> int:
     """A number of processes or threads, which the keyword `name` has."""
     most = _core.most_threads
-    if isinstance(value, bool) or not hasattr(value, "__index__"):
-        raise TypeError(f"{name}: {value!r}; expected a whole number")
-    count = operator.index(value)
+    count = whole(name, value)
     if not 1 <= count <= most:
         raise UsageError(f"{name}: {count}; expected a whole number from 1 to {most}")
     return count

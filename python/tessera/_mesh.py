@@ -8,7 +8,7 @@ from typing import (TYPE_CHECKING, Any, Generic, Iterable, NoReturn, Optional, T
 from . import _core, _messages
 from ._transforms import Transform, as_ndarray
 from ._types import ArrayLike
-from ._value import here, level_of_caller
+from ._value import here, level_of_caller, with_article
 from .errors import PrecisionWarning
 
 if TYPE_CHECKING:
@@ -102,6 +102,8 @@ class Mesh(_messages.Mesh):
                  inline_triangles: Optional[Iterable[int]] = None,
                  inline_normals: Optional[Iterable[float]] = None,
                  inline_uvs: Optional[Iterable[float]] = None, **unknown: NoReturn) -> None:
+        if face_materials is not None:
+            self._check_material(material)
         super().__init__(materials=materials, closed=closed or None, name=name, material=material,
                          flip_normals=flip_normals, transform=transform,
                          inline_positions=inline_positions, inline_triangles=inline_triangles,
@@ -116,6 +118,24 @@ class Mesh(_messages.Mesh):
         for field, given in (("triangles", triangles), ("normals", normals), ("uvs", uvs),
                              ("colors", colors), ("face_materials", face_materials)):
             Mesh.__dict__[field].put(self, given, copy)
+
+    @property
+    def material(self) -> Optional[Union[str, _messages.Material]]:
+        """The first material, or its name."""
+        return super().material
+
+    @material.setter
+    def material(self, material: Optional[Union[str, _messages.Material]]) -> None:
+        if self.face_materials is not None:
+            self._check_material(material)
+        self.materials = [] if material is None else [material]
+
+    @staticmethod
+    def _check_material(material: Optional[Union[str, _messages.Material]]) -> None:
+        """Refuses one material for a mesh whose triangles choose among several."""
+        if material is not None:
+            raise ValueError("material: for a Mesh with face_materials, whose triangles have their own; "
+                             "expected materials, one for each index")
 
     def _take_positions(self, given: ArrayLike, copy: Optional[bool], recenter: bool) -> int:
         """Returns how many there are."""
@@ -148,7 +168,7 @@ class Mesh(_messages.Mesh):
         if triangles is None and hasattr(source, "cells_dict"):
             triangles = source.cells_dict.get("triangle")
         if positions is None or triangles is None:
-            raise TypeError(f"a {type(source).__name__}; expected vertices or points, and faces, "
+            raise TypeError(f"{with_article(source)}; expected vertices or points, and faces, "
                             "triangles or cells")
         return cls(positions, triangles, normals=normals, uvs=uvs, colors=colors,
                    face_materials=face_materials, materials=materials, closed=closed,

@@ -48,7 +48,7 @@ class Placed:
 
     def flip(self: T) -> T:
         """Turns its normals to the other side, so that its front becomes its back."""
-        for name, held in _turned(self).items():
+        for name, held in _turned(self, {}).items():
             setattr(self, name, held)
         return self
 
@@ -138,29 +138,44 @@ def everything_in(thing: Any) -> Iterator[Any]:
             yield from everything_in(part)
 
 
-def apart(thing: Any) -> Any:
-    """A copy of it and of all parts in it; materials and arrays are shared."""
+def apart(thing: Any, copies: Optional[Dict[int, Any]] = None) -> Any:
+    """A copy of it and of all parts in it; materials and arrays are shared.
+
+    :param copies: those made so far, by the id of what they are copies of: a part that stands in
+        several places is copied once, and its copy stands in all of them.
+    """
     if isinstance(thing, str):
         return thing
+    copies = {} if copies is None else copies
+    if id(thing) in copies:
+        return copies[id(thing)]
     made = thing.__copy__()
     for name in _PARTS:
         held = getattr(made, name) if name in made._FIELDS else None
         if held is not None:
-            setattr(made, name, [apart(part) for part in held] if isinstance(held, list) else apart(held))
+            setattr(made, name, [apart(part, copies) for part in held] if isinstance(held, list)
+                    else apart(held, copies))
+    copies[id(thing)] = made
     return made
 
 
 def _shapes(thing: Any) -> Iterator[Any]:
-    """All shapes in it."""
+    """All shapes in it, each once."""
     from ._messages import Shape
-    if isinstance(thing, Shape):
-        yield thing
-    for part in _parts(thing):
-        yield from _shapes(part)
+    seen, pending = set(), [thing]
+    while pending:
+        part = pending.pop()
+        if id(part) in seen:
+            continue
+        seen.add(id(part))
+        if isinstance(part, Shape):
+            yield part
+        pending += _parts(part)
 
 
-def _turned(thing: Any) -> Dict[str, Any]:
-    """The fields that are others once its normals are turned. What other things share is copied."""
+def _turned(thing: Any, copies: Dict[int, Any]) -> Dict[str, Any]:
+    """The fields that are others once its normals are turned. What other things share is copied,
+    once; `copies` are as in `apart`."""
     from ._messages import Node, Object, Shape
     from ._graph import Instances
     if isinstance(thing, Shape):
@@ -171,16 +186,18 @@ def _turned(thing: Any) -> Dict[str, Any]:
         fields = {"nodes": thing.nodes, "name": None}
     else:
         fields = {"object": thing.object} if isinstance(thing, Instances) else {}
-    return {name: [_flipped(part) for part in held] if isinstance(held, list) else _flipped(held)
-            for name, held in fields.items()}
+    return {name: [_flipped(part, copies) for part in held] if isinstance(held, list)
+            else _flipped(held, copies) for name, held in fields.items()}
 
 
-def _flipped(thing: Any) -> Any:
+def _flipped(thing: Any, copies: Dict[int, Any]) -> Any:
     if thing is None:
         return None
     if isinstance(thing, str):
         raise ValueError(f"flip: an instance of '{thing}'; expected one of an Object, not of a name")
-    made = thing.__copy__()
-    for name, held in _turned(thing).items():
-        setattr(made, name, held)
-    return made
+    if id(thing) not in copies:
+        made = thing.__copy__()
+        for name, held in _turned(thing, copies).items():
+            setattr(made, name, held)
+        copies[id(thing)] = made
+    return copies[id(thing)]

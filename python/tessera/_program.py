@@ -6,6 +6,7 @@ import os
 from . import _core
 
 _NAME = "tessera"
+_PATIENCE = 5  # seconds for an answer that takes some milliseconds
 _is_checked = False
 
 
@@ -29,9 +30,9 @@ def check(program: str) -> None:
     import subprocess  # It takes longer to import than all else here.
     try:
         done = subprocess.run([program, "--version"], stdin=subprocess.DEVNULL, capture_output=True,
-                              encoding="utf-8", errors="replace", timeout=30)
+                              encoding="utf-8", errors="replace", timeout=_PATIENCE)
     except (OSError, subprocess.TimeoutExpired) as error:
-        cause = getattr(error, "strerror", None) or "no answer to --version"
+        cause = getattr(error, "strerror", None) or f"no answer to --version in {_PATIENCE} s"
         raise ImportError(f"{program}: {cause}; expected the program {_NAME}. {_WHERE}") from None
     found, expected = done.stdout.strip()[:200], f"{_NAME} {_core.build}"
     if found != expected:

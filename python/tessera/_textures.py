@@ -7,6 +7,7 @@ from typing import NoReturn, Optional, Union
 from . import _core, _messages
 from .errors import MissingFile
 from ._messages import ImageTextureEncoding, ImageTextureFilter, ImageTextureWrap, TextureMapping
+from ._options import plain_text
 from ._transforms import Transform
 from ._types import ArrayLike, Path
 from ._value import here
@@ -38,7 +39,7 @@ class ImageTexture(_messages.ImageTexture):
                          transform=transform, **unknown)
         self._place = here()
         if isinstance(picture, (str, os.PathLike)):
-            self.file = os.fspath(picture)
+            self.file = plain_text("picture", picture)
             if not os.path.exists(self.file):
                 raise MissingFile.of(self.file, "a picture")
             self._take(_core.read_texture(self.file), encoding)

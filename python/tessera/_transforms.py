@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Iterable, List, Literal, Optional, Tuple,
 from . import _core, _messages
 from ._messages import AxisAngle, LookAt, Matrix, TransformKey, TransformStep
 from ._types import ArrayLike, VectorLike
+from ._value import several
 from .errors import UsageError
 
 if TYPE_CHECKING:
@@ -111,4 +112,4 @@ def look_at(eye: VectorLike, target: VectorLike, up: Optional[VectorLike] = None
 
 def keys(pairs: Iterable[Tuple[float, Transform]]) -> List[TransformKey]:
     """The keys of a motion, from pairs of time and transform."""
-    return [TransformKey(time, transform) for time, transform in pairs]
+    return [TransformKey(time, transform) for time, transform in several(pairs, "pairs")]

@@ -3,17 +3,22 @@ from __future__ import annotations
 
 import re
 import sys
+import threading
 from types import CodeType
-from typing import Any, Dict, List, Mapping, NoReturn, Optional, Tuple, Type, TypeVar, Union
+from typing import Any, Dict, Iterable, List, Mapping, NoReturn, Optional, Tuple, Type, TypeVar, Union
 
 from . import _core
 from .errors import SceneError
 
 V = TypeVar("V", bound="Value")
+T = TypeVar("T")
 Place = Tuple[Union[CodeType, str], int]
 
 # The class that users see, by message and kind.
 CLASSES: Dict[Tuple[str, str], Type[Value]] = {}
+
+_MOST_SHOWN = 100_000
+_being_shown = threading.local()  # `count`: the values in the text that repr() is making
 
 
 class Value(_core.ValueBase):
@@ -47,7 +52,17 @@ class Value(_core.ValueBase):
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(self._arguments())})"
+        """Evaluates back, but for a value with over 100,000 others in it: `...` stands for the rest.
+        Nodes that are listed twice at each level would make a text without end."""
+        begins = not hasattr(_being_shown, "count")
+        _being_shown.count = 1 if begins else _being_shown.count + 1
+        try:
+            if _being_shown.count > _MOST_SHOWN:
+                return "..."
+            return f"{type(self).__name__}({', '.join(self._arguments())})"
+        finally:
+            if begins:
+                del _being_shown.count
 
     def _arguments(self) -> List[str]:
         held = ((name, getattr(self, name)) for name in self._FIELDS)
@@ -166,9 +181,26 @@ def refuse_unknown(function: str, unknown: Mapping[str, Any], known: List[str]) 
     raise TypeError(f"{function}() has no keyword '{name}'{hint}")
 
 
+def with_article(value: object) -> str:
+    """What a value is, for messages: "an int"."""
+    name = type(value).__name__
+    return f"{'an' if name[:1] in 'AEIOaeio' else 'a'} {name}"
+
+
+def several(items: Iterable[T], name: str) -> List[T]:
+    """A list of what was given as `name`."""
+    try:
+        return list(items)
+    except NotImplementedError:
+        view: object = items
+        if not isinstance(view, memoryview):
+            raise
+    raise TypeError(f"{name}: a memoryview of shape {view.shape}; expected a sequence")
+
+
 def nearest(name: str, known: List[str]) -> str:
     """"; did you mean 'x'?" for the name that is most like one; or nothing."""
-    near = _core.nearest_name(name, known)
+    near = _core.nearest_name(name.encode(errors="replace").decode(), known)
     word = name.rpartition("_")[2]
     begun = [each for each in known if name.startswith(each + "_")]
     if begun and near and not _core.nearest_name(word, [near.rpartition("_")[2]]):

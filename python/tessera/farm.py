@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import json
-import os
 import time
 import warnings
 from typing import TYPE_CHECKING, Any, Iterator, List, NoReturn, Optional, Sequence, Tuple, Union
@@ -12,6 +11,7 @@ from ._html import table
 from .errors import Error, SceneWarning, UsageError
 from .picture import Image
 from ._local_farms import BaseFarm
+from ._options import number, plain_text, whole
 from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Size, ToneMap, Transfer,
                      X3dColor, X3dShadows, X3dTexture)
 from ._value import refuse_unknown
@@ -38,13 +38,13 @@ class Farm(BaseFarm):
     def __init__(self, endpoint: str = "tcp://127.0.0.1:7117", key: Optional[Path] = None,
                  server_key: Optional[Path] = None, timeout: float = 15) -> None:
         self._thread = None
-        if not timeout > 0:
+        if not number("timeout", timeout) > 0:
             raise UsageError(f"timeout: {timeout}; expected seconds above 0")
-        self.endpoint = endpoint
-        self.key = "" if key is None else os.fspath(key)
-        self.server_key = "" if server_key is None else os.fspath(server_key)
+        self.endpoint = plain_text("endpoint", endpoint)
+        self.key = "" if key is None else plain_text("key", key)
+        self.server_key = "" if server_key is None else plain_text("server_key", server_key)
         self.timeout = float(timeout)
-        arguments = (endpoint, self.key, self.server_key, self.timeout)
+        arguments = (self.endpoint, self.key, self.server_key, self.timeout)
         self._access: Optional[_core.FarmAccess] = _core.FarmAccess(*arguments)
         super().__init__(_core.remote_farm(*arguments))
 
@@ -83,9 +83,9 @@ class Farm(BaseFarm):
             refuse_unknown("submit", unknown, [*options, *_OF_JOBS])
         access = self._ask()
         most = _core.most_priority
-        if not -most <= priority <= most:
+        if not -most <= whole("priority", priority) <= most:
             raise UsageError(f"priority: {priority}; expected a whole number from {-most} to {most}")
-        if not 1 <= weight <= 1000:
+        if not 1 <= whole("weight", weight) <= 1000:
             raise UsageError(f"weight: {weight}; expected a whole number from 1 to 1000")
         number, told = access.submit(core_options(options, of_jobs=True), checked_scene(scene), name,
                                      priority, weight)

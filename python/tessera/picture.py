@@ -8,7 +8,7 @@ from typing import (TYPE_CHECKING, Any, Callable, List, Literal, NamedTuple, NoR
                     Union, overload)
 
 from . import _core
-from ._options import option_texts
+from ._options import file_name, option_texts
 from ._types import Aov, ArrayLike, FloatAov, Path, ToneMap, Transfer
 from ._value import refuse_unknown
 from .errors import MissingFile, UsageError
@@ -181,7 +181,7 @@ class Image:
             refuse_unknown("save", unknown, list(output))
         if not paths:
             raise TypeError("save: no path; expected at least one")
-        self._picture.save([os.fspath(path) for path in paths], option_texts(output))
+        self._picture.save([file_name(path) for path in paths], option_texts(output))
 
     def apply(self, f: Callable[[Floats], ArrayLike]) -> "Image":
         """The picture with other light: `f` of that of this one, an array (h, w, 3). All else is
@@ -269,10 +269,10 @@ def read_image(path: Path) -> Image:
 
     Other channels of the file, such as AOVs, are left out. Raises MissingFile where there is none, and SceneError for a file that holds no picture."""
     import numpy
-    path = os.fspath(path)
-    if not os.path.exists(path):
-        raise MissingFile.of(path, "a picture")
-    names, array, is_linear = _core.read_picture(path)
+    name = file_name(path)
+    if not os.path.exists(name):
+        raise MissingFile.of(os.fsdecode(name), "a picture")
+    names, array, is_linear = _core.read_picture(name)
     values = numpy.asarray(array)
     if {"R", "G", "B"} <= set(names):
         values = values[:, :, [names.index(name) for name in "RGB"]]

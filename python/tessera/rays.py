@@ -8,6 +8,7 @@ from typing import (TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence
 from . import _core
 from ._hits import AllHits, Hits, Located, frozen
 from ._mesh import Mesh
+from ._options import number, plain_text
 from ._types import Accelerator, ArrayLike, Cull, HitField, VectorLike
 from ._value import nearest
 from .errors import UsageError
@@ -59,7 +60,9 @@ def _real(name: str, value: Union[float, ArrayLike]) -> Rows:
         if array.dtype.kind not in "iu":
             raise UsageError(f"{name}: dtype {array.dtype}; expected float64 or what fits into it")
     single = array.dtype.kind == "f" and array.dtype.itemsize == 4
-    return array.astype(np.float32 if single else np.float64, copy=False)
+    wanted = np.float32 if single else np.float64
+    # A view, since arrays of ctypes tell their byte order even where it is this machine's.
+    return array.astype(wanted, copy=False).view(wanted)
 
 
 def _vectors(name: str, value: ArrayLike) -> Rows:
@@ -295,7 +298,8 @@ def tracer_from_scene(scene: Union[Scene, str, bytes], *, time: Optional[float] 
     """A tracer of a `Scene`, of its text form (str) or of its binary form (bytes), as it is now."""
     if not geometry_only:
         raise UsageError("geometry_only: False; expected True, as tracers know no light")
-    return Tracer._of(scene, (time, camera or "", accel, threads))
+    when = None if time is None else number("time", time)
+    return Tracer._of(scene, (when, plain_text("camera", camera or ""), accel, threads))
 
 
 def tracer_from_mesh(positions: ArrayLike, triangles: ArrayLike, *, accel: Accelerator = "bvh",

@@ -14,7 +14,7 @@ from typing import (TYPE_CHECKING, Any, AsyncIterator, Callable, Generator, Iter
 
 from . import _core, _messages
 from ._local_farms import BaseFarm, LocalFarm, OfThisProcess, Threads, whole_count
-from ._options import option_texts
+from ._options import option_texts, plain_text, whole
 from ._places import located
 from ._progress import SHOW_SECONDS, Progress, ProgressOption, progress_display
 from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Size, X3dColor, X3dShadows,
@@ -221,8 +221,10 @@ def checked_scene(scene: Union[Scene, Path]) -> Union[Scene, str]:
     """A Scene, or the path of a file that is there."""
     if isinstance(scene, os.PathLike):
         scene = os.fspath(scene)
-    if isinstance(scene, str) and not os.path.exists(scene):
-        raise MissingFile.of(scene, "a scene")
+    if isinstance(scene, str):
+        scene = plain_text("scene", scene)
+        if not os.path.exists(scene):
+            raise MissingFile.of(scene, "a scene")
     if not isinstance(scene, (str, _messages.Scene)):
         raise TypeError(f"scene: {scene!r:.100}; expected a Scene or the path of a file")
     return scene
@@ -240,16 +242,17 @@ def _keep_tiles(options: Any, resume: Any, scene: Any, farm: Optional[BaseFarm])
     if resume is not True and not isinstance(resume, (str, os.PathLike)):
         raise TypeError(f"resume: {resume!r}; expected True or the path of the picture")
     picture = os.path.splitext(os.path.basename(scene))[0] + ".png" if resume is True else resume
-    options.assign("output", os.path.abspath(picture))
+    options.assign("output", os.path.abspath(plain_text("resume", picture)))
     options.assign("resume", True)
 
 
 def started_farm(workers: Optional[int], threads: Optional[int], verify: Optional[float]) -> BaseFarm:
     """Who traces where no farm is given."""
+    share = 0 if verify is None else verify
     if workers == 0:
-        _core.share_verified(str(verify or 0), workers)
+        _core.share_verified(str(share), workers)
         return Threads(None if threads is None else whole_count("threads", threads))
-    return LocalFarm(workers, 1 if threads is None else threads, verify or 0)
+    return LocalFarm(workers, 1 if threads is None else threads, share)
 
 
 @overload
@@ -336,7 +339,7 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
     owns_farm = farm is None
     who = started_farm(workers, threads, verify) if farm is None else farm
     try:
-        core, told = _core.make_task(options, scene, frame)
+        core, told = _core.make_task(options, scene, None if frame is None else whole("frame", frame))
         for warning in told:
             _warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
         if on_tile is not None or not wait:

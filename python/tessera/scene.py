@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import json
-import os
 from typing import (TYPE_CHECKING, Any, Dict, Generic, Iterable, Iterator, List, NamedTuple, NoReturn,
                     Optional, Sequence, Tuple, Type, TypeVar, Union, overload)
 
@@ -16,12 +15,13 @@ from ._messages import (Fog, Frames, Include, IntegratorSettings, IntegratorSett
                         Texture)
 from ._nodes import Node
 from ._progress import ProgressOption
+from ._options import file_name, whole
 from ._places import located
 from ._placing import everything_in
 from ._transforms import Transform
 from ._types import (Accelerator, Aovs, ColorLike, Crop, Integrator, NodeLike, PartsLike, Path, Pattern,
                      Size, TransformsLike)
-from ._value import Value, here, nearest, refuse_unknown, words_of
+from ._value import Value, here, nearest, refuse_unknown, with_article, words_of
 from ._view import Background, Camera
 from .errors import SceneError, UsageError
 from .picture import Image
@@ -217,7 +217,7 @@ class Scene(_messages.Scene):
             self.objects += thing.objects
             self.includes += thing.includes
             return Node(children=thing.nodes)
-        raise TypeError(f"a {type(thing).__name__}; expected a Shape, Light, Node, Object, Scene or a "
+        raise TypeError(f"{with_article(thing)}; expected a Shape, Light, Node, Object, Scene or a "
                         "sequence of them")
 
     def instances(self, object: Union[str, PartsLike], transforms: TransformsLike, *,
@@ -272,7 +272,7 @@ class Scene(_messages.Scene):
 
     def save(self, path: Path) -> None:
         """Writes the scene by the ending: .tessera (text), .tesserab (binary) or .json."""
-        _core.save(self, os.fspath(path))
+        _core.save(self, file_name(path))
 
     def to_dict(self) -> Dict[str, Any]:
         """The scene in protobuf's JSON mapping, which `load_dict` reads."""
@@ -315,8 +315,8 @@ class Scene(_messages.Scene):
         if first is None and last is None and asked is None:
             raise UsageError("frames: the scene has none of its own; expected frames(first, last) or "
                              "Scene(frames=(first, last))")
-        begin = first if first is not None else (asked.first or 0) if asked else 0
-        end = last if last is not None else (asked.last or 0) if asked else begin
+        begin = whole("first", first) if first is not None else (asked.first or 0) if asked else 0
+        end = whole("last", last) if last is not None else (asked.last or 0) if asked else begin
         if end < begin:
             raise UsageError(f"first: {begin}; expected at most {end}, the last frame")
         return self._frames(range(begin, end + 1), options)

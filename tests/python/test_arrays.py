@@ -1,4 +1,5 @@
 """Arrays between Python and Tessera: what is taken, shared, copied, refused and handed out."""
+import ctypes
 import gc
 import warnings
 
@@ -23,6 +24,56 @@ def test_import_brings_neither_numpy_nor_sockets(script):
 def test_positions_of_any_kind_are_taken(make):
     mesh = ts.Mesh(make(CUBE), FACES)
     assert mesh.positions.dtype == np.float32 and np.array_equal(mesh.positions, CUBE)
+
+
+def of_ctypes(code, array):
+    """An array of ctypes, whose buffer tells no strides."""
+    kind = code
+    for length in reversed(array.shape):
+        kind = kind * length
+    return kind.from_buffer_copy(np.ascontiguousarray(array, dtype=np.dtype(code)).tobytes())
+
+
+def test_arrays_of_ctypes_are_taken_everywhere():
+    texels = np.arange(24, dtype="u1").reshape(2, 4, 3)
+    vertices, colors = of_ctypes(ctypes.c_float, CUBE), np.linspace(0, 1, 24).reshape(8, 3)
+    mesh = ts.Mesh(vertices, of_ctypes(ctypes.c_int, FACES),
+                   normals=of_ctypes(ctypes.c_double, CUBE - .5),
+                   uvs=of_ctypes(ctypes.c_float, CUBE[:, :2]), colors=of_ctypes(ctypes.c_float, colors),
+                   materials=["a", "b"], face_materials=of_ctypes(ctypes.c_ubyte, np.array([0, 1, 0])))
+    assert mesh == ts.Mesh(CUBE, FACES, normals=CUBE - .5, uvs=CUBE[:, :2], colors=colors,
+                           materials=["a", "b"], face_materials=[0, 1, 0])
+    matrices = np.arange(24.0).reshape(2, 3, 4)
+    assert (ts.Scene().instances("it", of_ctypes(ctypes.c_double, matrices))
+            == ts.Scene().instances("it", matrices))
+    assert np.array_equal(ts.matrix(of_ctypes(ctypes.c_float, matrices[0])).array, matrices[0])
+    assert ts.ImageTexture(of_ctypes(ctypes.c_ubyte, texels)) == ts.ImageTexture(texels)
+    rays = np.array([[(0, 0, 5), (0, 0, 6)], [(0, 0, -1), (0, 0, 1)]], "f8")
+    tracer = ts.Scene(nodes=[ts.Sphere()]).tracer()
+    for code in (ctypes.c_double, ctypes.c_float):
+        hits = tracer.intersect(*(of_ctypes(code, each) for each in rays),
+                                t_max=of_ctypes(code, np.array([9., 9])))
+        assert hits.t.tolist() == tracer.intersect(*rays).t.tolist()
+
+
+class Shrinking:
+    """A number that empties a list when it is read."""
+
+    def __init__(self, rows):
+        self.rows = rows
+
+    def __float__(self):
+        self.rows.clear()
+        return 1.0
+
+
+@pytest.mark.parametrize("of_row", [False, True])
+def test_a_list_that_shrinks_while_it_is_read(of_row):
+    rows = [[0.0, 0.0, 0.0] for _ in range(1000)]
+    rows[0][0] = Shrinking(rows[0] if of_row else rows)
+    found = "shrank from 3 to 0" if of_row else "shrank from 1000 to 0"
+    with pytest.raises(ValueError, match=f"positions: a sequence that {found} while it was read"):
+        ts.Mesh(rows, [(0, 1, 2)])
 
 
 class WithMesh:

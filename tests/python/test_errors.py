@@ -206,3 +206,29 @@ def test_what_only_the_renderer_sees_has_its_line_too(wrong, path, found):
         assert caught.value.path == path
         assert caught.value.place.startswith(__file__ + ":")
         assert str(caught.value).startswith(f"{caught.value.place}: {path}: ")
+
+
+# ---- nodes that stand in others twice, so that each level doubles their number
+
+@pytest.mark.parametrize("use", [
+    lambda scene: scene.digest, ts.Scene.to_dict, ts.Scene.info, ts.Scene.check, ts.Scene.tracer,
+    lambda scene: scene.render(workers=0), lambda scene: scene.nodes[0].intersect((0, 0, 0), (0, 0, 1))])
+@pytest.mark.parametrize("again", [lambda x: ts.Node(children=[x, x]), lambda x: x | x])
+def test_a_scene_of_too_many_nodes_is_refused_before_it_is_read(use, again):
+    thing = ts.Sphere((0, 0, 0), 1)
+    for _ in range(30):
+        thing = again(thing)
+    with pytest.raises(ts.SceneError, match="more than 16777216 nodes; expected fewer"):
+        use(ts.Scene(width=8, height=8, nodes=[ts.Node(children=[thing])]))
+
+
+def test_nodes_that_double_are_copied_turned_and_shown():
+    node = ts.Node(shape=ts.Sphere((0, 0, 0), 1))
+    for _ in range(40):
+        node = ts.Node(children=[node, node])
+    assert node.copy().instance_of.nodes[0].children[0].children
+    node.flip()
+    assert node.children[0] is node.children[1]
+    assert repr(node).count("Sphere(") < 100_000 and "..." in repr(node)
+    few = ts.Node(children=[ts.Node(), ts.Node()])
+    assert eval(repr(few), vars(ts)) == few

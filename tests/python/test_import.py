@@ -126,6 +126,16 @@ def test_what_is_no_program_is_named(tmp_path):
         assert str(program) in told and "TESSERA_PROGRAM" in told, told
 
 
+def test_a_program_that_does_not_answer_is_refused(tmp_path):
+    told = run(f"""
+import signal, tessera
+signal.alarm(20)  # which ends the process
+try: tessera.program()
+except ImportError as error: print(error)
+""", TESSERA_PROGRAM=str(script(tmp_path / "tessera", "exec sleep 100"))).stdout
+    assert "no answer to --version" in told and str(tmp_path) in told
+
+
 def test_the_import_starts_no_process_and_the_check_is_made_once(tmp_path):
     counted = script(tmp_path / "tessera", f'echo run >> {tmp_path}/runs\nexec {PROGRAM} "$@"')
     count = tmp_path / "runs"

@@ -91,6 +91,32 @@ print(ts.render({KNOT!r}, size=(8, 8), {who}).sha256)
     assert not list(folder.iterdir())
 
 
+@pytest.mark.parametrize("call", [
+    "scene.digest", "scene.save('/dev/null/none.tesserab')", "scene.info()", "scene.tracer()"])
+def test_ctrl_c_while_a_large_scene_is_read(started, call):
+    process = started(f"""
+import signal
+import tessera as ts
+node = ts.Node()
+scene = ts.Scene(width=8, height=8, nodes=[ts.Node(children=[node] * 1000) for _ in range(1000)])
+count = 0
+def handler(*_):
+    global count
+    count += 1
+    raise KeyboardInterrupt
+signal.signal(signal.SIGALRM, handler)
+print("begins", flush=True)
+signal.setitimer(signal.ITIMER_REAL, .01)
+try:
+    {call}
+    print("ended")
+except KeyboardInterrupt:
+    print("interrupted", count)
+""")
+    out, err = process.communicate(timeout=60)
+    assert (out.strip(), err) == ("interrupted 1", "")
+
+
 def test_ctrl_c_ends_workers_and_folders_before_it_is_raised(folder, started):
     script = f"""
 import sys, tessera as ts
@@ -151,6 +177,26 @@ print("begins", flush=True)
     _, err = process.communicate(timeout=20)
     assert process.returncode == 0 and err == ""
     assert not list(folder.iterdir())
+
+
+@pytest.mark.parametrize("call", [
+    "scene.render(workers=0)", "scene.check()", "scene.digest", "ts.Mesh(points, rows)",
+    "tracer.intersect(points[:1000], points[:1000])", "tracer.intersect(points, points)"])
+def test_the_interpreter_ends_while_daemon_threads_are_in_our_calls(script, call):
+    assert script(f"""
+import threading, time
+import numpy as np
+import tessera as ts
+scene = ts.Scene(width=16, height=16, background="red")
+for i in range(500): scene.add(ts.Sphere((i, 0, 0), 1, material=ts.Unlit(color="blue")))
+tracer, points = scene.tracer(), np.ones((30000, 3))
+rows = np.arange(30000).reshape(-1, 3)
+def loop():
+    while True: {call}
+for _ in range(4): threading.Thread(target=loop, daemon=True).start()
+time.sleep(.3)
+print("ends")
+""") == "ends"
 
 
 def test_workers_do_not_die_with_the_thread_that_made_the_farm():

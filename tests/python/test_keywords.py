@@ -29,6 +29,47 @@ def test_each_option_is_a_keyword(tessera):
     assert set(inspect.signature(ts.render).parameters) - OF_PYTHON == wanted
 
 
+@pytest.mark.parametrize("wrong", [
+    {"frame": True}, {"frame": 2.0}, {"time": {0: 1}}, {"time": [[[0]]]}, {"seed": (1,)},
+    {"size": {8: 8}}, {"size": {8, 9}}, {"size": [[8], [8]]}, {"crop": [(0, 0, 1, 1)]}, {"spp": [1]},
+    {"size": memoryview(np.zeros((2, 2)))}, {"crop": memoryview(np.zeros((2, 2)))},
+    {"aovs": memoryview(np.zeros((2, 2)))}, {"place": memoryview(np.zeros((2, 2)))}])
+def test_keywords_of_another_type_are_refused(wrong):
+    (name,) = wrong
+    with pytest.raises(TypeError, match=f"^{name}: .*; expected "):
+        ts.Scene(width=2, height=2, spp=1).render(workers=0, **wrong)
+
+
+def test_an_empty_share_to_verify_is_refused():
+    for workers in (0, 2):
+        with pytest.raises(ts.UsageError, match="^verify: ''; expected"):
+            ts.Scene(width=2, height=2, spp=1).render(workers=workers, verify="")
+
+
+@pytest.mark.parametrize("call, message", [
+    (lambda: ts.Farm(timeout="x"), "timeout: 'x'; expected a number"),
+    (lambda: ts.Farm(timeout=None), "timeout: None; expected a number"),
+    (lambda: ts.Farm().submit(ts.Scene(), priority="x"), "priority: 'x'; expected a whole number"),
+    (lambda: ts.Farm().submit(ts.Scene(), weight=1.0), "weight: 1.0; expected a whole number"),
+    (lambda: ts.Farm(endpoint=3), "endpoint: 3; expected text"),
+    (lambda: ts.Scene().tracer(time={0: 1}), "time: {0: 1}; expected a number"),
+    (lambda: ts.Scene().tracer(camera=3), "camera: 3; expected text"),
+    (lambda: ts.render(ts.Scene(), **{"\udce9": 1}), "has no keyword '\udce9'"),
+    (lambda: ts.Scene().frames(first=True), "first: True; expected a whole number"),
+    (lambda: ts.Scene().frames(last=2.0), "last: 2.0; expected a whole number"),
+    (lambda: ts.keys(memoryview(np.zeros((2, 2)))), r"pairs: a memoryview of shape \(2, 2\)"),
+    (lambda: ts.Scene(nodes=memoryview(np.zeros((2, 2)))), r"nodes: a memoryview of shape \(2, 2\)"),
+    (lambda: ts.Scene().add(memoryview(np.zeros((2, 2)))), r"nodes: a memoryview of shape \(2, 2\)"),
+    (lambda: ts.Scene().add(object()), "an object; expected a Shape"),
+    (lambda: ts.Mesh(3), "positions: an int; expected an array"),
+    (lambda: ts.Mesh([object()]), "positions: an object; expected numbers")])
+def test_arguments_of_another_type_are_told(call, message):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResourceWarning)
+        with pytest.raises(TypeError, match=message):
+            call()
+
+
 def test_options_of_numbers_are_those_of_pictures():
     keywords = set(inspect.signature(ts.Image.save).parameters) - {"self", "paths", "unknown"}
     assert keywords == {name.replace("-", "_") for name in OUTPUT}

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import tessera as ts
+from tessera import _core
 
 
 def made():
@@ -62,3 +63,39 @@ def test_the_place_survives():
     with pytest.raises(ts.SceneError) as told:
         ts.Scene(nodes=[sphere]).digest
     assert told.value.place.startswith(__file__)
+
+
+CLASSES = [_core.Array, _core.Vec, _core.Picture, _core.Options, _core.Task, _core.FarmThread,
+           _core.FarmAccess, _core.FetchedPicture, _core.Tracer]
+
+
+def test_all_classes_of_the_module_are_known_here():
+    bases = {_core.ValueBase, _core.Order}  # which hold nothing, and a number
+    assert {held for held in vars(_core).values() if isinstance(held, type)} - bases == {*CLASSES}
+
+
+@pytest.mark.parametrize("made", CLASSES, ids=lambda made: made.__name__)
+def test_no_object_is_there_without_what_it_holds(made):
+    tampered = b"\x80\x02ctessera._core\n" + made.__name__.encode() + b"\n)\x81."
+    for make in (lambda: made.__new__(made), lambda: made.__base__.__new__(made),
+                 lambda: object.__new__(made), lambda: pickle.loads(tampered),
+                 lambda: type("Derived", (made,), {})):
+        with pytest.raises(TypeError):
+            make()
+
+
+def test_new_makes_the_whole_object():
+    made = ts.Vec.__new__(ts.Vec, 1, 2, 3)
+    assert made == (1, 2, 3)
+    made.__init__(4, 5, 6)  # vectors never change
+    assert made == (1, 2, 3)
+    for value in (made, ts.translate(1, 2, 3).array.base.obj):
+        assert pickle.loads(pickle.dumps(value)) == value == copy.deepcopy(value)
+
+
+def test_functions_of_objects_refuse_none():
+    farm = _core.threads_here(1)
+    for call in (lambda: _core.picture_state(None), lambda: farm.submit(None)):
+        with pytest.raises(TypeError):
+            call()
+    farm.close()

@@ -2,6 +2,7 @@
 import copy
 import functools
 import json
+import os
 import pathlib
 import pickle
 import re
@@ -345,3 +346,40 @@ def test_a_broken_file_is_told(tmp_path):
     (tmp_path / "x.png").write_bytes(b"nothing")
     with pytest.raises(ts.SceneError, match="x.png"):
         ts.read_image(tmp_path / "x.png")
+
+
+def test_file_names_are_any_bytes_but_nul(tmp_path):
+    image = ts.Image.from_array(np.full((2, 2, 3), .5, "f4"))
+    for name in (os.fsdecode(b"caf\xe9"), "caf\u00e9"):
+        picture, scene = tmp_path / f"{name}.exr", tmp_path / f"{name}.tessera"
+        image.save(picture, os.fsencode(picture) + b".png")
+        assert ts.read_image(picture) == image
+        ts.Scene(width=3).save(scene)
+        assert scene.read_bytes()
+        assert ts.read_image(os.fsencode(picture)) == image
+    unreadable = tmp_path / os.fsdecode(b"caf\xe9") / "a.png"
+    with pytest.raises(ts.Error) as told:
+        image.save(unreadable)
+    assert str(unreadable) in str(told.value)
+    (tmp_path / os.fsdecode(b"no\xe9.png")).write_bytes(b"no picture")
+    with pytest.raises(ts.SceneError, match="no.*png"):
+        ts.read_image(tmp_path / os.fsdecode(b"no\xe9.png"))
+
+
+@pytest.mark.parametrize("name", ["zz\0.png", b"zz\0.png", "\ud800.png"])
+def test_names_that_no_file_has(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    for save in (ts.Image.from_array(np.zeros((1, 1))).save, ts.Scene().save):
+        with pytest.raises(ts.UsageError, match="^path: '.*; expected"):
+            save(name)
+    assert not [*tmp_path.iterdir()]
+
+
+def test_names_in_scenes_and_options_are_utf_8(tmp_path):
+    name = str(tmp_path / os.fsdecode(b"caf\xe9.tessera"))
+    ts.Scene(width=2, height=2, spp=1).save(name)
+    for call in (lambda: ts.load(name), lambda: ts.render(name), lambda: ts.ImageTexture(name),
+                 lambda: ts.Farm(key=name), lambda: ts.render(ts.Scene(), camera="a\0b"),
+                 lambda: ts.render(ts.Scene(), workers=0, resume=name)):
+        with pytest.raises(ts.UsageError, match="^(scene|picture|key|camera|resume): '.*; expected text"):
+            call()

@@ -127,9 +127,9 @@ def test_what_is_added_keeps_all_it_has():
     scene.add(other)
     assert scene.includes == other.includes
     for thing in (ts.Node(), ts.Object(), other, scene.instances("cube", [np.eye(4)])):
-        with pytest.raises(TypeError, match=f"material: for a {type(thing).__name__}.*expected shapes"):
+        with pytest.raises(TypeError, match=f"material: for an? {type(thing).__name__}.*expected shapes"):
             scene.add(thing, material="red")
-    with pytest.raises(TypeError, match="material: for a Object"):
+    with pytest.raises(TypeError, match="material: for an Object"):
         scene.instances(ts.Object("cube"), [np.eye(4)], material="red")
     with pytest.raises(TypeError, match="nothing; expected a Shape"):
         scene.add()
@@ -286,3 +286,29 @@ def test_find_gives_the_first_part_of_a_name_and_class():
             wrong()
     with pytest.raises(ts.UsageError, match="expected that of a Unlit"):
         scene.find("ivory", ts.Unlit)
+
+
+def test_one_material_for_a_mesh_that_has_one_a_triangle_is_refused():
+    red, blue = ts.Classic(diffuse="red"), ts.Classic(diffuse="blue")
+    arrays = [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 1)]
+    mesh = ts.Mesh(*arrays, materials=[red, blue], face_materials=[0, 1])
+    scene = ts.Scene()
+    for call in (lambda: scene.add(mesh, material=red),
+                 lambda: scene.instances(mesh, np.eye(4)[None], material=red),
+                 lambda: ts.Mesh(*arrays, material=red, materials=[red, blue], face_materials=[0, 1]),
+                 lambda: setattr(mesh, "material", red)):
+        with pytest.raises(ValueError, match="^material: for a Mesh with face_materials"):
+            call()
+    assert mesh.materials == [red, blue] and mesh.material is red and not scene.nodes
+    mesh.face_materials = None
+    mesh.material = blue
+    assert mesh.materials == [blue]
+
+
+def test_messages_name_values_with_their_article_and_whole_characters():
+    for scene, message in ((ts.Scene(nodes=[ts.Node(instance_of=3)]), "3; expected an Object or"),
+                           (ts.Scene(objects=[3]), "3; expected an Object"),
+                           (ts.Scene(nodes=[ts.Sphere(radius=object())]), "radius: an object; expected"),
+                           (ts.Scene(nodes=[ts.Sphere(radius="\u00e9" * 58)]), "'\u00e9{29}\\.\\.\\.; exp")):
+        with pytest.raises(ts.SceneError, match=message):
+            scene.digest
