@@ -199,9 +199,14 @@ Array channels_of(const PicturePointer& picture, const std::string& name) {
   const auto aov = static_cast<Aov>(found - names.begin());
   if (found == names.end() || !film.aovs().has(aov)) {
     const std::vector<std::string> held = names_of(film.aovs());
+    if (held.empty()) {
+      throw usage_error(
+          fmt::format("aov: '{}'; expected none: this picture has no AOVs, which "
+                      "render(aovs=[...]) asks for",
+                      name));
+    }
     throw usage_error(fmt::format("aov: '{}'; expected one of those that were rendered: {}{}", name,
-                                  held.empty() ? "none" : fmt::format("{}", fmt::join(held, ", ")),
-                                  suggestion(name, held)));
+                                  fmt::join(held, ", "), suggestion(name, held)));
   }
   const int first = film.aovs().first_channel(aov);
   const int count = AovSet().with(aov).channels() - kFilmChannels;

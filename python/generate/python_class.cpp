@@ -10,6 +10,7 @@
 
 #include "python/generate/enum_names.h"
 #include "python/generate/named_things.h"
+#include "python/generate/python_words.h"
 
 namespace tessera {
 namespace {
@@ -86,7 +87,7 @@ std::string comment(const D& described) {
   if (!words.empty() && words.back() == ' ') words.pop_back();
   std::string escaped;
   for (const char c : words) escaped += c == '\\' ? "\\\\" : std::string(1, c);
-  return escaped;
+  return with_python_words(escaped, *described.file());
 }
 
 /// "SamplingFilter" for the enumeration Sampling.Filter.
@@ -120,14 +121,17 @@ std::string element_type(const pb::FieldDescriptor& field) {
   }
 }
 
-/// The field's comment, and the values that it can have with theirs.
+/// The field's comment, and the values that it can have with theirs; the first is the default.
 std::string field_doc(const pb::FieldDescriptor& field) {
   std::string doc = comment(field);
   const pb::EnumDescriptor* type = field.enum_type();
   for (int i = 0; type && i < type->value_count(); ++i) {
-    const std::string said = comment(*type->value(i));
-    doc += fmt::format("{}\"{}\"{}{}", doc.empty() ? "" : "; ", python_name(*type->value(i)),
-                       said.empty() ? "" : ": ", said);
+    std::string said = comment(*type->value(i));
+    if (said.ends_with('.')) said.pop_back();  // more follows
+    const std::string name = python_name(*type->value(i));
+    doc += fmt::format("{}\"{}\"{}{}{}", doc.empty() ? "" : "; ", name,
+                       i == 0 && name != "default" ? " (default)" : "", said.empty() ? "" : ": ",
+                       said);
   }
   return doc;
 }
@@ -136,11 +140,14 @@ void add_holders(const pb::Descriptor& in, const pb::Descriptor& held,
                  std::set<std::string>& names) {
   for (int i = 0; i < in.nested_type_count(); ++i) add_holders(*in.nested_type(i), held, names);
   for (int i = 0; i < in.field_count(); ++i) {
-    if (in.field(i)->message_type() == &held) names.insert(class_name(in));
+    if (in.field(i)->message_type() != &held) continue;
+    names.insert(is_union(in) && in.field(i)->real_containing_oneof()
+                     ? fmt::format("a kind of {}", class_name(in))
+                     : fmt::format("of `{}.{}`", class_name(in), in.field(i)->name()));
   }
 }
 
-/// The message's comment, or else the classes that have a field of it.
+/// The message's comment, or else the fields that hold it.
 std::string class_doc(const pb::Descriptor& message) {
   const std::string said = comment(message);
   if (!said.empty()) return said;
@@ -148,7 +155,7 @@ std::string class_doc(const pb::Descriptor& message) {
   for (int i = 0; i < message.file()->message_type_count(); ++i) {
     add_holders(*message.file()->message_type(i), message, names);
   }
-  return fmt::format("A {}{}{}.", class_name(message), names.empty() ? "" : " of a ",
+  return fmt::format("{}{}{}.", class_name(message), names.empty() ? "" : ": ",
                      fmt::join(names, " or "));
 }
 
@@ -281,6 +288,7 @@ std::string docstring(const PythonClass& made) {
   if (!made.own.empty() || !made.common.empty()) body += "\n    Attributes:\n";
   for (const auto* fields : {&made.own, &made.common}) {
     for (const PythonField& field : *fields) {
+      if (field.name.starts_with("inline_")) continue;  // of files; scripts have arrays
       const std::string doc = field.doc.empty() ? attribute_type(field) : field.doc;
       body += wrap(fmt::format("{}: {}", field.name, doc), "        ");
     }

@@ -1,4 +1,7 @@
-"""Tessera, a ray-tracing renderer: scenes as values, pictures and ray queries as arrays."""
+"""Tessera, a ray-tracing renderer: scenes as values, pictures and ray queries as arrays.
+
+The guide is docs/python.md of the sources. Start from `Scene`, `render`, `load` and `Tracer`.
+"""
 from . import _loading
 
 _loading.check()  # Before anything else loads the extension module.

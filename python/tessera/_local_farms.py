@@ -98,8 +98,8 @@ class LocalFarm(BaseFarm):
     def __init__(self, workers: Optional[int] = None, threads: int = 1,
                  verify: Union[float, str] = 0) -> None:
         self._thread = None
-        self.workers = None if workers is None else _count("workers", workers)
-        self.threads = _count("threads", threads)
+        self.workers = None if workers is None else whole_count("workers", workers)
+        self.threads = whole_count("threads", threads)
         program()  # Workers are its processes: ImportError tells where it is not of our version.
         super().__init__(_core.local_farm(self.workers, self.threads, str(verify)))
 
@@ -117,14 +117,15 @@ class Threads(BaseFarm):
 
     def __init__(self, count: Optional[int] = None) -> None:
         self._thread = None
-        self.count = None if count is None else _count("count", count)
+        self.count = None if count is None else whole_count("count", count)
         super().__init__(_core.threads_here(self.count))
 
     def __repr__(self) -> str:
         return f"Threads({self.count or ''})"
 
 
-def _count(name: str, value: SupportsIndex) -> int:
+def whole_count(name: str, value: SupportsIndex) -> int:
+    """A number of processes or threads, which the keyword `name` has."""
     most = _core.most_threads
     count = whole(name, value)
     if not 1 <= count <= most:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 from . import _core
 from ._graph import Instances
-from ._messages import Shape
+from ._messages import Light, Shape
 from ._value import where
 from .errors import SceneError
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 _SEGMENT = re.compile(r"(\w+)(?: '(.*)'| (\d+))?")
 _LISTS = {"node": ("nodes", "children", "operands"), "operand": ("operands",),
           "camera": ("cameras",)}
+_ALONE = {"shape": Shape, "light": Light}
 _NAMED = ("material", "texture", "object")
 
 
@@ -25,7 +26,7 @@ def _step(value: Any, segment: str) -> Optional[Tuple[Any, str]]:
     if found is None:
         return None
     kind, name, number = found.groups()
-    if kind == "shape" and isinstance(value, Shape):
+    if isinstance(value, _ALONE.get(kind, ())):
         return value, ""  # which stands in a list of nodes by itself
     for attribute in _LISTS.get(kind, ()):
         count = 0  # of nodes before
@@ -84,6 +85,8 @@ def located(scene: "Scene", error: SceneError) -> SceneError:
     field = rest.partition(" is ")[0].rpartition(".")[2]
     if field.isidentifier() and hasattr(value, field):
         path.append(field)
+        if getattr(value, field) is None:  # the zeros are none of the script's
+            rest = rest.replace(" is (0, 0, 0)", " is not set", 1)
     place = where(value)
     if place is None:
         return error

@@ -126,6 +126,18 @@ def _parts(thing: Any) -> Iterator[Any]:
         yield from held if isinstance(held, list) else [] if held is None else [held]
 
 
+def everything_in(thing: Any) -> Iterator[Any]:
+    """The thing, and all shapes, nodes, objects, lights and materials in it."""
+    if isinstance(thing, str):
+        return  # a name of what is elsewhere
+    yield thing
+    fields = getattr(thing, "_FIELDS", ())
+    inside = [getattr(thing, "light")] if "light" in fields else []
+    for part in [*_parts(thing), *inside, *(thing.materials if "materials" in fields else ())]:
+        if part is not None:
+            yield from everything_in(part)
+
+
 def apart(thing: Any, copies: Optional[Dict[int, Any]] = None) -> Any:
     """A copy of it and of all parts in it; materials and arrays are shared.
 

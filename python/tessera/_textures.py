@@ -16,6 +16,8 @@ from ._value import here
 class ImageTexture(_messages.ImageTexture):
     """A picture, from an array (h, w) or (h, w, channels) of uint8, float16 or float32, or from a
     file, which is read here and now. Smaller levels for the trilinear filter are made of it.
+
+    `wrap` is both `wrap_s` and `wrap_t`. Where `encoding` is left out, floats are "linear".
     """
 
     __slots__ = ()

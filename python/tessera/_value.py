@@ -1,6 +1,7 @@
 """What all values of a scene have in common."""
 from __future__ import annotations
 
+import re
 import sys
 import threading
 from types import CodeType
@@ -82,6 +83,12 @@ def _slots(value: Value) -> Dict[str, Any]:
     return {name: slot_of(type(value), name).__get__(value) for name in names if name != "_place"}
 
 
+def words_of(made: type, field: str) -> str:
+    """What the class tells of a field: its unit, default and values."""
+    found = re.search(rf"^ +{field}: (.*(?:\n {{12}}.*)*)", made.__doc__ or "", re.MULTILINE)
+    return " ".join(found.group(1).split()) if found else ""
+
+
 def slot_of(made: type, name: str) -> Any:
     for base in made.__mro__:
         if name in base.__dict__.get("__slots__", ()):
@@ -150,20 +157,28 @@ def where(value: Any) -> Optional[Tuple[str, int]]:
 
 
 def refuse_name(value: Value, name: str) -> NoReturn:
-    """Says that a class has no such attribute, and which is nearest."""
+    """Says that a class has no such attribute, or none that is assigned to, and which is nearest."""
+    held = getattr(type(value), name, None)
+    if callable(held) or (isinstance(held, property) and held.fset is None):
+        settings = CLASSES["tessera.v1.Settings", ""]
+        hint = f"; did you mean 'settings.{name}'?" if name in settings._FIELDS else ""
+        raise AttributeError(f"{type(value).__name__}.{name} cannot be assigned to{hint}")
     hint = nearest(name, [n for n in dir(type(value)) if not n.startswith("_")])
     raise AttributeError(f"{type(value).__name__} has no attribute '{name}'{hint}")
 
 
 def refuse_keywords(value: Value, unknown: Mapping[str, Any]) -> NoReturn:
     """Says that a constructor has no such keyword, and which is nearest."""
-    refuse_unknown(type(value).__name__, unknown, list(value._FIELDS))
+    from inspect import signature  # here: few scripts need it
+    known = [name for name in signature(type(value)).parameters if name not in unknown]
+    refuse_unknown(type(value).__name__, unknown, known)
 
 
 def refuse_unknown(function: str, unknown: Mapping[str, Any], known: List[str]) -> NoReturn:
-    """Says that a function has no such keyword, and which is nearest."""
+    """Says that a function has no such keyword, and which is nearest, or else which it has."""
     name = next(iter(unknown))
-    raise TypeError(f"{function}() has no keyword '{name}'{nearest(name, known)}")
+    hint = nearest(name, known) or f"; expected one of {', '.join(each for each in known if each != 'unknown')}"
+    raise TypeError(f"{function}() has no keyword '{name}'{hint}")
 
 
 def with_article(value: object) -> str:
@@ -184,5 +199,10 @@ def several(items: Iterable[T], name: str) -> List[T]:
 
 
 def nearest(name: str, known: List[str]) -> str:
-    nearest = _core.nearest_name(name.encode(errors="replace").decode(), known)
-    return f"; did you mean '{nearest}'?" if nearest else ""
+    """"; did you mean 'x'?" for the name that is most like one; or nothing."""
+    near = _core.nearest_name(name.encode(errors="replace").decode(), known)
+    word = name.rpartition("_")[2]
+    begun = [each for each in known if name.startswith(each + "_")]
+    if begun and near and not _core.nearest_name(word, [near.rpartition("_")[2]]):
+        near = max(begun, key=len)  # 'diffuse' for 'diffuse_color', and not 'diffuse_model'
+    return f"; did you mean '{near}'?" if near else ""

@@ -118,6 +118,16 @@ class Image:
         """Rows."""
         return self._picture.height
 
+    @property
+    def size(self) -> Tuple[int, int]:
+        """(width, height), as `render` takes it."""
+        return self.width, self.height
+
+    @property
+    def shape(self) -> Tuple[int, int, int]:
+        """(height, width, 3), that of `linear`."""
+        return self.height, self.width, 3
+
     @functools.cached_property
     def linear(self) -> Floats:
         """Radiance as (h, w, 3) float32: a read-only view of the film."""
@@ -141,7 +151,7 @@ class Image:
     def to_srgb(self, *, exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
                 transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
                 **unknown: NoReturn) -> npt.NDArray[np.uint8]:
-        """The bytes of the PNG as (h, w, 3) uint8."""
+        """The bytes of the PNG as (h, w, 3) uint8. The keywords are those of `save`."""
         output = {"exposure": exposure, "tone_map": tone_map, "transfer": transfer, "gamma": gamma}
         if unknown:
             refuse_unknown("to_srgb", unknown, list(output))
@@ -154,7 +164,16 @@ class Image:
              ocio_space: Optional[str] = None, ocio_input: Optional[str] = None,
              **unknown: NoReturn) -> None:
         """Writes files whose endings name their formats. Each appears whole or not at all; where some
-        cannot be written, the others are all the same."""
+        cannot be written, the others are all the same. What is left out is as the scene says.
+
+        :param exposure: stops by which light is made brighter, before all else; default 0.
+        :param tone_map: how light above 1 is shown; default "clamp".
+        :param transfer: how light becomes 8-bit numbers; default "srgb".
+        :param gamma: of the transfer "gamma"; default 2.2.
+        :param ocio_view: show by this view of $OCIO, with `ocio_display` and from the colour space
+            `ocio_input`, in place of tone map and transfer.
+        :param ocio_space: write in this colour space of $OCIO.
+        """
         output = {"exposure": exposure, "tone_map": tone_map, "transfer": transfer, "gamma": gamma,
                   "ocio_view": ocio_view, "ocio_display": ocio_display, "ocio_space": ocio_space,
                   "ocio_input": ocio_input}
@@ -248,7 +267,7 @@ def read_image(path: Path) -> Image:
     """The picture in a file as linear light: whole numbers are taken for sRGB, as most files hold;
     floats are light.
 
-    Raises MissingFile where there is none, and SceneError for a file that holds no picture."""
+    Other channels of the file, such as AOVs, are left out. Raises MissingFile where there is none, and SceneError for a file that holds no picture."""
     import numpy
     name = file_name(path)
     if not os.path.exists(name):

@@ -9,11 +9,11 @@ import os
 import sys
 import time
 import warnings as _warnings
-from typing import (TYPE_CHECKING, Any, Callable, Generator, Iterator, Literal, NoReturn, Optional,
+from typing import (TYPE_CHECKING, Any, AsyncIterator, Callable, Generator, Iterator, Literal, NoReturn, Optional,
                     Sequence, Union, overload)
 
 from . import _core, _messages
-from ._local_farms import BaseFarm, LocalFarm, OfThisProcess, Threads
+from ._local_farms import BaseFarm, LocalFarm, OfThisProcess, Threads, whole_count
 from ._options import option_texts, plain_text, whole
 from ._places import located
 from ._progress import SHOW_SECONDS, Progress, ProgressOption, progress_display
@@ -139,6 +139,16 @@ class Task(OfThisProcess):
             last = now
         yield self.progress
 
+    async def __aiter__(self) -> AsyncIterator[Progress]:
+        import asyncio
+        last = None
+        while not self.done():
+            if self.progress != last:
+                last = self.progress
+                yield last
+            await asyncio.sleep(SHOW_SECONDS)
+        yield self.progress
+
     def __await__(self) -> Generator[Any, None, Image]:
         return self._wait_async().__await__()
 
@@ -241,7 +251,7 @@ def started_farm(workers: Optional[int], threads: Optional[int], verify: Optiona
     share = 0 if verify is None else verify
     if workers == 0:
         _core.share_verified(str(share), workers)
-        return Threads(threads)
+        return Threads(None if threads is None else whole_count("threads", threads))
     return LocalFarm(workers, 1 if threads is None else threads, share)
 
 
@@ -316,7 +326,7 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
     """
     keywords = {name: value for name, value in locals().items() if name not in _OF_PYTHON}
     if unknown:
-        refuse_unknown("render", unknown, [*keywords, *_OF_PYTHON])
+        refuse_unknown("render", unknown, [*keywords, *sorted(_OF_PYTHON)])
     if farm is not None and not isinstance(farm, BaseFarm):
         raise TypeError(f"farm: {farm!r}; expected a LocalFarm, Threads or Farm")
     if farm is not None and (workers is not None or threads is not None or verify is not None):

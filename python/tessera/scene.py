@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import json
 from typing import (TYPE_CHECKING, Any, Dict, Generic, Iterable, Iterator, List, NamedTuple, NoReturn,
-                    Optional, Sequence, Tuple, TypeVar, Union, overload)
+                    Optional, Sequence, Tuple, Type, TypeVar, Union, overload)
 
 from . import _core, _messages, rendering
 from ._graph import Instances, flat, with_material
@@ -17,10 +17,11 @@ from ._nodes import Node
 from ._progress import ProgressOption
 from ._options import file_name, whole
 from ._places import located
+from ._placing import everything_in
 from ._transforms import Transform
 from ._types import (Accelerator, Aovs, ColorLike, Crop, Integrator, NodeLike, PartsLike, Path, Pattern,
                      Size, TransformsLike)
-from ._value import here, refuse_unknown, with_article
+from ._value import Value, here, nearest, refuse_unknown, with_article, words_of
 from ._view import Background, Camera
 from .errors import SceneError, UsageError
 from .picture import Image
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from .rays import Tracer
 
 T = TypeVar("T")
+V = TypeVar("V", bound=Value)
 
 
 class Summary(NamedTuple):
@@ -48,7 +50,7 @@ class _Setting(Generic[T]):
     def __init__(self, path: str, made: type = Settings) -> None:
         self._part, _, field = path.rpartition(".")
         self._field, self._made = field, made
-        self.__doc__ = f"The field `{path}` of `settings`."
+        self.__doc__ = f"`settings.{path}`: {words_of(made, field)}"
 
     @overload
     def __get__(self, scene: None, _: Any = None) -> _Setting[T]: ...
@@ -74,6 +76,24 @@ class _Setting(Generic[T]):
         setattr(owner, self._field, list(held) if self._field == "response" else held)
 
 
+class _BackgroundField:
+    """What rays see that meet nothing; a colour stands for the background that is it everywhere."""
+
+    def __init__(self) -> None:
+        self._slot: Any = _messages.Scene.__dict__["background"]
+
+    @overload
+    def __get__(self, scene: None, _: Any = None) -> _BackgroundField: ...
+    @overload
+    def __get__(self, scene: Scene, _: Any = None) -> Optional[Background]: ...
+    def __get__(self, scene: Optional[Scene], _: Any = None) -> Any:
+        return self if scene is None else self._slot.__get__(scene)
+
+    def __set__(self, scene: Scene, given: Optional[Union[Background, ColorLike]]) -> None:
+        is_color = given is not None and not isinstance(given, Value)
+        self._slot.__set__(scene, Background.solid(given) if is_color else given)  # type: ignore[arg-type]
+
+
 class Scene(_messages.Scene):
     """Everything that a picture is made of: a value, which is read when it is rendered or saved.
 
@@ -83,6 +103,7 @@ class Scene(_messages.Scene):
 
     __slots__ = ()
 
+    background: _BackgroundField = _BackgroundField()  # type: ignore[assignment]
     width: _Setting[int] = _Setting("width")
     height: _Setting[int] = _Setting("height")
     time: _Setting[float] = _Setting("time")
@@ -144,8 +165,7 @@ class Scene(_messages.Scene):
         if camera is not None:
             self.camera = camera
         if background is not None:
-            self.background = (background if isinstance(background, Background)
-                               else Background.solid(background))
+            self.background = background
 
     @property
     def camera(self) -> Optional[Camera]:
@@ -162,7 +182,8 @@ class Scene(_messages.Scene):
 
         :param material: of the shapes, in place of their own. Nodes, objects and scenes keep theirs,
             so that they cannot be given one.
-        :return: the node; a Node that is added by itself is returned as it is.
+        :return: the node; a Node that is added by itself is returned as it is. One thing is its
+            `shape`, `light` or `instance_of`, several are in nodes of their own, its `children`.
         """
         if not things:
             raise TypeError("add() of nothing; expected a Shape, Light, Node, Object, Scene or a "
@@ -210,21 +231,35 @@ class Scene(_messages.Scene):
         self.nodes.append(added)
         return added
 
+    def find(self, name: str, kind: Type[V] = Value) -> V:  # type: ignore[assignment]
+        """The first part of that name and class: `scene.find("ivory", ts.Classic).diffuse = "red"`.
+        Finds cameras, materials, textures, objects, nodes, and what is in those."""
+        parts = [*self.cameras, *self.materials, *self.textures, *self.objects, *self.nodes]
+        named: Dict[Any, V] = {}
+        for part in (part for top in parts for part in everything_in(top)):
+            if isinstance(part, kind) and getattr(part, "name", None):
+                named.setdefault(getattr(part, "name"), part)
+        if name in named:
+            return named[name]
+        hint = nearest(name, list(named))
+        raise UsageError(f"name: {name!r}; expected that of a {kind.__name__} of the scene{hint}")
+
     @property
     def digest(self) -> str:
         """What names the scene: equal for equal scenes, whenever and wherever they are made."""
         return _core.digest(self)
 
     def check(self) -> None:
-        """Raises SceneError for names that are used and never defined, and for whatever of the scene
-        a render would refuse: it builds all that one needs."""
-        undefined = self.info().undefined
-        if undefined and not self.includes:  # which may define it
-            raise SceneError(f"scene: {', '.join(undefined)}; expected names that the scene defines")
+        """Raises SceneError for whatever of the scene a render would refuse, as it builds all that one
+        needs, and for names that are used and never defined."""
         try:
             _core.check(self)
         except SceneError as error:
             raise located(self, error) from None
+        undefined = self.info().undefined
+        if undefined and not self.includes:  # which may define it
+            what, mark, hint = undefined[0].partition(";")
+            raise SceneError(f"scene: {what} is not defined{mark}{hint}")
 
     def info(self) -> Summary:
         """Counts of what the scene holds, and names that are not used or not defined."""
@@ -270,12 +305,16 @@ class Scene(_messages.Scene):
                on_tile: Optional[rendering.TileCallback] = None, **unknown: NoReturn,
                ) -> Iterator[Tuple[int, Image]]:
         """Renders frames one after the other: pairs of number and picture. The options are those of
-        `render`. Without `farm` the same workers render all of them."""
+        `render`. Without `farm` the same workers render all of them. Numbers left out are those of
+        `settings.frames`, whose `per_second` tells at which time a frame is."""
         options = {name: value for name, value in locals().items()
                    if name not in ("self", "first", "last", "unknown")}
         if unknown:
             refuse_unknown("frames", unknown, ["first", "last", *options])
         asked = self.settings.frames if self.settings is not None else None
+        if first is None and last is None and asked is None:
+            raise UsageError("frames: the scene has none of its own; expected frames(first, last) or "
+                             "Scene(frames=(first, last))")
         begin = whole("first", first) if first is not None else (asked.first or 0) if asked else 0
         end = whole("last", last) if last is not None else (asked.last or 0) if asked else begin
         if end < begin:

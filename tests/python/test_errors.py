@@ -126,6 +126,11 @@ def test_what_holds_itself_ends():
 def test_wrong_names_tell_the_nearest():
     with pytest.raises(TypeError, match="no keyword 'centre'; did you mean 'center'"):
         ts.Sphere(centre=(0, 0, 0))
+    for make, near in ((lambda: ts.Scene(hieght=9), "height"), (lambda: ts.Lens(radious=1), "radius"),
+                       (lambda: ts.Classic(diffuse_color="red"), "diffuse"),
+                       (lambda: ts.PointLight(shadow_distnce=1), "shadow_distance")):
+        with pytest.raises(TypeError, match=f"did you mean '{near}'.$"):
+            make()
     sphere = ts.Sphere()
     with pytest.raises(AttributeError, match="did you mean 'radius'"):
         sphere.radios = 3
@@ -167,6 +172,16 @@ def test_what_the_renderer_refuses_of_parts_without_names_has_its_line_in_the_sc
         assert caught.value.path == path
         line = int(caught.value.place.rpartition(":")[2])
         assert caught.value.place == f"{__file__}:{line}" and "lambda: " in LINES[line - 1]
+
+
+@pytest.mark.parametrize("light, path", [
+    (ts.DirectionalLight(), "nodes[0].direction"),
+    (ts.Node(light=ts.SpotLight()), "nodes[0].light.direction"),
+])
+def test_what_is_missing_is_told_as_not_set(light, path):
+    with pytest.raises(ts.SceneError, match="direction is not set; expected a vector") as caught:
+        ts.Scene(nodes=[light]).check()
+    assert caught.value.path == path and caught.value.place.startswith(__file__ + ":")
 
 
 @pytest.mark.parametrize("wrong, path, found", [

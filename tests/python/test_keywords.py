@@ -119,6 +119,8 @@ def test_counts_may_be_numbers_of_numpy():
         assert repr(farm) == "LocalFarm(workers=1, threads=1)"
     with pytest.raises(TypeError, match="workers: 1.5; expected a whole number"):
         ts.LocalFarm(workers=1.5)
+    with pytest.raises(ts.UsageError, match="^threads: 0; expected a whole number"):
+        SCENE.render(workers=0, threads=0)
 
 
 IMAGE = ts.Image.from_array([[.5]])
@@ -180,11 +182,34 @@ def test_warnings_name_the_script(tmp_path, monkeypatch):
     assert len(of_scene) >= 3 and {warning.filename for warning in of_scene} == {__file__}
 
 
-def test_undefined_names_are_told_with_what_is_expected():
-    scene = ts.Scene(nodes=[ts.Sphere(material="glod"), ts.Sphere(material="brass")],
-                     materials=[ts.Classic(name="gold")])
-    with pytest.raises(ts.SceneError, match="'brass'.*'glod'; did you mean 'gold'.*; expected names that"):
-        scene.check()
+@pytest.mark.parametrize("fields, told", [
+    ({"nodes": [ts.Sphere(material="glod")]},
+     f"^{__file__}:\\d+: nodes.0.: material 'glod' is not defined; did you mean 'gold'.$"),
+    ({"objects": [ts.Object("unused", [ts.Sphere(material="brass")])]},
+     "^scene: material 'brass' is not defined$"),
+])
+def test_undefined_names_are_told_with_their_place(fields, told):
+    with pytest.raises(ts.SceneError, match=told):
+        ts.Scene(materials=[ts.Classic(name="gold")], **fields).check()
+
+
+def test_a_keyword_that_is_like_none_is_told_those_there_are():
+    with pytest.raises(TypeError, match="^Box.. has no keyword 'size'; expected one of min, max, name, "):
+        ts.Box(size=2)
+    with pytest.raises(TypeError, match="^render.. has no keyword 'samples'; expected one of size, .* spp, "):
+        SCENE.render(samples=4)
+
+
+def test_frames_of_a_scene_without_any_are_asked_for():
+    with pytest.raises(ts.UsageError, match="frames: the scene has none of its own; expected frames.first, last"):
+        ts.Scene(nodes=[ts.Sphere()]).frames()
+
+
+@pytest.mark.parametrize("name, told", [("frames", "; did you mean 'settings.frames'.$"), ("render", "$"),
+                                        ("digest", "$")])
+def test_what_cannot_be_assigned_to(name, told):
+    with pytest.raises(AttributeError, match=f"^Scene.{name} cannot be assigned to{told}"):
+        setattr(ts.Scene(), name, (0, 3))
 
 
 def test_load_has_the_options_of_reading(tessera):

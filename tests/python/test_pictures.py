@@ -52,6 +52,7 @@ def decoded_png(data):
 
 
 def test_shapes_and_types(image):
+    assert image.size == (60, 40) and image.shape == image.linear.shape
     assert image.linear.shape == (40, 60, 3) and image.linear.dtype == np.float32
     assert not image.linear.flags.writeable
     for name in ("albedo", "normal", "position", "variance"):
@@ -62,6 +63,8 @@ def test_shapes_and_types(image):
     assert (image.aov("samples") == 4).all()
     with pytest.raises(ts.UsageError, match="aov: 'dept'; expected one of those that were rendered: albedo, .*did you mean 'depth'"):
         image.aov("dept")
+    with pytest.raises(ts.UsageError, match="aov: 'depth'; expected none: this picture has no AOVs"):
+        ts.Image.from_array([[.5]]).aov("depth")
 
 
 def test_light_without_aovs_is_a_view_of_the_film():

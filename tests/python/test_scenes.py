@@ -259,6 +259,35 @@ def test_a_texture_that_is_not_there_is_told(tmp_path):
         ts.ImageTexture(np.zeros((2, 2), np.int64))
 
 
+def test_a_colour_is_a_background():
+    scene = ts.Scene(background="red")
+    scene.background = "navy"
+    assert scene.background == ts.Background.solid("navy")
+    assert scene == ts.Scene(background=ts.Background.solid("navy")) == pickle.loads(pickle.dumps(scene))
+    scene.background = None
+    assert scene == ts.Scene()
+    scene.background = ts.Sphere()
+    with pytest.raises(ts.SceneError, match="background: .*; expected a Background"):
+        scene.digest
+
+
+def test_find_gives_the_first_part_of_a_name_and_class():
+    ivory, lamp = ts.Classic(name="ivory"), ts.PointLight(name="lamp")
+    inner = ts.Sphere(name="ball", material=ts.Unlit(name="glow"))
+    scene = ts.Scene(materials=[ivory], objects=[ts.Object("thing", [ts.Node("leaf", shape=inner)])])
+    node = scene.add(lamp, ts.Box(material="ivory"), name="ball")
+    assert scene.find("ivory") is ivory and scene.find("lamp", ts.Light) is lamp
+    assert scene.find("ball", ts.Node) is node and scene.find("ball") is inner
+    assert scene.find("glow", ts.Material) is inner.material and scene.find("leaf").shape is inner
+    scene.find("ivory", ts.Classic).diffuse = "red"
+    assert ivory.diffuse == "red"
+    for wrong in (lambda: scene.find("ivoy", ts.Material), lambda: scene.find("ivoy")):
+        with pytest.raises(ts.UsageError, match="name: 'ivoy'; expected that of a .*; did you mean 'ivory'"):
+            wrong()
+    with pytest.raises(ts.UsageError, match="expected that of a Unlit"):
+        scene.find("ivory", ts.Unlit)
+
+
 def test_one_material_for_a_mesh_that_has_one_a_triangle_is_refused():
     red, blue = ts.Classic(diffuse="red"), ts.Classic(diffuse="blue")
     arrays = [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 1)]

@@ -45,6 +45,15 @@ def test_a_task_can_be_awaited_and_gathered(threads, expected):
     assert asyncio.run(both()) == [expected, expected]
 
 
+def test_progress_may_be_awaited():
+    async def watched():
+        with ts.Scene(nodes=[ts.Sphere()], background=1).render(size=(64, 36), workers=0, wait=False) as task:
+            return [progress async for progress in task], task.done()
+
+    told, is_done = asyncio.run(watched())
+    assert is_done and told[-1].done == told[-1].total > 0 and len(set(told)) >= len(told) - 1
+
+
 def test_cancelling_what_awaits_it_cancels_the_job(threads):
     async def cancelled():
         task = endless(threads)
