@@ -127,15 +127,18 @@ def _parts(thing: Any) -> Iterator[Any]:
 
 
 def everything_in(thing: Any) -> Iterator[Any]:
-    """The thing, and all shapes, nodes, objects, lights and materials in it."""
-    if isinstance(thing, str):
-        return  # a name of what is elsewhere
-    yield thing
-    fields = getattr(thing, "_FIELDS", ())
-    inside = [getattr(thing, "light")] if "light" in fields else []
-    for part in [*_parts(thing), *inside, *(thing.materials if "materials" in fields else ())]:
-        if part is not None:
-            yield from everything_in(part)
+    """The thing, and all shapes, nodes, objects, lights and materials in it, each once."""
+    seen, pending = set(), [thing]
+    while pending:
+        part = pending.pop()
+        # A text is a name of what is elsewhere.
+        if part is None or isinstance(part, str) or id(part) in seen:
+            continue
+        seen.add(id(part))
+        yield part
+        fields = getattr(part, "_FIELDS", ())
+        inside = [getattr(part, "light")] if "light" in fields else []
+        pending += reversed([*_parts(part), *inside, *(part.materials if "materials" in fields else ())])
 
 
 def apart(thing: Any, copies: Optional[Dict[int, Any]] = None) -> Any:

@@ -312,3 +312,12 @@ def test_messages_name_values_with_their_article_and_whole_characters():
                            (ts.Scene(nodes=[ts.Sphere(radius="\u00e9" * 58)]), "'\u00e9{29}\\.\\.\\.; exp")):
         with pytest.raises(ts.SceneError, match=message):
             scene.digest
+
+
+def test_find_looks_at_each_part_once():
+    leaf = ts.Sphere(name="leaf")
+    node = ts.Node(shape=leaf)
+    for _ in range(60):
+        node = ts.Node(children=[node, node])
+    scene = ts.Scene(nodes=[node])
+    assert scene.find("leaf") is leaf
