@@ -272,11 +272,11 @@ def test_a_colour_is_a_background():
 
 
 def test_find_gives_the_first_part_of_a_name_and_class():
-    ivory, lamp = ts.Classic(name="ivory"), ts.PointLight(name="lamp")
+    ivory, light = ts.Classic(name="ivory"), ts.PointLight(name="light")
     inner = ts.Sphere(name="ball", material=ts.Unlit(name="glow"))
     scene = ts.Scene(materials=[ivory], objects=[ts.Object("thing", [ts.Node("leaf", shape=inner)])])
-    node = scene.add(lamp, ts.Box(material="ivory"), name="ball")
-    assert scene.find("ivory") is ivory and scene.find("lamp", ts.Light) is lamp
+    node = scene.add(light, ts.Box(material="ivory"), name="ball")
+    assert scene.find("ivory") is ivory and scene.find("light", ts.Light) is light
     assert scene.find("ball", ts.Node) is node and scene.find("ball") is inner
     assert scene.find("glow", ts.Material) is inner.material and scene.find("leaf").shape is inner
     scene.find("ivory", ts.Classic).diffuse = "red"
