@@ -10,20 +10,10 @@ from ._types import HitField
 from .errors import UsageError
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
+    from ._types import AnyArray, ArrayShape, Bools, Doubles, Integers, Numbers, Rows
     from .rays import Tracer
 
-    AnyArray = npt.NDArray[Any]
-    Bools = npt.NDArray[np.bool_]
-    Doubles = npt.NDArray[np.float64]
-    Integers = npt.NDArray[np.int64]
-    Numbers = npt.NDArray[np.uint32]
-    Rows = npt.NDArray[np.floating[Any]]  # (n, 3)
-    ArrayShape = Tuple[int, ...]
-
-A = TypeVar("A", bound="npt.NDArray[Any]")
+A = TypeVar("A", bound="AnyArray")
 F = TypeVar("F", bound="Located")
 
 _NONE = 0xFFFFFFFF

@@ -12,11 +12,7 @@ from ._value import here, level_of_caller, with_article
 from .errors import PrecisionWarning
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
-    Floats = npt.NDArray[np.float32]
-    Numbers = npt.NDArray[np.uint32]
+    from ._types import Floats, Numbers
 
 Given = TypeVar("Given")  # the array that a field hands out
 

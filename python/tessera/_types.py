@@ -22,6 +22,15 @@ if TYPE_CHECKING:
 
         def __array__(self) -> npt.NDArray[Any]: ...
 
+    AnyArray = npt.NDArray[Any]
+    Bools = npt.NDArray[np.bool_]
+    Doubles = npt.NDArray[np.float64]
+    Floats = npt.NDArray[np.float32]
+    Integers = npt.NDArray[np.int64]
+    Numbers = npt.NDArray[np.uint32]
+    Rows = npt.NDArray[np.floating[Any]]  # (n, 3)
+    ArrayShape = Tuple[int, ...]
+
 # numpy is not imported to take its arrays, which have the buffer protocol.
 Path = Union[str, "os.PathLike[str]"]
 VectorLike = Union["Vec", Sequence[float], "npt.NDArray[Any]"]

@@ -8,12 +8,7 @@ from ._value import refuse_unknown
 from .rays import tracer_from_mesh
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
-    Bools = npt.NDArray[np.bool_]
-    Doubles = npt.NDArray[np.float64]
-    Integers = npt.NDArray[np.int64]
+    from ._types import Bools, Doubles, Integers
 
 __all__ = ["MeshIntersector"]
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    Floats = npt.NDArray[np.float32]
+    from ._types import Floats
 
 _MOST_SHOWN = 2048  # columns of a picture in a notebook
 

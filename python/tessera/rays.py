@@ -17,15 +17,9 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from ._types import AnyArray, ArrayShape, Bools, Doubles, Rows
     from .scene import Scene
 
-    AnyArray = npt.NDArray[Any]
-    Bools = npt.NDArray[np.bool_]
-    Doubles = npt.NDArray[np.float64]
-    Integers = npt.NDArray[np.int64]
-    Numbers = npt.NDArray[np.uint32]
-    Rows = npt.NDArray[np.floating[Any]]  # (n, 3)
-    ArrayShape = Tuple[int, ...]
     # Time, camera, accelerator and threads.
     Options = Tuple[Optional[float], str, Accelerator, Optional[int]]
 
