@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, List, Optional, Sequence, TypeVar, Union
 
 from . import _core, _messages
 from ._messages import Object
-from ._transforms import as_ndarray
+from ._array import as_ndarray
 from ._types import PartsLike, TransformsLike
 from ._value import Value, here, several, with_article
 

@@ -6,7 +6,8 @@ from typing import (TYPE_CHECKING, Any, Generic, Iterable, NoReturn, Optional, T
                     overload)
 
 from . import _core, _messages
-from ._transforms import Transform, as_ndarray
+from ._array import as_ndarray
+from ._transforms import Transform
 from ._types import ArrayLike
 from ._value import here, level_of_caller, with_article
 from .errors import PrecisionWarning

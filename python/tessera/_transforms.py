@@ -4,6 +4,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Iterable, List, Literal, Optional, Tuple, Union, overload
 
 from . import _core, _messages
+from ._array import as_ndarray
 from ._messages import AxisAngle, LookAt, Matrix, TransformKey, TransformStep
 from ._types import ArrayLike, VectorLike
 from ._value import several
@@ -44,15 +45,6 @@ class Transform(_messages.Transform):
         """The three upper rows of the matrix: a (3, 4) array of float64."""
         array: npt.NDArray[np.float64] = as_ndarray(_core.transform_matrix(self))
         return array
-
-
-def as_ndarray(array: Any) -> Any:
-    """A view of the array as numpy has it, where numpy is there; else the array."""
-    try:
-        import numpy
-    except ImportError:
-        return array
-    return numpy.asarray(array)
 
 
 def _is_one(function: str, y: Any, z: Any) -> bool:

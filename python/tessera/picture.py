@@ -8,6 +8,7 @@ from typing import (TYPE_CHECKING, Any, Callable, List, Literal, NamedTuple, NoR
                     Union, overload)
 
 from . import _core
+from ._array import as_ndarray
 from ._options import file_name, option_texts
 from ._types import Aov, ArrayLike, FloatAov, Path, ToneMap, Transfer
 from ._value import refuse_unknown
@@ -68,15 +69,6 @@ class Metrics(NamedTuple):
     """The column and row of the pixel that differs most; None where none differs."""
 
 
-def as_numpy(array: Any) -> Any:
-    """The array as numpy sees it, without a copy; itself where numpy is not installed."""
-    try:
-        import numpy
-    except ImportError:
-        return array
-    return numpy.asarray(array)
-
-
 class Image:
     """A linear picture, and what was asked for beside light. Immutable; rows from the top. Two are
     equal that have the same bits in both.
@@ -131,7 +123,7 @@ class Image:
     @functools.cached_property
     def linear(self) -> Floats:
         """Radiance as (h, w, 3) float32: a read-only view of the film."""
-        view: Floats = as_numpy(self._picture.channels("light"))
+        view: Floats = as_ndarray(self._picture.channels("light"))
         return view
 
     @property
@@ -146,7 +138,7 @@ class Image:
     def aov(self, name: Aov) -> Any:
         """What was asked for by `aovs`: albedo, normal, position and variance are (h, w, 3) float32,
         depth and samples (h, w) float32, id (h, w) uint32."""
-        return as_numpy(self._picture.channels(name))
+        return as_ndarray(self._picture.channels(name))
 
     def to_srgb(self, *, exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
                 transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
@@ -155,7 +147,7 @@ class Image:
         output = {"exposure": exposure, "tone_map": tone_map, "transfer": transfer, "gamma": gamma}
         if unknown:
             refuse_unknown("to_srgb", unknown, list(output))
-        values: npt.NDArray[np.uint8] = as_numpy(self._picture.to_srgb(option_texts(output)))
+        values: npt.NDArray[np.uint8] = as_ndarray(self._picture.to_srgb(option_texts(output)))
         return values
 
     def save(self, *paths: Path, exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
