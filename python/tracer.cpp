@@ -87,17 +87,21 @@ class NumberArray {
 struct Rays {
   VectorArray origins, directions;
   NumberArray t_min, t_max;
+  PlainArray<double> kept_origins, kept_directions;
   RayBatch batch;
 
+  /// `keep_o` and `keep_d`: where the rays are to be copied to, or None.
   Rays(const py::object& o, const py::object& d, const py::object& from, const py::object& to,
-       int cull)
+       int cull, const py::object& keep_o = py::none(), const py::object& keep_d = py::none())
       : origins("origins", o),
         directions("directions", d),
         t_min("t_min", from, origins.count()),
-        t_max("t_max", to, origins.count()) {
+        t_max("t_max", to, origins.count()),
+        kept_origins("kept origins", keep_o, 3 * origins.count()),
+        kept_directions("kept directions", keep_d, 3 * origins.count()) {
     if (directions.count() != origins.count()) fail_array("directions", "one for each origin");
-    batch = {origins.count(), origins.rows(), directions.rows(),
-             t_min.rows(),    t_max.rows(),   static_cast<Cull>(cull)};
+    batch = {origins.count(), origins.rows(),          directions.rows(),   t_min.rows(),
+             t_max.rows(),    static_cast<Cull>(cull), kept_origins.data(), kept_directions.data()};
   }
   /// Of hits that were found before: their stretch is of no matter.
   Rays(const py::object& o, const py::object& d)
@@ -175,8 +179,9 @@ Array array_of(std::vector<T> values, py::ssize_t width = 0) {
 }
 
 py::tuple intersect_all(const RayQueries& queries, const py::object& o, const py::object& d,
-                        const py::object& t_min, const py::object& t_max, int cull, int threads) {
-  const Rays rays(o, d, t_min, t_max, cull);
+                        const py::object& t_min, const py::object& t_max, int cull, int threads,
+                        const py::object& keep_o, const py::object& keep_d) {
+  const Rays rays(o, d, t_min, t_max, cull, keep_o, keep_d);
   std::optional<AllHits> all;
   trace(rays.batch.count, threads,
         [&](const QueryControl& control) { all = queries.all_hits(rays.batch, control); });
@@ -224,9 +229,9 @@ void bind_queries(py::class_<RayQueries>& tracer) {
       .def("intersect",
            [](const RayQueries& queries, const py::object& o, const py::object& d,
               const py::object& t_min, const py::object& t_max, int cull, int threads,
-              const py::object& t, const py::object& instance, const py::object& primitive,
-              const py::object& uv) {
-             const Rays rays(o, d, t_min, t_max, cull);
+              const py::object& keep_o, const py::object& keep_d, const py::object& t,
+              const py::object& instance, const py::object& primitive, const py::object& uv) {
+             const Rays rays(o, d, t_min, t_max, cull, keep_o, keep_d);
              const size_t count = rays.batch.count;
              const PlainArray<double> t_out("t", t, count), uv_out("uv", uv, 2 * count);
              const PlainArray<uint32_t> instance_out("instance", instance, count),

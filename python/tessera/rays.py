@@ -82,12 +82,12 @@ def _rows(array: Rows, shape: ArrayShape) -> Rows:
     return np.broadcast_to(array, shape + (3,)).reshape(-1, 3)
 
 
-def _kept(array: Rows) -> Rows:
-    """The array; a copy where somebody could write to its memory."""
+def _can_change(array: Rows) -> bool:
+    """Whether somebody could write to its memory."""
     base: Any = array
     while hasattr(base, "flags") and not base.flags.writeable:
         base = base.base
-    return array if base is None or isinstance(base, bytes) else array.copy()
+    return not (base is None or isinstance(base, bytes))
 
 
 class _Rays:
@@ -102,13 +102,21 @@ class _Rays:
         self.origins, self.directions = _rows(o, self.shape), _rows(d, self.shape)
         self.ends = self._end(ends["t_min"]), self._end(ends["t_max"])
 
-    def kept(self) -> Tuple[Rows, Rows]:
-        """The rays, whatever becomes of the arrays that were given."""
+    def to_keep(self) -> Tuple[Tuple[Rows, Rows], Tuple[Optional[Doubles], Optional[Doubles]]]:
+        """Origins and directions, whatever becomes of the arrays given, and those of them which the
+        query has yet to fill."""
+        origins, empty_origins = self._to_keep(self.given[0], self.origins)
+        directions, empty_directions = self._to_keep(self.given[1], self.directions)
+        return (origins, directions), (empty_origins, empty_directions)
+
+    def _to_keep(self, given: Rows, rows: Rows) -> Tuple[Rows, Optional[Doubles]]:
         import numpy as np
-        origins, directions = (
-            _rows(_kept(given), self.shape) if np.may_share_memory(given, rows) else rows
-            for given, rows in zip(self.given, (self.origins, self.directions)))
-        return origins, directions
+        if not (_can_change(given) and np.may_share_memory(given, rows)):
+            return rows, None
+        if given.size < rows.size:  # one row for all rays
+            return _rows(given.copy(), self.shape), None
+        empty: Doubles = np.empty(rows.shape)
+        return empty, empty
 
     def _end(self, end: Rows) -> Union[float, Doubles]:
         """One number, or one for each ray."""
@@ -157,13 +165,13 @@ class Tracer:
         types = {"t": "f8", "instance": "u4", "primitive": "u4", "uv": "f8"}
         arrays: Dict[str, AnyArray] = {
             name: np.empty(rays.shape + ((2,) if name == "uv" else ()), types[name]) for name in wanted}
+        # What lies at hits needs all fields, and the rays.
+        kept, empty = (rays.to_keep() if len(arrays) == len(_FIELDS) else (None, (None, None)))
         self._core.intersect(rays.origins, rays.directions, *rays.ends,
                              _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads),
-                             *(arrays.get(name) for name in _FIELDS))
+                             *empty, *(arrays.get(name) for name in _FIELDS))
         for array in arrays.values():
             frozen(array)
-        # What lies at hits needs all fields, and the rays.
-        kept = rays.kept() if len(arrays) == len(_FIELDS) else None
         return Hits(self, kept, threads, arrays, rays.shape)
 
     def occluded(self, origins: ArrayLike, directions: ArrayLike, *,
@@ -186,10 +194,11 @@ class Tracer:
         """All hits of each ray, each once."""
         import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
+        kept, empty = rays.to_keep()
         offsets, *arrays = (np.asarray(a) for a in self._core.intersect_all(
             rays.origins, rays.directions, *rays.ends,
-            _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads)))
-        return AllHits(offsets, rays.shape, self, rays.kept(), threads, dict(zip(_FIELDS, arrays)))
+            _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads), *empty))
+        return AllHits(offsets, rays.shape, self, kept, threads, dict(zip(_FIELDS, arrays)))
 
     def crossings(self, origins: ArrayLike, directions: ArrayLike, *,
                   t_min: Union[float, ArrayLike] = 0.0, t_max: Union[float, ArrayLike] = float("inf"),

@@ -29,11 +29,16 @@ bool for_each_chunk(size_t count, const QueryControl& control, const Work& work)
 [[noreturn, gnu::noinline, gnu::cold]] inline void refuse_t_min(size_t i, double t_min) {
   throw usage_error(fmt::format("t_min[{}]: {}; expected 0 or more", i, t_min));
 }
-/// Ray `i`; a usage error where it begins before its origin.
+inline void keep(const Vec3& row, double* rows, size_t i) {
+  for (int a = 0; a < 3; ++a) rows[3 * i + static_cast<size_t>(a)] = row[a];
+}
+/// Ray `i`, copied to where the batch keeps it; a usage error where it begins before its origin.
 [[gnu::always_inline]] inline Ray checked_ray(const RayBatch& rays, size_t i) {
   const Ray ray = rays[i];
   if (ray.t_min < 0) [[unlikely]]
     refuse_t_min(i, ray.t_min);
+  if (rays.kept_origins) keep(ray.origin - Point3{}, rays.kept_origins, i);
+  if (rays.kept_directions) keep(ray.direction, rays.kept_directions, i);
   return ray;
 }
 

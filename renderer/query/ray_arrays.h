@@ -58,6 +58,8 @@ struct RayBatch {
   NumberRows t_min{};  ///< none below 0
   NumberRows t_max{.otherwise = std::numeric_limits<double>::infinity()};
   Cull cull = Cull::none;
+  /// Where queries copy the rays to as they read them, three numbers each; null for nowhere.
+  double *kept_origins = nullptr, *kept_directions = nullptr;
 
   Ray operator[](size_t i) const {
     return {Point3{} + origins[i], directions[i], t_min[i], t_max[i], cull};
